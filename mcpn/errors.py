@@ -1,0 +1,105 @@
+"""The one small tree of errors that mcpn raises on purpose, and where in a file they point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Source:
+    """A place in an input file.
+
+    Args:
+        file: The file's path as the user gave it, or as an import names it.
+        line: Line number from 1, or ``None`` where the format has no lines.
+    """
+
+    file: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return self.file if self.line is None else f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Problem:
+    """One thing wrong in an input: where, and what was found and expected.
+
+    Args:
+        source: Where, or ``None`` where the input has no file.
+        message: What was found, what was expected.
+    """
+
+    source: Source | None
+    message: str
+
+    def __str__(self) -> str:
+        return self.message if self.source is None else f"{self.source}: {self.message}"
+
+
+class McpnError(Exception):
+    """Base of all errors that mcpn raises on purpose."""
+
+
+class InputError(McpnError):
+    """Bad input: one or several located problems, reported in one go (exit code 2).
+
+    Args:
+        problems: What is wrong, in the order of the files and lines.
+    """
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems: tuple[Problem, ...] = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+    @classmethod
+    def at(cls, source: Source | None, message: str) -> InputError:
+        """One problem at one place."""
+        return cls([Problem(source, message)])
+
+
+class LimitError(McpnError):
+    """A bound was hit (states, memory, time, size of a template): the message says which one."""
+
+
+class SemanticsError(McpnError):
+    """The net breaks a premise of the analysis; carries the runs that show it.
+
+    Args:
+        message: What was broken.
+        runs: Sequences of transition names from the initial marking.
+    """
+
+    def __init__(self, message: str, runs: Sequence[Sequence[str]] = ()) -> None:
+        super().__init__(message)
+        self.runs: tuple[tuple[str, ...], ...] = tuple(tuple(run) for run in runs)
+
+
+class UnsafeError(SemanticsError):
+    """A firing would put a second token in a place.
+
+    Args:
+        place: Name of the place that would hold two tokens.
+        transition: Name of the transition whose firing does it.
+        marking: Names of the marked places before that firing.
+        run: Transitions from the initial marking to ``marking`` (without ``transition``).
+    """
+
+    def __init__(self, place: str, transition: str, marking: Iterable[str], run: Sequence[str]) -> None:
+        self.place = place
+        self.transition = transition
+        self.marking = frozenset(marking)
+        self.run: tuple[str, ...] = tuple(run)
+        super().__init__(
+            f"not 1-safe: firing {transition} would put a second token in {place}, after {len(self.run)} firings",
+            [(*self.run, transition)],
+        )
+
+
+class ConfluenceError(SemanticsError):
+    """Internal evolution ends in two different stable markings, depending on the interleaving."""
+
+
+class DivergenceError(SemanticsError):
+    """Internal evolution need not end: an infinite internal run exists."""

@@ -1,0 +1,234 @@
+"""What the designer writes: the mission as frozen dataclasses that remember their lines.
+
+The model keeps the mission as it was written (uses of protocols are not expanded, imports are merged);
+:mod:`mcpn.mission.flatten` turns it into the objectives graph. Two missions are equal when they say the
+same, wherever they were written: sources take no part in comparisons.
+
+Source: the paper, section 4 (objective, parallel block, activity, alternative, resource).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from mcpn.errors import Source
+
+SUCCEED = "succeed"
+"""The route to the success exit of the enclosing block."""
+FAIL = "fail"
+"""The route to the failure exit of the enclosing block."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element:
+    """What every element of a mission file carries.
+
+    Args:
+        name: Unique in its kind.
+        description: Shown in reports.
+        source: File and line; ``None`` for missions built in Python.
+    """
+
+    name: str
+    description: str | None = None
+    source: Source | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter(Element):
+    """A value for the control laws; it travels untouched to the controller.
+
+    Args:
+        value: The text as written.
+        unit: The unit as written, if any.
+    """
+
+    value: str
+    unit: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hardware(Element):
+    """A hardware resource: a sensor or an actuator (paper, 4.3).
+
+    Args:
+        faulty: Whether it can go out of service.
+    """
+
+    faulty: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Software(Element):
+    """A software resource: a data carrier that exactly one activity produces (paper, 4.3)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alternative(Element):
+    """One way to perform an activity (paper, 4.3).
+
+    Args:
+        consumes: Names of the resources that it needs, all at once; may be empty.
+        parameters: For the control law.
+    """
+
+    consumes: tuple[str, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Activity(Element):
+    """A basic robotic task with its alternatives in priority order (paper, 4.3).
+
+    Args:
+        alternatives: At least one; the first is preferred. The short form ``<activity consumes="…">`` is
+            one alternative that bears the activity's name.
+        produces: Names of the software resources that it produces; may be empty.
+        parameters: For the control law, whatever the alternative.
+    """
+
+    alternatives: tuple[Alternative, ...]
+    produces: tuple[str, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Robot(Element):
+    """What the robot's engineer declares: resources and activities.
+
+    Args:
+        hardware: In document order.
+        software: In document order.
+        activities: In document order.
+    """
+
+    hardware: tuple[Hardware, ...] = ()
+    software: tuple[Software, ...] = ()
+    activities: tuple[Activity, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockElement(Element):
+    """What every block carries, whatever its kind.
+
+    Args:
+        success: Where success leads: a sibling's name, ``succeed``, ``fail``, or ``None`` for the default
+            (the next sibling, or ``succeed`` from the last).
+        failure: Where failure leads; ``None`` for the default, ``fail``.
+        mandatory: Counts in the outcome of the parallel block that holds it; of no effect elsewhere.
+    """
+
+    success: str | None = None
+    failure: str | None = None
+    mandatory: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Objective(BlockElement):
+    """An elementary objective: the activities that it runs together (paper, 4.1).
+
+    Args:
+        activities: At least one name.
+        parameters: For the control laws of its activities.
+    """
+
+    activities: tuple[str, ...]
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recursive(BlockElement):
+    """A recursive objective: blocks of a lower level, entered at the first (paper, 4.1).
+
+    Args:
+        blocks: At least one.
+        parameters: For the control laws of the activities inside.
+    """
+
+    blocks: tuple[Block, ...]
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parallel(BlockElement):
+    """A parallel block: its children run at the same time (paper, 4.2).
+
+    Args:
+        blocks: Objectives, elementary or recursive, or uses; at least one of them mandatory.
+    """
+
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Use(BlockElement):
+    """One use of a protocol; names inside it are qualified by the use's own name.
+
+    Args:
+        protocol: The protocol's name.
+        parameters: Override those of the same name inside the protocol.
+    """
+
+    protocol: str
+    parameters: tuple[Parameter, ...] = ()
+
+
+Block: TypeAlias = Objective | Recursive | Parallel | Use
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Protocol(Element):
+    """A reusable series of blocks, entered at the first.
+
+    Args:
+        blocks: At least one.
+        parameters: Defaults for the control laws inside; a use may override them.
+    """
+
+    blocks: tuple[Block, ...]
+    parameters: tuple[Parameter, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mission(Element):
+    """A whole mission, imports merged.
+
+    Args:
+        blocks: The blocks of the mission itself, entered at the first.
+        robots: The robots' declarations; names are unique across them.
+        protocols: Every protocol known to the mission.
+    """
+
+    blocks: tuple[Block, ...]
+    robots: tuple[Robot, ...] = ()
+    protocols: tuple[Protocol, ...] = ()
+
+    @property
+    def hardware(self) -> tuple[Hardware, ...]:
+        """All hardware resources, in document order."""
+        return tuple(resource for robot in self.robots for resource in robot.hardware)
+
+    @property
+    def software(self) -> tuple[Software, ...]:
+        """All software resources, in document order."""
+        return tuple(resource for robot in self.robots for resource in robot.software)
+
+    @property
+    def activities(self) -> tuple[Activity, ...]:
+        """All activities, in document order."""
+        return tuple(activity for robot in self.robots for activity in robot.activities)
+
+
+def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:
+    """Every block at any depth, parents first, in document order; uses are not expanded.
+
+    The walk keeps its own stack, so depth is bounded by memory alone.
+    """
+    stack = list(reversed(blocks))
+    while stack:
+        block = stack.pop()
+        yield block
+        if isinstance(block, Recursive | Parallel):
+            stack.extend(reversed(block.blocks))
