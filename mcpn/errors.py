@@ -92,7 +92,8 @@ class UnsafeError(SemanticsError):
         self.marking = frozenset(marking)
         self.run: tuple[str, ...] = tuple(run)
         super().__init__(
-            f"not 1-safe: firing {transition} would put a second token in {place}, after {len(self.run)} firings",
+            f"not 1-safe: firing {transition} would put a second token in {place}, "
+            f"after {len(self.run)} firings",
             [(*self.run, transition)],
         )
 

@@ -1,0 +1,1 @@
+"""What holds of a state space: verdicts, their witnesses, functioning modes."""

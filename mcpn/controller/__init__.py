@@ -1,0 +1,1 @@
+"""The controller: a finite state machine made from the alternatives graph."""

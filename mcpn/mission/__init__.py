@@ -1,0 +1,1 @@
+"""The mission language: model, reader and writer, validation, flattening."""

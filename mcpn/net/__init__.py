@@ -1,0 +1,1 @@
+"""Petri nets: model, templates, composition."""

@@ -35,7 +35,8 @@ class Provenance:
     """The element of the mission that made a place or a transition.
 
     Args:
-        kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel``, ``mission``.
+        kind: ``hardware``, ``software``, ``activity``, ``alternative``, ``objective``, ``parallel`` or
+            ``mission``.
         name: The element's name, qualified where a use of a protocol qualifies it.
         source: Its file and line, if it has any.
     """

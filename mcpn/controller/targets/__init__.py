@@ -1,0 +1,1 @@
+"""One writer per language that controllers are generated in."""
