@@ -1,0 +1,289 @@
+"""An activity with its prioritised alternatives (paper, 6.2 and Fig. 8).
+
+Alternative ``i`` is tried in its evaluation place (the start place for the first), selected into ``wait_i``,
+and runs in ``active_i``. An activity that an objective starts and one that a request starts differ only in
+what starts, stops and refuses them, and are drawn by the same code (:class:`_Life`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import combinations, product
+
+from mcpn.errors import LimitError
+from mcpn.mission.model import Activity, Alternative
+from mcpn.net.templates.canvas import Canvas, Pen
+
+MAX_TOGETHER = 12
+"""Resources of one alternative, or outputs of one activity, whose subsets each take a transition."""
+
+
+@dataclass(frozen=True)
+class _Ending:
+    """One way in which an activity may be stopped: what the stopping transition takes, puts and tests."""
+
+    suffix: str
+    consume: list[str] = field(default_factory=list)
+    produce: list[str] = field(default_factory=list)
+    read: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Life:
+    """How an activity begins and ends, whatever its alternatives.
+
+    Args:
+        start: The evaluation place of the first alternative.
+        refuse: Places marked where no alternative is possible.
+        activate: Places marked when an alternative starts to run.
+        endings: The ways in which it is stopped.
+    """
+
+    start: str
+    refuse: list[str]
+    activate: list[str]
+    endings: list[_Ending]
+
+
+def draw_activity(canvas: Canvas, activity: Activity) -> None:
+    """Draws an activity: a driver of one hardware resource takes 3 places and 5 transitions.
+
+    Beyond the paper, and only where it can happen: an activity that may be found waiting in a stable marking
+    (another one holds what it needs) can be stopped there, giving up the requests that nobody has answered
+    yet; one that may be started again while its last stop is on its way has a place ``idle`` that its starts
+    take and its stops fill.
+
+    Args:
+        canvas: Where to draw.
+        activity: The activity.
+
+    Raises:
+        LimitError: An alternative consumes, or the activity produces, more resources than have subsets that
+            can be drawn one by one.
+    """
+    _refuse_excess(activity)
+    pen = canvas.of("activity", activity.name, activity.source)
+    running = f"{activity.name}_running" if _counts_running(activity) else None
+    life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
+    if running:
+        pen.place(running)
+        life = _Life(life.start, life.refuse, [running, *life.activate], life.endings)
+    evaluation = life.start
+    last = len(activity.alternatives) - 1
+    for i, alternative in enumerate(activity.alternatives):
+        otherwise = life.refuse
+        if i < last:
+            otherwise = [pen.place(f"{activity.name}_eval{i + 2}")]
+        elif not canvas.usage.refusable(activity.name):
+            otherwise = []
+        draw = _AlternativeDrawing(canvas, activity, alternative, i, evaluation, otherwise, life, running)
+        draw.all()
+        if i < last:
+            evaluation = otherwise[0]
+
+
+def running_place(activity: Activity) -> str | None:
+    """The place that says that an activity started by an objective runs, or ``None`` if it always does.
+
+    An activity whose alternatives consume nothing cannot be in error, so nobody needs to ask.
+    """
+    if not any(alternative.consumes for alternative in activity.alternatives):
+        return None
+    return f"{activity.name}_running" if _counts_running(activity) else f"{activity.name}_active1"
+
+
+def _counts_running(activity: Activity) -> bool:
+    """One place must say *running* whatever the alternative, to an objective or to several resources."""
+    return len(activity.alternatives) > 1 and len(activity.produces) != 1
+
+
+def _refuse_excess(activity: Activity) -> None:
+    widest = max(len(alternative.consumes) for alternative in activity.alternatives)
+    for count, what in ((widest, "consumed by one alternative"), (len(activity.produces), "produced")):
+        if count > MAX_TOGETHER:
+            raise LimitError(
+                f"activity {activity.name}: {count} resources {what}, the limit is {MAX_TOGETHER}"
+            )
+
+
+def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
+    a, usage = activity.name, canvas.usage
+    start, stop = pen.place(f"{a}_Start"), pen.place(f"{a}_Stop")
+    idle = [pen.place(f"{a}_idle", initial=1)] if a in usage.restarted else []
+    refuse = []
+    if usage.refusable(a):
+        refuse = [canvas.role(pen.place(f"{a}_error"), ("refused", a))]
+        pen.transition(f"{a}_errstop", [*refuse, stop], idle)
+    return _Life(start, refuse, [], [_Ending("", [stop], idle)])
+
+
+def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
+    a, outputs = activity.name, activity.produces
+    start = pen.place(f"{a}_StartByRes")
+    if len(outputs) == 1:
+        s = outputs[0]
+        ending = _Ending("", produce=[f"{s}_deactivation"], read=[f"{s}_free"])
+        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], [ending])
+    idle = pen.place(f"{a}_idle", initial=1)
+    for s in outputs:
+        pen.transition(f"{a}_start_{s}", [idle], [start], read=[f"{s}_waiting"])
+    refuse = []
+    if canvas.usage.refusable(a):
+        refuse = [canvas.role(pen.place(f"{a}_refusing"), ("refused", a))]
+        pen.transition(f"{a}_refused", refuse, [idle], read=[f"{s}_unused" for s in outputs])
+    endings = [
+        _Ending(
+            "_" + "_".join(released),
+            consume=[f"{s}_free" for s in released],
+            produce=[idle, *(f"{s}_{p}" for s in released for p in ("notAvailable", "available", "unused"))],
+            read=[f"{s}_unused" for s in outputs if s not in released],
+        )
+        for released in _subsets(outputs)
+    ]
+    return _Life(start, refuse, [], endings)
+
+
+class _AlternativeDrawing:
+    """One branch of Fig. 8: alternative ``i`` between its evaluation place and what comes otherwise."""
+
+    def __init__(
+        self,
+        canvas: Canvas,
+        activity: Activity,
+        alternative: Alternative,
+        index: int,
+        evaluation: str,
+        otherwise: list[str],
+        life: _Life,
+        running: str | None,
+    ) -> None:
+        self.usage = canvas.usage
+        self.activity = activity
+        self.index = index
+        self.evaluation = evaluation
+        self.otherwise = otherwise
+        self.life = life
+        self.consumes = alternative.consumes
+        self.hardware = [k for k in self.consumes if k in self.usage.hardware]
+        qualified = f"{activity.name}.{alternative.name}"
+        self.pen = canvas.of("alternative", qualified, alternative.source)
+        number = index + 1
+        self.prefix = activity.name
+        self.number = number
+        self.active = canvas.role(self.pen.place(f"{activity.name}_active{number}"), ("active", qualified))
+        if self.consumes:
+            self.wait = canvas.role(self.pen.place(f"{activity.name}_wait{number}"), ("wait", qualified))
+        self.runs = [self.active] + ([running] if running else [])
+
+    def all(self) -> None:
+        """Draws every transition of the alternative."""
+        if self.consumes:
+            self.select()
+            self.go()
+            self.otherwise_out_of_service()
+            self.error_while_waiting()
+            self.error_while_active()
+        else:
+            self._draw("sel", [self.evaluation], [*self.runs, *self._activations()])
+        self.stop()
+        if self.usage.waits_for_release(self.activity.name, self.index):
+            self.stop_while_evaluated()
+        if self.usage.waits_for_answer(self.activity.name, self.index):
+            self.stop_while_waiting()
+
+    def select(self) -> None:
+        """All resources are available: take them."""
+        taken = [f"{k}_take" for k in self.consumes]
+        self._draw("sel", [self.evaluation, *(f"{k}_available" for k in self.consumes)], [self.wait, *taken])
+
+    def go(self) -> None:
+        """All resources have answered: run."""
+        self._draw(
+            "go", [self.wait], [*self.runs, *self._activations()], read=[f"{k}_answer" for k in self.consumes]
+        )
+
+    def otherwise_out_of_service(self) -> None:
+        """A hardware resource is out of service: try the next alternative, or refuse."""
+        for k in self.hardware:
+            if self.usage.can_fail(k):
+                self._draw("else", [self.evaluation], self.otherwise, k, read=[f"{k}_OOS"])
+
+    def error_while_waiting(self) -> None:
+        """Some resources answered with an error, the others are here: give all back, try the next."""
+        stable = self.usage.waits_for_answer(self.activity.name, self.index)
+        failing = [k for k in self.consumes if self.usage.can_fail(k) and (stable or k not in self.hardware)]
+        for errors in _subsets(failing):
+            self._draw(
+                "werr", [self.wait, *self._answers(errors)], [*self._releases(), *self.otherwise], *errors
+            )
+
+    def error_while_active(self) -> None:
+        """Resources failed while it ran: give all back, evaluate every alternative again (6.2)."""
+        for errors in self.usage.fail_together(self.activity.name, self.index):
+            self._draw(
+                "err", [*self.runs, *self._answers(errors)], [*self._releases(), self.life.start], *errors
+            )
+
+    def stop(self) -> None:
+        """It runs and is stopped: give all back."""
+        for ending in self.life.endings:
+            self._end("stop", ending, [*self.runs, *self._answers(())], self._releases())
+
+    def stop_while_evaluated(self) -> None:
+        """It waits for another activity's release and is stopped: it holds nothing."""
+        for ending in self.life.endings:
+            self._end("cancel", ending, [self.evaluation], [])
+
+    def stop_while_waiting(self) -> None:
+        """It waits for answers and is stopped: give back what came, give up what is still asked for.
+
+        A request given up frees its resource at once, in one step with the stop: were it a release on its
+        way, an answer could still come in between and stay behind.
+        """
+        for places in product(*(self._stages(k) for k in self.consumes)):
+            asked = [k for k, place in zip(self.consumes, places, strict=True) if place == f"{k}_waiting"]
+            if not asked:
+                continue
+            given = [f"{k}_free" if k in asked else f"{k}_release" for k in self.consumes]
+            stages = [place.rsplit("_", 1)[1] for place in places]
+            for ending in self.life.endings:
+                self._end("giveup_" + "_".join(stages), ending, [self.wait, *places], given)
+
+    def _stages(self, resource: str) -> Iterator[str]:
+        """Places that say how far the request of a resource has come."""
+        yield f"{resource}_answer"
+        if self.usage.can_fail(resource):
+            yield f"{resource}_error"
+        if resource not in self.hardware and self.usage.may_wait(self.usage.producer[resource]):
+            yield f"{resource}_waiting"
+
+    def _activations(self) -> list[str]:
+        return [place for place in self.life.activate if place not in self.runs]
+
+    def _answers(self, errors: tuple[str, ...]) -> list[str]:
+        return [f"{k}_error" if k in errors else f"{k}_answer" for k in self.consumes]
+
+    def _releases(self) -> list[str]:
+        return [f"{k}_release" for k in self.consumes]
+
+    def _end(self, verb: str, ending: _Ending, consume: list[str], produce: list[str]) -> None:
+        name = f"{verb}{self.number}" if verb in ("stop", "cancel") else f"{verb}_{self.number}"
+        self.pen.transition(
+            f"{self.prefix}_{name}{ending.suffix}",
+            [*consume, *ending.consume],
+            [*produce, *ending.produce],
+            read=ending.read,
+        )
+
+    def _draw(
+        self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
+    ) -> None:
+        name = "_".join([f"{self.prefix}_{verb}{self.number}", *of])
+        self.pen.transition(name, consume, produce, read=read)
+
+
+def _subsets(items: list[str] | tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    """Every non-empty subset, smaller ones first."""
+    for size in range(1, len(items) + 1):
+        yield from combinations(items, size)

@@ -1,0 +1,136 @@
+"""The objectives graph as a net (paper, 6.3 and Fig. 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.templates.activities import running_place
+from mcpn.net.templates.canvas import Canvas, Pen
+
+MAX_COMBINED = 6
+"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
+
+
+def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
+    """Draws the mission's start, its objectives and parallel blocks, and its two ends.
+
+    Args:
+        canvas: Where to draw.
+        graph: The objectives graph.
+    """
+    mission = canvas.usage.mission
+    pen = canvas.of("mission", mission.name, mission.source)
+    begin = pen.place("MISSION_begin", initial=1)
+    success = canvas.role(pen.place("MISSION_success"), ("success", mission.name))
+    failure = canvas.role(pen.place("MISSION_failure"), ("failure", mission.name))
+    control = _Control(canvas, graph, {SUCCEED: [success], FAIL: [failure]})
+    pen.transition("MISSION_EV_START", [begin], control.enter(graph.entry), event="MISSION_EV_START")
+    control.draw()
+
+
+class _Control:
+    """Draws one level of the objectives graph.
+
+    Args:
+        canvas: Where to draw.
+        graph: The mission's graph, or that of a branch of a parallel block.
+        exits: Places to mark at the graph's own exits.
+    """
+
+    def __init__(self, canvas: Canvas, graph: ObjectivesGraph, exits: Mapping[str, list[str]]) -> None:
+        self.canvas = canvas
+        self.graph = graph
+        self.exits = exits
+
+    def draw(self) -> None:
+        """Draws every section of the graph."""
+        for section in self.graph.sections:
+            if isinstance(section, ElementarySection):
+                self.elementary(section)
+            else:
+                self.parallel(section)
+
+    def enter(self, target: str) -> list[str]:
+        """Places to mark so as to enter a section, or to leave the graph."""
+        if target in self.exits:
+            return self.exits[target]
+        section = self.graph.section(target)
+        if isinstance(section, ElementarySection):
+            return [f"OBJ_{section.name}_enter"] if self.gated(section) else self.begin(section)
+        inner = [_Control(self.canvas, branch.graph, {}) for branch in section.branches]
+        return [place for control in inner for place in control.enter(control.graph.entry)]
+
+    def begin(self, section: ElementarySection) -> list[str]:
+        """Places to mark so that an objective and its activities start at once."""
+        return [f"OBJ_{section.name}", *(f"{a}_Start" for a in section.activities)]
+
+    def gated(self, section: ElementarySection) -> bool:
+        """Whether the objective must wait at its entry until its activities and resources are idle again."""
+        usage = self.canvas.usage
+        return section.name in usage.settled_before or any(a in usage.restarted for a in section.activities)
+
+    def elementary(self, section: ElementarySection) -> None:
+        """OK and FAIL stop the activities and enter what follows; OK only while all of them run."""
+        usage, name = self.canvas.usage, section.name
+        pen = self.canvas.of("objective", name, section.source)
+        place = self.canvas.role(pen.place(f"OBJ_{name}"), ("objective", name))
+        if self.gated(section):
+            gate = self.canvas.role(pen.place(f"OBJ_{name}_enter"), ("pending", name))
+            idle = [f"{a}_idle" for a in section.activities if a in usage.restarted]
+            settled = [f"{s}_notAvailable" for s in usage.settled_before.get(name, ())]
+            pen.transition(f"OBJ_{name}_begin", [gate, *idle], self.begin(section), read=settled)
+        stops = [f"{a}_Stop" for a in section.activities]
+        running = [running_place(usage.activities[a]) for a in section.activities]
+        for outcome, route, read in (
+            ("OK", section.success, [p for p in running if p is not None]),
+            ("FAIL", section.failure, []),
+        ):
+            event = f"OBJ_{name}_EV_{outcome}"
+            pen.transition(event, [place], [*stops, *self.enter(route)], read=read, event=event)
+
+    def parallel(self, section: ParallelSection) -> None:
+        """Each child marks that it is done; when all are, internal transitions leave the block."""
+        pen = self.canvas.of("parallel", section.name, section.source)
+        for branch in section.branches:
+            ok = self.canvas.role(pen.place(f"OBJ_{branch.name}_ok"), ("done", branch.name))
+            fail = self.canvas.role(pen.place(f"OBJ_{branch.name}_fail"), ("done", branch.name))
+            _Control(self.canvas, branch.graph, {SUCCEED: [ok], FAIL: [fail]}).draw()
+        if len(section.branches) <= MAX_COMBINED:
+            self.leave_combined(pen, section)
+        else:
+            self.leave_one_by_one(pen, section)
+
+    def leave_combined(self, pen: Pen, section: ParallelSection) -> None:
+        """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
+        for outcome in product((True, False), repeat=len(section.branches)):
+            done = [_done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
+            succeeded = all(
+                ok or not branch.mandatory for branch, ok in zip(section.branches, outcome, strict=True)
+            )
+            digits = "".join("0" if ok else "1" for ok in outcome)
+            route = section.success if succeeded else section.failure
+            pen.transition(f"PAR_{section.name}_exit_{digits}", done, self.enter(route))
+
+    def leave_one_by_one(self, pen: Pen, section: ParallelSection) -> None:
+        """The same outcome for wide blocks, in linear size: children are taken note of in document order."""
+        well, lost = [], []
+        for number in range(1, len(section.branches)):
+            well.append([pen.place(f"PAR_{section.name}_ok{number}")])
+            lost.append([pen.place(f"PAR_{section.name}_fail{number}")])
+        well = [[], *well, self.enter(section.success)]
+        lost = [[], *lost, self.enter(section.failure)]
+        for i, branch in enumerate(section.branches):
+            name = f"PAR_{section.name}_note{i + 1}"
+            after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
+            pen.transition(f"{name}_0", [*well[i], _done(branch, True)], well[i + 1])
+            pen.transition(f"{name}_1", [*well[i], _done(branch, False)], after_failure)
+            if i:
+                pen.transition(f"{name}_2", [*lost[i], _done(branch, True)], lost[i + 1])
+                pen.transition(f"{name}_3", [*lost[i], _done(branch, False)], lost[i + 1])
+
+
+def _done(branch: Branch, ok: bool) -> str:
+    return f"OBJ_{branch.name}_{'ok' if ok else 'fail'}"

@@ -1,0 +1,322 @@
+"""The alternatives graph: stable markings, and an edge for each event (paper, 5.2 and 7.1; Fig. 11).
+
+It needs internal evolution to be *confluent*, one stable end whatever the interleaving, and not *divergent*.
+Two ways lead to it and must give the same graph: by reduction of the whole markings graph, as the paper does,
+and directly, running to completion along one interleaving. The direct way is sound only with a proof; here
+every transient marking behind an event is explored once, and its one stable end is remembered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, UnsafeError
+from mcpn.net.petri import PetriNet
+from mcpn.space.firing import MaskedNet
+from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack
+
+DEFAULT_MAX_STATES = 5_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class AlternativesGraph(StateGraph):
+    """Stable markings and the event transitions between them, in breadth-first order.
+
+    Args:
+        method: ``reduction`` or ``direct``.
+        proof: How confluence and termination were established, in words; ``None`` where they were not.
+    """
+
+    method: str
+    proof: str | None
+
+    def event(self, edge: int) -> str:
+        """The event of an edge."""
+        event = self.net.transitions[int(self.labels[edge])].event
+        assert event is not None, "only event transitions label the alternatives graph"
+        return event
+
+    def events(self, run: list[int]) -> list[str]:
+        """The events of a run given as edges."""
+        return [self.event(edge) for edge in run]
+
+
+def by_reduction(graph: StateGraph) -> AlternativesGraph:
+    """Reduces a markings graph to its stable markings, as the paper does.
+
+    Args:
+        graph: The whole markings graph of a net with priorities.
+
+    Returns:
+        The alternatives graph.
+
+    Raises:
+        ConfluenceError: A transient marking has two stable ends; the two runs are given.
+        DivergenceError: An internal run need not end; a run into the cycle is given.
+    """
+    ends = _stable_ends(graph)
+    is_event = np.array([not t.internal for t in graph.net.transitions], np.bool_)
+    start = int(ends[0])
+    numbers, queue = {start: 0}, [start]
+    offsets, targets, labels = [0], list[int](), list[int]()
+    for state in queue:  # grows while it is walked
+        for t, after in graph.successors(state):
+            if is_event[t]:
+                end = int(ends[after])
+                if numbers.setdefault(end, len(queue)) == len(queue):
+                    queue.append(end)
+                targets.append(numbers[end])
+                labels.append(t)
+        offsets.append(len(targets))
+    proof = "every transient marking of the markings graph has one stable end"
+    return _graph(graph.net, graph.markings[queue], offsets, targets, labels, "reduction", proof)
+
+
+def _stable_ends(graph: StateGraph) -> Ints:
+    """The one stable end of each state, found by rounds backwards from the stable ones."""
+    internal = np.array([t.internal for t in graph.net.transitions], np.bool_)[graph.labels]
+    transient = np.zeros(graph.states, np.bool_)
+    transient[graph.sources[internal]] = True
+    ends = np.where(transient, -1, np.arange(graph.states))
+    open_states = np.flatnonzero(transient)
+    while len(open_states):
+        # Priorities leave a transient state internal edges only, so each of its edges counts.
+        starts = graph.offsets[open_states]
+        lengths = graph.offsets[open_states + 1] - starts
+        bounds = np.concatenate(([0], np.cumsum(lengths)[:-1]))
+        edges = np.repeat(starts - bounds, lengths) + np.arange(int(lengths.sum()))
+        reached = ends[graph.targets[edges]]
+        least, most = np.minimum.reduceat(reached, bounds), np.maximum.reduceat(reached, bounds)
+        known = np.where(reached >= 0, reached, np.iinfo(np.int64).max)
+        least_known = np.minimum.reduceat(known, bounds)
+        clash = (most >= 0) & (least_known < most)
+        if clash.any():
+            raise _two_ends(graph, int(open_states[np.flatnonzero(clash)[0]]), ends)
+        done = least >= 0
+        if not done.any():
+            raise _endless(graph, int(open_states[0]), transient)
+        ends[open_states[done]] = least[done]
+        open_states = open_states[~done]
+    return ends
+
+
+def _two_ends(graph: StateGraph, state: int, ends: Ints) -> ConfluenceError:
+    prefix = graph.run_to(np.arange(graph.states) == state) or []
+    runs, seen = [], set[int]()
+    for edge in range(int(graph.offsets[state]), int(graph.offsets[state + 1])):
+        after = int(graph.targets[edge])
+        end = int(ends[after])
+        if end >= 0 and end not in seen:
+            seen.add(end)
+            tail = graph.run_to(np.arange(graph.states) == end, after) or []
+            runs.append([_name(graph, e) for e in (*prefix, edge, *tail)])
+    return confluence_error(graph.net, runs[:2])
+
+
+def _endless(graph: StateGraph, state: int, transient: Mask) -> DivergenceError:
+    prefix = graph.run_to(np.arange(graph.states) == state) or []
+    along = transient[graph.targets] & transient[graph.sources]
+    walked, at, run = {state: 0}, state, list(prefix)
+    while True:
+        # Every open state has an open successor: following them must come back somewhere.
+        edge = next(e for e in range(int(graph.offsets[at]), int(graph.offsets[at + 1])) if along[e])
+        run.append(edge)
+        at = int(graph.targets[edge])
+        if at in walked:
+            return divergence_error([_name(graph, e) for e in run])
+        walked[at] = len(run)
+
+
+def _name(graph: StateGraph, edge: int) -> str:
+    return graph.net.transitions[int(graph.labels[edge])].name
+
+
+def confluence_error(net: PetriNet, runs: list[list[str]]) -> ConfluenceError:
+    """The error for two runs that differ in their stable end, told by where they part."""
+    first, second = runs
+    parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
+    of = {transition.name: transition for transition in net.transitions}
+    origins = [of[run[parted]].provenance for run in runs]
+    where = " and ".join(dict.fromkeys(str(o) for o in origins if o))
+    event = next((e for name in reversed(first[:parted]) if (e := of[name].event)), None)
+    after = f"after {event}" if event else "at the start"
+    return ConfluenceError(
+        f"not confluent: {after} the outcome depends on the interleaving of "
+        f"{where or f'{first[parted]} and {second[parted]}'}",
+        runs,
+    )
+
+
+def divergence_error(run: list[str]) -> DivergenceError:
+    """The error for an internal run that comes back to a marking it has passed."""
+    return DivergenceError(
+        f"divergent: an internal run comes back to a marking it has passed, after {len(run)} firings", [run]
+    )
+
+
+class _Direct:
+    """Runs to completion, with or without the proof."""
+
+    def __init__(self, net: PetriNet, proof: bool) -> None:
+        self.net = net
+        self.masked = MaskedNet(net)
+        self.prove = proof
+        self.ends: dict[int, int] = {}
+        self.parents: dict[int, tuple[int, int] | None] = {}
+
+    def stabilise(self, marking: int, covered: int, origin: tuple[int, int] | None) -> int:
+        self.parents.setdefault(marking, origin)
+        return self.every_end(marking, covered) if self.prove else self.one_end(marking, covered)
+
+    def step(self, marking: int, transition: int) -> int:
+        after, doubled = self.masked.fire(marking, transition)
+        if doubled:
+            place = self.net.places[(doubled & -doubled).bit_length() - 1].name
+            name = self.net.transitions[transition].name
+            raise UnsafeError(place, name, self.masked.marked(marking), self.run(marking))
+        return after
+
+    def one_end(self, marking: int, covered: int) -> int:
+        """Follows one interleaving to its stable end."""
+        masked, seen = self.masked, set[int]()
+        start = marking
+        while internal := covered & masked.internal:
+            if marking in seen:
+                return self.every_end(start, masked.covered(start))  # raises, with the run
+            seen.add(marking)
+            t = (internal & -internal).bit_length() - 1
+            before, marking = marking, self.step(marking, t)
+            self.parents.setdefault(marking, (before, t))
+            covered = masked.covered_after(covered, marking, t)
+        return marking
+
+    def every_end(self, start: int, covered: int) -> int:
+        """Explores every transient marking behind one, each once, and proves that their ends agree."""
+        masked, ends = self.masked, self.ends
+        if start in ends:
+            return ends[start]
+        on_path = {start}
+        path = [(start, covered, masked.allowed(covered & masked.internal))]
+        if not covered & masked.internal:
+            ends[start] = start
+            return start
+        while path:
+            marking, covered, left = path[-1]
+            t = next(left, None)
+            if t is None:
+                path.pop()
+                on_path.discard(marking)
+                if path:
+                    self.agree(path[-1][0], marking)
+                continue
+            after = self.step(marking, t)
+            self.parents.setdefault(after, (marking, t))
+            if after in on_path:
+                raise divergence_error([*self.run(marking), self.net.transitions[t].name])
+            if after not in ends:
+                next_covered = masked.covered_after(covered, after, t)
+                if next_covered & masked.internal:
+                    on_path.add(after)
+                    path.append((after, next_covered, masked.allowed(next_covered & masked.internal)))
+                    continue
+                ends[after] = after
+            self.agree(marking, after)
+        return ends[start]
+
+    def agree(self, marking: int, after: int) -> None:
+        end = self.ends[after]
+        if self.ends.setdefault(marking, end) != end:
+            raise self.two_ends(marking)
+
+    def two_ends(self, marking: int) -> ConfluenceError:
+        """Shows two runs by a search of its own: markings are parted by their ends at one firing."""
+        prefix = self.run(marking)
+        tails: dict[int, list[str]] = {}
+        queue: list[tuple[int, list[str]]] = [(marking, [])]
+        seen = {marking}
+        for at, tail in queue:
+            covered = self.masked.covered(at) & self.masked.internal
+            if not covered:
+                tails[at] = tail
+                if len(tails) == 2:
+                    break
+            for t in self.masked.allowed(covered) if covered else ():
+                after = self.step(at, t)
+                if after not in seen:
+                    seen.add(after)
+                    queue.append((after, [*tail, self.net.transitions[t].name]))
+        return confluence_error(self.net, [[*prefix, *tail] for tail in tails.values()])
+
+    def run(self, marking: int) -> list[str]:
+        run = []
+        while (origin := self.parents[marking]) is not None:
+            marking, t = origin
+            run.append(self.net.transitions[t].name)
+        return run[::-1]
+
+
+def direct(
+    net: PetriNet,
+    *,
+    proof: bool = True,
+    max_states: int = DEFAULT_MAX_STATES,
+    progress: Callable[[int, int], None] | None = None,
+) -> AlternativesGraph:
+    """Builds the alternatives graph without the markings graph.
+
+    Args:
+        net: A net with priorities.
+        proof: Whether to explore every transient marking behind each event, which proves that internal
+            evolution is confluent and ends. Without it the graph rests on that premise.
+        max_states: How many stable states it may have.
+        progress: Called for each thousand stable states with their number and that of the edges.
+
+    Returns:
+        The alternatives graph, numbered as :func:`by_reduction` numbers it.
+
+    Raises:
+        ConfluenceError: Two interleavings end in different stable markings (only with the proof).
+        DivergenceError: An internal run need not end.
+        UnsafeError: A firing would put a second token in a place.
+        LimitError: More stable states than allowed.
+    """
+    walk = _Direct(net, proof)
+    masked = walk.masked
+    begin = masked.initial()
+    start = walk.stabilise(begin, masked.covered(begin), None)
+    numbers, queue, covers = {start: 0}, [start], [masked.covered(start)]
+    offsets, targets, labels = [0], list[int](), list[int]()
+    for state, marking in enumerate(queue):  # grows while it is walked
+        for t in masked.allowed(covers[state]):
+            after = walk.step(marking, t)
+            covered = masked.covered_after(covers[state], after, t)
+            end = walk.stabilise(after, covered, (marking, t))
+            if numbers.setdefault(end, len(queue)) == len(queue):
+                queue.append(end)
+                covers.append(masked.covered(end))
+            targets.append(numbers[end])
+            labels.append(t)
+        offsets.append(len(targets))
+        if len(queue) > max_states:
+            raise LimitError(f"more than {max_states} stable states: the limit on states was hit")
+        if progress and state % 1000 == 999:
+            progress(len(queue), len(targets))
+    words = pack(queue, len(net.places))
+    how = "every transient marking behind each event explored once, its stable end unique" if proof else None
+    return _graph(net, words, offsets, targets, labels, "direct", how)
+
+
+def _graph(
+    net: PetriNet,
+    markings: Words,
+    offsets: list[int],
+    targets: list[int],
+    labels: list[int],
+    method: str,
+    proof: str | None,
+) -> AlternativesGraph:
+    arrays = (np.array(values, np.int64) for values in (offsets, targets, labels))
+    return AlternativesGraph(net, markings, *arrays, method, proof)

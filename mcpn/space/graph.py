@@ -1,0 +1,165 @@
+"""A finite graph of markings in arrays: the shape that every explicit result shares.
+
+Markings are rows of 64-bit words, a bit for each place; edges are in compressed sparse rows (CSR), those of
+state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order of the net's transitions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from mcpn.net.petri import PetriNet
+
+Words = npt.NDArray[np.uint64]
+Ints = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class StateGraph:
+    """Reachable 1-safe markings and the firings between them; state 0 is the initial one.
+
+    Args:
+        net: The net.
+        markings: Shape (states, words), bit ``p % 64`` of word ``p // 64`` for place ``p``.
+        offsets: Shape (states + 1,).
+        targets: Shape (edges,), the state after each firing.
+        labels: Shape (edges,), the transition fired.
+    """
+
+    net: PetriNet
+    markings: Words
+    offsets: Ints
+    targets: Ints
+    labels: Ints
+
+    @property
+    def states(self) -> int:
+        """Number of states."""
+        return len(self.offsets) - 1
+
+    @property
+    def edges(self) -> int:
+        """Number of edges: firings, so two transitions between the same states count twice."""
+        return len(self.targets)
+
+    @cached_property
+    def sources(self) -> Ints:
+        """The state before each firing, shape (edges,)."""
+        return np.repeat(np.arange(self.states, dtype=np.int64), np.diff(self.offsets))
+
+    def marked(self, place: int) -> Mask:
+        """Which states mark a place, shape (states,)."""
+        word, bit = divmod(place, 64)
+        return (self.markings[:, word] >> np.uint64(bit)) & np.uint64(1) == 1
+
+    def marking(self, state: int) -> tuple[int, ...]:
+        """The marking of a state as tokens by place."""
+        row = self.markings[state]
+        return tuple(int(row[p // 64]) >> (p % 64) & 1 for p in range(len(self.net.places)))
+
+    def successors(self, state: int) -> Iterator[tuple[int, int]]:
+        """Pairs (transition, next state)."""
+        first, last = self.offsets[state], self.offsets[state + 1]
+        yield from zip(self.labels[first:last].tolist(), self.targets[first:last].tolist(), strict=True)
+
+    @cached_property
+    def dead(self) -> Mask:
+        """Which states have no edge, shape (states,)."""
+        return np.diff(self.offsets) == 0
+
+    @cached_property
+    def _incoming(self) -> tuple[Ints, Ints]:
+        order = np.argsort(self.targets, kind="stable")
+        offsets = np.zeros(self.states + 1, np.int64)
+        np.cumsum(np.bincount(self.targets, minlength=self.states), out=offsets[1:])
+        return offsets, order
+
+    def reaching(self, goal: Mask, along: Mask | None = None) -> Mask:
+        """States from which some run leads into the goal (the goal's own states included).
+
+        Args:
+            goal: Shape (states,).
+            along: Shape (edges,): edges that the run may take; all by default.
+
+        Returns:
+            Shape (states,). Linear in the size of the graph.
+        """
+        offsets, order = self._incoming
+        found = goal.copy()
+        frontier = np.flatnonzero(goal)
+        while len(frontier):
+            edges = order[_ranges(offsets, frontier)]
+            if along is not None:
+                edges = edges[along[edges]]
+            before = np.unique(self.sources[edges])
+            frontier = before[~found[before]]
+            found[frontier] = True
+        return found
+
+    def run_to(self, goal: Mask, start: int = 0, along: Mask | None = None) -> list[int] | None:
+        """A shortest run into the goal.
+
+        Args:
+            goal: Shape (states,).
+            start: The state to run from.
+            along: Shape (edges,): edges that the run may take; all by default.
+
+        Returns:
+            Indices of edges; empty where the start is in the goal, ``None`` where no run leads there.
+            The run is repeatable: among shortest runs it follows the lowest numbers.
+        """
+        if goal[start]:
+            return []
+        via = np.full(self.states, -1, np.int64)
+        frontier = np.array([start], np.int64)
+        seen = np.zeros(self.states, np.bool_)
+        seen[start] = True
+        while len(frontier):
+            edges = _ranges(self.offsets, frontier)
+            if along is not None:
+                edges = edges[along[edges]]
+            edges = edges[~seen[self.targets[edges]]]
+            frontier, first = np.unique(self.targets[edges], return_index=True)
+            via[frontier] = edges[first]
+            seen[frontier] = True
+            hits = frontier[goal[frontier]]
+            if len(hits):
+                return self._back(via, int(hits[0]), start)
+        return None
+
+    def _back(self, via: Ints, state: int, start: int) -> list[int]:
+        run: list[int] = []
+        while state != start:
+            edge = int(via[state])
+            run.append(edge)
+            state = int(self.sources[edge])
+        return run[::-1]
+
+
+def _ranges(offsets: Ints, states: Ints) -> Ints:
+    """The edges of the given states, concatenated in their order."""
+    lengths = offsets[states + 1] - offsets[states]
+    total = int(lengths.sum())
+    starts = np.repeat(offsets[states] - np.concatenate(([0], np.cumsum(lengths)[:-1])), lengths)
+    return starts + np.arange(total, dtype=np.int64)
+
+
+def pack(markings: Iterable[Sequence[int]] | Iterable[int], places: int) -> Words:
+    """Rows of words from markings given as integers with a bit per place.
+
+    Args:
+        markings: Integers, bit ``p`` for place ``p``.
+        places: Number of places.
+
+    Returns:
+        Shape (markings, words).
+    """
+    size = 8 * max(1, -(-places // 64))
+    data = b"".join(int(m).to_bytes(size, "little") for m in markings)  # type: ignore[call-overload]
+    return np.frombuffer(data, dtype="<u8").reshape(-1, size // 8)
