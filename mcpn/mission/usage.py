@@ -245,7 +245,7 @@ class Usage:
         for graph in self._graphs():
             for section in graph.sections:
                 ending = {a for last in _endings(section) for a in last.activities}
-                for target in _targets(section, graph):
+                for target in graph.targets(section):
                     found |= ending & {a for first in entries(target) for a in first.activities}
                 if isinstance(section, ParallelSection):
                     named = [{a for s in b.graph.walk() for a in s.activities} for b in section.branches]
@@ -267,7 +267,7 @@ class Usage:
         for graph in self._graphs():
             for section in graph.sections:
                 released = self._released_apart(section)
-                for target in _targets(section, graph) if released else ():
+                for target in graph.targets(section) if released else ():
                     for first in entries(target):
                         needs = _merge(self._tree_needs(a) for a in first.activities)
                         producers = {self.producer[s] for s in needs if s in self.producer}
@@ -313,15 +313,9 @@ def _endings(section: Section) -> tuple[ElementarySection, ...]:
         last
         for branch in section.branches
         for inner in branch.graph.sections
-        if len(_targets(inner, branch.graph)) < 2
+        if len(branch.graph.targets(inner)) < 2
         for last in _endings(inner)
     )
-
-
-def _targets(section: Section, graph: ObjectivesGraph) -> list[Section]:
-    """Sections that a section's exits lead to; an exit of the graph itself leads to none."""
-    names = {inner.name for inner in graph.sections}
-    return [graph.section(route) for route in (section.success, section.failure) if route in names]
 
 
 def _both(first: Needs, second: Needs) -> Iterator[tuple[str, Demand, Demand]]:

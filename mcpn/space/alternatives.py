@@ -318,5 +318,5 @@ def _graph(
     method: str,
     proof: str | None,
 ) -> AlternativesGraph:
-    arrays = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    return AlternativesGraph(net, markings, *arrays, method, proof)
+    rows, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
+    return AlternativesGraph(net, markings, rows, ends, events, method, proof)

@@ -6,7 +6,7 @@ state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order of the net's transiti
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,7 +56,8 @@ class StateGraph:
     def marked(self, place: int) -> Mask:
         """Which states mark a place, shape (states,)."""
         word, bit = divmod(place, 64)
-        return (self.markings[:, word] >> np.uint64(bit)) & np.uint64(1) == 1
+        column: Words = self.markings[:, word]
+        return np.asarray((column >> np.uint64(bit)) & np.uint64(1), np.bool_)
 
     def marking(self, state: int) -> tuple[int, ...]:
         """The marking of a state as tokens by place."""
@@ -71,7 +72,7 @@ class StateGraph:
     @cached_property
     def dead(self) -> Mask:
         """Which states have no edge, shape (states,)."""
-        return np.diff(self.offsets) == 0
+        return np.asarray(np.diff(self.offsets) == 0, np.bool_)
 
     @cached_property
     def _incoming(self) -> tuple[Ints, Ints]:
@@ -150,7 +151,7 @@ def _ranges(offsets: Ints, states: Ints) -> Ints:
     return starts + np.arange(total, dtype=np.int64)
 
 
-def pack(markings: Iterable[Sequence[int]] | Iterable[int], places: int) -> Words:
+def pack(markings: Iterable[int], places: int) -> Words:
     """Rows of words from markings given as integers with a bit per place.
 
     Args:
@@ -161,5 +162,5 @@ def pack(markings: Iterable[Sequence[int]] | Iterable[int], places: int) -> Word
         Shape (markings, words).
     """
     size = 8 * max(1, -(-places // 64))
-    data = b"".join(int(m).to_bytes(size, "little") for m in markings)  # type: ignore[call-overload]
+    data = b"".join(marking.to_bytes(size, "little") for marking in markings)
     return np.frombuffer(data, dtype="<u8").reshape(-1, size // 8)

@@ -1,0 +1,216 @@
+"""The verdicts of a mission, each with the run that shows it.
+
+Required verdicts are those a mission must satisfy to be flown; informative ones tell more. A verdict is
+``None`` where an earlier one failed in a way that leaves it unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mcpn.check.modes import Mode, functioning_modes
+from mcpn.check.runs import Step, replay, run_in_words
+from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, SemanticsError, UnsafeError
+from mcpn.net.compose import MissionNet
+from mcpn.space.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.explicit import Progress, explore
+from mcpn.space.graph import Mask, StateGraph
+
+REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
+INFORMATIVE = ("failure_reachable", "unselectable")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One verdict.
+
+    Args:
+        name: One of :data:`REQUIRED` or :data:`INFORMATIVE`.
+        holds: The answer, or ``None`` where it is not known.
+        explanation: One sentence on what was found.
+        runs: Witness or counterexample runs, the shortest first; two where two are needed.
+    """
+
+    name: str
+    holds: bool | None
+    explanation: str = ""
+    runs: tuple[tuple[Step, ...], ...] = ()
+
+    @property
+    def required(self) -> bool:
+        """Whether a mission must satisfy it."""
+        return self.name in REQUIRED
+
+
+@dataclass(frozen=True)
+class MissionCheck:
+    """All that one check of a mission found.
+
+    Args:
+        mission_net: The mission's net.
+        verdicts: By name, required ones first.
+        markings: The markings graph, where it was built.
+        alternatives: The alternatives graph, where it exists.
+        modes: Functioning modes by objective.
+        unselectable: What can never be selected, entered or used, with its line.
+    """
+
+    mission_net: MissionNet
+    verdicts: dict[str, Verdict]
+    markings: StateGraph | None = None
+    alternatives: AlternativesGraph | None = None
+    modes: dict[str, list[Mode]] = field(default_factory=dict)
+    unselectable: tuple[Problem, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether every required verdict holds."""
+        return all(self.verdicts[name].holds for name in REQUIRED)
+
+
+def check_mission(
+    mission_net: MissionNet, *, max_states: int | None = None, progress: Progress | None = None
+) -> MissionCheck:
+    """Checks a mission on its explicit markings graph.
+
+    Args:
+        mission_net: The mission's net.
+        max_states: Limit on the markings; the explorer's own by default.
+        progress: Called now and then with states and edges.
+
+    Returns:
+        Every verdict, with its runs.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+
+    def note(name: str, holds: bool | None, explanation: str, runs: Sequence[Sequence[Step]] = ()) -> None:
+        verdicts[name] = Verdict(name, holds, explanation, tuple(tuple(run) for run in runs))
+
+    limits = {} if max_states is None else {"max_states": max_states}
+    try:
+        markings = explore(mission_net.net, progress=progress, **limits)
+    except UnsafeError as error:
+        note("safe", False, str(error), _told(mission_net, error))
+        return MissionCheck(mission_net, verdicts)
+    note("safe", True, "no firing puts a second token in a place")
+    note("bounded", True, "a 1-safe net is bounded")
+    alternatives: AlternativesGraph | None = None
+    try:
+        alternatives = by_reduction(markings)
+        note("confluent", True, alternatives.proof or "")
+    except (ConfluenceError, DivergenceError) as error:
+        note("confluent", False, _explain(mission_net, error), _told(mission_net, error))
+    graph: StateGraph = markings if alternatives is None else alternatives
+    for verdict in _reachability(mission_net, graph):
+        verdicts[verdict.name] = verdict
+    unselectable = _unselectable(mission_net, graph)
+    note(
+        "unselectable", bool(unselectable), f"{len(unselectable)} found" if unselectable else "nothing found"
+    )
+    modes = dict(functioning_modes(mission_net, graph))
+    return MissionCheck(mission_net, verdicts, markings, alternatives, modes, unselectable)
+
+
+def _reachability(mission_net: MissionNet, graph: StateGraph) -> list[Verdict]:
+    """Verdicts that the same definitions give on the markings graph and on the alternatives graph."""
+    success, failure = graph.marked(mission_net.success), graph.marked(mission_net.failure)
+    finished = success | failure
+
+    def reached(name: str, goal: Mask, good: bool, found: str, none: str) -> Verdict:
+        run = graph.run_to(goal)
+        if run is None:
+            return Verdict(name, not good, none)
+        return Verdict(name, good, found, (tuple(run_in_words(mission_net, graph, run)),))
+
+    stuck = ~graph.reaching(finished)
+    return [
+        reached(
+            "deadlock_free",
+            graph.dead & ~finished,
+            False,
+            "a marking that is no end of the mission allows no event",
+            "every marking but the mission's ends allows some event",
+        ),
+        reached(
+            "success_reachable", success, True, "a run leads to success", "no run leads to mission success"
+        ),
+        reached(
+            "can_always_finish",
+            stuck,
+            False,
+            "after this run the mission can no longer end",
+            "from every marking some run leads to an end of the mission",
+        ),
+        reached(
+            "failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"
+        ),
+    ]
+
+
+def _unselectable(mission_net: MissionNet, graph: StateGraph) -> tuple[Problem, ...]:
+    """Alternatives never selected, objectives never entered or never left, resources never used."""
+    usage, found = mission_net.usage, list[Problem]()
+    fired = set(np.unique(graph.labels).tolist())
+    happened = {t.event for i, t in enumerate(mission_net.net.transitions) if i in fired}
+    used: set[str] = set()
+    selected = {name for place, name in mission_net.saying("active").items() if graph.marked(place).any()}
+    for activity in mission_net.mission.activities:
+        if activity.name not in usage.started:
+            continue
+        for alternative in activity.alternatives:
+            name = f"{activity.name}.{alternative.name}"
+            if name in selected:
+                used.update(alternative.consumes)
+            else:
+                found.append(Problem(alternative.source, f"alternative {name} can never be selected"))
+    for section in mission_net.graph.walk():
+        (place,) = mission_net.by_role["objective", section.name]
+        if not graph.marked(place).any():
+            found.append(Problem(section.source, f"objective {section.name} can never be entered"))
+            continue
+        for outcome, verb in (("OK", "succeed"), ("FAIL", "fail")):
+            if f"OBJ_{section.name}_EV_{outcome}" not in happened:
+                found.append(Problem(section.source, f"objective {section.name} can never {verb}"))
+    for resource in (*mission_net.mission.hardware, *mission_net.mission.software):
+        if resource.name not in used:
+            found.append(Problem(resource.source, f"resource {resource.name} is never used"))
+    return tuple(
+        sorted(found, key=lambda p: (str(p.source and p.source.file), (p.source and p.source.line) or 0))
+    )
+
+
+def _told(mission_net: MissionNet, error: SemanticsError) -> list[list[Step]]:
+    """The runs of an error: its events in words, and the internal firings where two runs part."""
+    runs = [list(run) for run in error.runs]
+    told = []
+    for run in runs:
+        last_event = max(
+            (i for i, name in enumerate(run) if _event(mission_net, name) is not None), default=-1
+        )
+        steps = [
+            Step(event, step.words.split(":")[0])
+            for step in replay(mission_net, run[: last_event + 1])
+            if (event := step.event)
+        ]
+        steps += [Step(name, f"internal: {name}") for name in run[last_event + 1 :]]
+        told.append(steps)
+    return told
+
+
+def _event(mission_net: MissionNet, name: str) -> str | None:
+    net = mission_net.net
+    return net.transitions[net.transition_index[name]].event
+
+
+def _explain(mission_net: MissionNet, error: McpnError) -> str:
+    """The error, with the contentions that may be its reason."""
+    contentions = mission_net.usage.contentions
+    if isinstance(error, ConfluenceError) and contentions:
+        return f"{error} ({'; '.join(str(contention) for contention in contentions)})"
+    return str(error)

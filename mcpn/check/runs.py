@@ -1,0 +1,128 @@
+"""Runs in mission words, event by event."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mcpn.check.modes import Situation, situation
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet, Transition
+from mcpn.space.graph import StateGraph
+
+
+@dataclass(frozen=True)
+class Step:
+    """One event of a run, or one internal firing where a run shows the net's own behaviour.
+
+    Args:
+        event: The event's name (the transition's for an internal firing).
+        words: The same for a reader: what happens, and what changes in the functioning mode.
+    """
+
+    event: str
+    words: str
+
+
+def run_in_words(
+    mission_net: MissionNet, graph: StateGraph, run: Sequence[int], start: int = 0
+) -> list[Step]:
+    """Tells a run of a graph.
+
+    Args:
+        mission_net: The mission's net.
+        graph: Its alternatives graph, or its markings graph (then only the events are told).
+        run: Indices of edges.
+        start: The state that the run starts in.
+
+    Returns:
+        A step for each event.
+    """
+    return replay(mission_net, [graph.net.transitions[int(graph.labels[e])].name for e in run], start=None)
+
+
+def replay(mission_net: MissionNet, firings: Sequence[str], start: Sequence[int] | None = None) -> list[Step]:
+    """Tells a sequence of firings; internal evolution left out of it is completed along one interleaving.
+
+    Args:
+        mission_net: The mission's net.
+        firings: Names of transitions, events with or without the internal ones between them.
+        start: The marking to start from; the initial one by default.
+
+    Returns:
+        A step for each event, with the changes up to the next one.
+    """
+    net = mission_net.net
+    marking = tuple(start or net.initial)
+    steps: list[Step] = []
+    pending: tuple[Transition, Situation] | None = None
+    for name in firings:
+        transition = net.transitions[net.transition_index[name]]
+        if transition.event is not None:
+            marking = stabilise(net, marking)
+            if pending:
+                steps.append(_step(*pending, situation(mission_net, marking)))
+            pending = transition, situation(mission_net, marking)
+        marking = net.fire(marking, net.transition_index[name])
+    if pending:
+        steps.append(_step(*pending, situation(mission_net, stabilise(net, marking))))
+    return steps
+
+
+def stabilise(net: PetriNet, marking: Sequence[int]) -> tuple[int, ...]:
+    """Fires internal transitions, the first enabled each time, until none is.
+
+    The caller knows that internal evolution ends; a marking that comes back stops it all the same.
+    """
+    at = tuple(marking)
+    seen: set[tuple[int, ...]] = set()
+    while at not in seen:
+        seen.add(at)
+        enabled = net.enabled(at)
+        if not enabled or not net.transitions[enabled[0]].internal:
+            return at
+        at = net.fire(at, enabled[0])
+    return at
+
+
+def _step(transition: Transition, before: Situation, after: Situation) -> Step:
+    assert transition.event is not None
+    words = what_happens(transition)
+    changes = _changes(before, after)
+    return Step(transition.event, f"{words}: {', '.join(changes)}" if changes else words)
+
+
+def what_happens(transition: Transition) -> str:
+    """An event in mission words.
+
+    Args:
+        transition: A transition of a mission's net that carries an event.
+
+    Returns:
+        For example "GPS_sensor goes out of service".
+    """
+    event = transition.event or transition.name
+    name = transition.provenance.name if transition.provenance else event
+    endings = {
+        "_EV_START": f"mission {name} starts",
+        "_EV_OOS": f"{name} goes out of service",
+        "_EV_RD": f"{name} is ready again",
+        "_EV_OK": f"objective {name} succeeds",
+        "_EV_FAIL": f"objective {name} fails",
+    }
+    return next((words for ending, words in endings.items() if event.endswith(ending)), event)
+
+
+def _changes(before: Situation, after: Situation) -> list[str]:
+    changes = [f"{name} begins" for name in after.objectives if name not in before.objectives]
+    for activity, alternative in after.mode.items():
+        was = before.mode.get(activity)
+        if was is not None and was != alternative:
+            changes.append(f"{activity} changes from {was} to {alternative}")
+        elif was is None and alternative != activity:
+            changes.append(f"{activity} runs as {alternative}")
+    changes += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
+    changes += [f"{name} waits" for name in after.waiting if name not in before.waiting]
+    if after.outcome and not before.outcome:
+        changes.append(f"the mission ends in {after.outcome}")
+    return changes
