@@ -29,23 +29,23 @@ Needs: TypeAlias = dict[str, set[Demand]]
 
 @dataclass(frozen=True, slots=True)
 class Contention:
-    """Two activities that may run together and both consume one exclusive resource.
+    """Two that may run together and both want one exclusive thing.
 
     Args:
-        resource: The resource.
-        activities: The two activities, sorted.
+        wanted: A resource, or an activity.
+        rivals: Two activities that consume the resource, or two branches that start the activity; sorted.
         context: Where they run together, in words ("parallel block census").
         source: The line of that context.
     """
 
-    resource: str
-    activities: tuple[str, str]
+    wanted: str
+    rivals: tuple[str, str]
     context: str
     source: Source | None = None
 
     def __str__(self) -> str:
-        first, second = self.activities
-        return f"{first} and {second}, both in {self.context}, both need {self.resource}"
+        first, second = self.rivals
+        return f"{first} and {second}, both in {self.context}, both need {self.wanted}"
 
 
 class Usage:
@@ -101,8 +101,7 @@ class Usage:
             activity = self.producer[resource]
             under = frozenset[str]()
             if self.refusable(activity):
-                consumed = {k for alt in self.activities[activity].alternatives for k in alt.consumes}
-                under = under.union(*(self.hardware_under(k) for k in consumed))
+                under = self._evaluated_after(activity)
             self._hardware_under[resource] = under
         return self._hardware_under[resource]
 
@@ -131,20 +130,30 @@ class Usage:
         sets = {e for group in groups for size in range(1, len(group) + 1) for e in combinations(group, size)}
         return sorted(sets, key=lambda e: (len(e), [consumed.index(k) for k in e]))
 
-    def fails_with_another(self, resource: str) -> bool:
-        """Whether some activity consumes the resource beside another that may fail in the same run."""
-        return resource in self._failing_pairs
+    def released_unasked(self, resource: str) -> bool:
+        """Whether the resource may be released while its producer, evaluating, still brings or takes it.
+
+        So it is where some activity consumes it beside another that fails with what makes the producer
+        evaluate again, and where the producer may have waited for another activity's release.
+        """
+        return resource in self._released_unasked or self.may_wait(self.producer[resource])
 
     @cached_property
-    def _failing_pairs(self) -> frozenset[str]:
-        return frozenset(
-            k
-            for activity in self.started
-            for i in range(len(self.activities[activity].alternatives))
-            for e in self.fail_together(activity, i)
-            if len(e) > 1
-            for k in e
-        )
+    def _released_unasked(self) -> frozenset[str]:
+        found: set[str] = set()
+        for activity in self.started:
+            for alternative in self.activities[activity].alternatives:
+                for s in alternative.consumes:
+                    if s in self.producer:
+                        beside = (self.hardware_under(k) for k in alternative.consumes if k != s)
+                        if self._evaluated_after(self.producer[s]) & frozenset[str]().union(*beside):
+                            found.add(s)
+        return frozenset(found)
+
+    def _evaluated_after(self, activity: str) -> frozenset[str]:
+        """The hardware whose failure may make the activity evaluate its alternatives again."""
+        consumed = {k for alternative in self.activities[activity].alternatives for k in alternative.consumes}
+        return frozenset[str]().union(*(self.hardware_under(k) for k in consumed))
 
     # --- who may run together --------------------------------------------------------------------------
 
@@ -155,6 +164,9 @@ class Usage:
         for resource, (a, _), (b, _), context, source in self._concurrent_demands():
             pair = (a, b) if a < b else (b, a)
             found.setdefault(Contention(resource, pair, context, source))
+        for section, first, second, activity in self._started_twice():
+            context = f"parallel block {section.name}"
+            found.setdefault(Contention(f"activity {activity}", (first, second), context, section.source))
         return tuple(found)
 
     @cached_property
@@ -164,7 +176,7 @@ class Usage:
     @cached_property
     def contended_resources(self) -> frozenset[str]:
         """Resources that two activities may want at the same time."""
-        return frozenset(contention.resource for contention in self.contentions)
+        return frozenset(resource for resource, *_ in self._concurrent_demands())
 
     def waits_for_release(self, activity: str, alternative: int) -> bool:
         """Whether the alternative may wait in its evaluation place until another activity releases."""
@@ -247,11 +259,17 @@ class Usage:
                 ending = {a for last in _endings(section) for a in last.activities}
                 for target in graph.targets(section):
                     found |= ending & {a for first in entries(target) for a in first.activities}
+        return frozenset(found).union(activity for *_, activity in self._started_twice())
+
+    def _started_twice(self) -> Iterator[tuple[ParallelSection, str, str, str]]:
+        """Parallel blocks of which two branches start the same activity: block, branches, activity."""
+        for graph in self._graphs():
+            for section in graph.sections:
                 if isinstance(section, ParallelSection):
-                    named = [{a for s in b.graph.walk() for a in s.activities} for b in section.branches]
-                    for first_branch, second_branch in combinations(named, 2):
-                        found |= first_branch & second_branch
-        return frozenset(found)
+                    for first, second in combinations(section.branches, 2):
+                        shared = _named(first.graph) & _named(second.graph)
+                        for activity in sorted(shared):
+                            yield section, first.name, second.name, activity
 
     @cached_property
     def settled_before(self) -> Mapping[str, tuple[str, ...]]:
@@ -316,6 +334,11 @@ def _endings(section: Section) -> tuple[ElementarySection, ...]:
         if len(branch.graph.targets(inner)) < 2
         for last in _endings(inner)
     )
+
+
+def _named(graph: ObjectivesGraph) -> set[str]:
+    """Activities that the objectives of a graph start."""
+    return {activity for section in graph.walk() for activity in section.activities}
 
 
 def _both(first: Needs, second: Needs) -> Iterator[tuple[str, Demand, Demand]]:

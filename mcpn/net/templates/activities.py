@@ -38,12 +38,14 @@ class _Life:
         refuse: Places marked where no alternative is possible.
         activate: Places marked when an alternative starts to run.
         endings: The ways in which it is stopped.
+        quiet: The place that says that no activation is on its way, where one is needed.
     """
 
     start: str
     refuse: list[str]
     activate: list[str]
     endings: list[_Ending]
+    quiet: list[str] = field(default_factory=list)
 
 
 def draw_activity(canvas: Canvas, activity: Activity) -> None:
@@ -68,7 +70,6 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
     if running:
         pen.place(running)
-        life = _Life(life.start, life.refuse, [running, *life.activate], life.endings)
     evaluation = life.start
     last = len(activity.alternatives) - 1
     for i, alternative in enumerate(activity.alternatives):
@@ -123,8 +124,9 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     start = pen.place(f"{a}_StartByRes")
     if len(outputs) == 1:
         s = outputs[0]
-        ending = _Ending("", produce=[f"{s}_deactivation"], read=[f"{s}_free"])
-        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], [ending])
+        quiet = [f"{s}_quiet"] if canvas.usage.released_unasked(s) else []
+        ending = _Ending("", produce=[f"{s}_deactivation"], read=[f"{s}_free", *quiet])
+        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], [ending], quiet)
     idle = pen.place(f"{a}_idle", initial=1)
     for s in outputs:
         pen.transition(f"{a}_start_{s}", [idle], [start], read=[f"{s}_waiting"])
@@ -176,6 +178,10 @@ class _AlternativeDrawing:
             self.wait = canvas.role(self.pen.place(f"{activity.name}_wait{number}"), ("wait", qualified))
         self.runs = [self.active] + ([running] if running else [])
 
+        self.runs_and_says = [*self.runs, *life.activate]
+        # Only a refusal marks places of others; the next evaluation place is the activity's own.
+        self.quiet_to_refuse = life.quiet if otherwise == life.refuse else []
+
     def all(self) -> None:
         """Draws every transition of the alternative."""
         if self.consumes:
@@ -185,7 +191,7 @@ class _AlternativeDrawing:
             self.error_while_waiting()
             self.error_while_active()
         else:
-            self._draw("sel", [self.evaluation], [*self.runs, *self._activations()])
+            self._draw("sel", [self.evaluation, *self.life.quiet], self.runs_and_says)
         self.stop()
         if self.usage.waits_for_release(self.activity.name, self.index):
             self.stop_while_evaluated()
@@ -199,15 +205,15 @@ class _AlternativeDrawing:
 
     def go(self) -> None:
         """All resources have answered: run."""
-        self._draw(
-            "go", [self.wait], [*self.runs, *self._activations()], read=[f"{k}_answer" for k in self.consumes]
-        )
+        answers = [f"{k}_answer" for k in self.consumes]
+        self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=answers)
 
     def otherwise_out_of_service(self) -> None:
         """A hardware resource is out of service: try the next alternative, or refuse."""
         for k in self.hardware:
             if self.usage.can_fail(k):
-                self._draw("else", [self.evaluation], self.otherwise, k, read=[f"{k}_OOS"])
+                read = [f"{k}_OOS", *self.quiet_to_refuse]
+                self._draw("else", [self.evaluation], self.otherwise, k, read=read)
 
     def error_while_waiting(self) -> None:
         """Some resources answered with an error, the others are here: give all back, try the next."""
@@ -215,7 +221,11 @@ class _AlternativeDrawing:
         failing = [k for k in self.consumes if self.usage.can_fail(k) and (stable or k not in self.hardware)]
         for errors in _subsets(failing):
             self._draw(
-                "werr", [self.wait, *self._answers(errors)], [*self._releases(), *self.otherwise], *errors
+                "werr",
+                [self.wait, *self._answers(errors)],
+                [*self._releases(), *self.otherwise],
+                *errors,
+                read=self.quiet_to_refuse,
             )
 
     def error_while_active(self) -> None:
@@ -257,9 +267,6 @@ class _AlternativeDrawing:
             yield f"{resource}_error"
         if resource not in self.hardware and self.usage.may_wait(self.usage.producer[resource]):
             yield f"{resource}_waiting"
-
-    def _activations(self) -> list[str]:
-        return [place for place in self.life.activate if place not in self.runs]
 
     def _answers(self, errors: tuple[str, ...]) -> list[str]:
         return [f"{k}_error" if k in errors else f"{k}_answer" for k in self.consumes]

@@ -42,10 +42,12 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
 def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
     """Draws the only resource of its producer: 11 places, 8 transitions.
 
-    Two transitions are added where they can happen. Between its consumer's release and its producer's stop
-    the producer may still bring an activation, when both were struck by one failure or when the producer had
-    waited for a contended resource: the activation of a free resource changes nothing. And a request that
-    waits can be given up (see :func:`mcpn.net.templates.activities.draw_activity`), which frees it.
+    Two places and one transition are added where they are needed: between its consumer's release and its
+    producer's stop the producer may bring another activation, or a deactivation, when both were struck by one
+    failure or when the producer had waited for a contended resource. The activation of a free resource
+    changes nothing; ``quiet`` is marked while no activation is on its way, so that the producer neither stops
+    nor refuses before its activation has been taken note of; and ``failed`` tells a resource whose consumer
+    has yet to take note of an error from one that is only ordered to stop, so that no release is mistaken.
 
     Args:
         canvas: Where to draw.
@@ -60,16 +62,18 @@ def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> Non
     available, take = pen.place(f"{s}_available", initial=1), pen.place(f"{s}_take")
     answer, release, error = pen.place(f"{s}_answer"), pen.place(f"{s}_release"), pen.place(f"{s}_error")
     pen.transition(f"{s}_1", [take, not_available], [waiting, f"{a}_StartByRes"])
-    pen.transition(f"{s}_2", [waiting, activation], [busy, answer])
-    pen.transition(f"{s}_3", [waiting, deactivation], [deactivation, error])
-    pen.transition(f"{s}_6", [busy, answer, deactivation], [deactivation, error])
-    pen.transition(f"{s}_8", [deactivation, release], [not_available, available])
+    quiet = [pen.place(f"{s}_quiet", initial=1)] if canvas.usage.released_unasked(s) else []
+    pen.transition(f"{s}_2", [waiting, activation], [busy, answer, *quiet])
+    failed = pen.place(f"{s}_failed") if quiet else deactivation
+    pen.transition(f"{s}_3", [waiting, deactivation], [failed, error])
+    pen.transition(f"{s}_6", [busy, answer, deactivation], [failed, error])
+    pen.transition(f"{s}_8", [failed, release], [not_available, available])
     pen.transition(f"{s}_4", [busy, release], [free])
     pen.transition(f"{s}_5", [free, deactivation], [not_available, available])
-    pen.transition(f"{s}_7", [busy, activation], [busy])
-    if canvas.usage.fails_with_another(s) or canvas.usage.may_wait(a):
-        pen.transition(f"{s}_10", [free, activation], [free])
-    canvas.unit([not_available, waiting, free, busy])
+    pen.transition(f"{s}_7", [busy, activation], [busy, *quiet])
+    if quiet:
+        pen.transition(f"{s}_10", [free, activation], [free, *quiet])
+    canvas.unit([not_available, waiting, free, busy, *([failed] if quiet else [])])
     canvas.unit([available, take, answer, release, error])
 
 
