@@ -261,6 +261,28 @@ class Usage:
                     found |= ending & {a for first in entries(target) for a in first.activities}
         return frozenset(found).union(activity for *_, activity in self._started_twice())
 
+    @cached_property
+    def exchanges(self) -> tuple[Contention, ...]:
+        """Producers of several resources of which one may be released as another is asked for.
+
+        Whether the producer then goes on, or stops and evaluates its alternatives anew, depends on which
+        comes first. With one alternative, or where each consumer takes all its resources, it makes no
+        difference.
+        """
+        found = []
+        for name in self.started:
+            activity = self.activities[name]
+            takers = {
+                (a, i): consumed
+                for a in self.started
+                for i, alternative in enumerate(self.activities[a].alternatives)
+                if (consumed := frozenset(alternative.consumes) & frozenset(activity.produces))
+            }
+            if len(activity.alternatives) > 1 and len(set(takers.values())) > 1:
+                one, other = sorted({s for consumed in takers.values() for s in consumed})[:2]
+                found.append(Contention(f"activity {name}", (one, other), "its resources", activity.source))
+        return tuple(found)
+
     def _started_twice(self) -> Iterator[tuple[ParallelSection, str, str, str]]:
         """Parallel blocks of which two branches start the same activity: block, branches, activity."""
         for graph in self._graphs():

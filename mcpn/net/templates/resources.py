@@ -107,6 +107,9 @@ def draw_shared_software(canvas: Canvas, resource: Software, producer: Activity)
     for other in producer.produces:
         if other != s:
             pen.transition(f"{s}_9_{other}", [free], back, read=[f"{other}_answer"])
+    if canvas.usage.may_wait(a):
+        # A request may be given up before the producer has even been started.
+        pen.transition(f"{s}_10", [free], back, read=[f"{a}_idle"])
     if canvas.usage.refusable(a):
         refusing = f"{a}_refusing"
         pen.transition(f"{s}_3", [waiting], [deactivation, error, unused], read=[refusing])

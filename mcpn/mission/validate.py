@@ -1,0 +1,307 @@
+"""What the schema cannot say of a mission: references, kinds, routing. All of it is found in one go."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from difflib import get_close_matches
+
+from mcpn.errors import Problem, Source
+from mcpn.mission.model import (
+    FAIL,
+    SUCCEED,
+    Activity,
+    Block,
+    Element,
+    Mission,
+    Objective,
+    Parallel,
+    Parameter,
+    Protocol,
+    Recursive,
+    Use,
+    walk,
+)
+
+
+def find_errors(mission: Mission) -> list[Problem]:
+    """What makes a mission invalid.
+
+    Args:
+        mission: Any mission that fits the schema.
+
+    Returns:
+        Every problem, with its line; empty for a valid mission.
+    """
+    return list(_Checks(mission).errors())
+
+
+def find_warnings(mission: Mission) -> list[Problem]:
+    """What is suspicious in a valid mission, though it can be verified as it stands.
+
+    Args:
+        mission: A valid mission.
+
+    Returns:
+        Activities that nothing starts, resources and protocols that nothing uses, blocks that no route
+        reaches, alternatives that are never tried, each with its line.
+    """
+    return sorted(
+        _Checks(mission).warnings(),
+        key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0),
+    )
+
+
+class _Checks:
+    def __init__(self, mission: Mission) -> None:
+        self.mission = mission
+        self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
+        self.hardware = {h.name for h in mission.hardware}
+        self.software = {s.name for s in mission.software}
+        self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
+        self.producers: dict[str, list[Activity]] = {}
+        for activity in mission.activities:
+            for resource in activity.produces:
+                self.producers.setdefault(resource, []).append(activity)
+        self.scopes: list[tuple[Element, tuple[Block, ...]]] = [
+            (mission, mission.blocks),
+            *((protocol, protocol.blocks) for protocol in mission.protocols),
+        ]
+
+    def errors(self) -> Iterator[Problem]:
+        mission = self.mission
+        yield from _duplicates("resource", (*mission.hardware, *mission.software))
+        yield from _duplicates("activity", mission.activities)
+        yield from _duplicates("protocol", mission.protocols)
+        yield from self.resources()
+        for activity in mission.activities:
+            yield from self.activity(activity)
+        yield from self.cycles(
+            "activities need each other's resources",
+            self.activities,
+            lambda name: [
+                p.name for k in _consumed(self.activities[name]) for p in self.producers.get(k, ())
+            ],
+        )
+        for owner, blocks in self.scopes:
+            yield from self.blocks(owner, blocks)
+        yield from self.cycles(
+            "protocols use each other",
+            self.protocols,
+            lambda name: [b.protocol for b in walk(self.protocols[name].blocks) if isinstance(b, Use)],
+        )
+
+    # --- resources and activities ----------------------------------------------------------------------
+
+    def resources(self) -> Iterator[Problem]:
+        for software in self.mission.software:
+            producers = self.producers.get(software.name, [])
+            if len(producers) != 1:
+                found = ", ".join(a.name for a in producers) or "none"
+                message = (
+                    f"software {software.name} needs exactly one activity that produces it, found {found}"
+                )
+                yield Problem(software.source, message)
+
+    def activity(self, activity: Activity) -> Iterator[Problem]:
+        yield from _duplicates("parameter", activity.parameters)
+        yield from _duplicates("alternative", activity.alternatives)
+        yield from _repeats(activity, "produces", activity.produces)
+        for resource in activity.produces:
+            if resource in self.hardware:
+                message = f"activity {activity.name} produces {resource}, which is a hardware resource"
+                yield Problem(activity.source, message)
+            elif resource not in self.software:
+                yield self.unknown(
+                    activity.source, f"activity {activity.name} produces", resource, self.software
+                )
+        for alternative in activity.alternatives:
+            yield from _duplicates("parameter", alternative.parameters)
+            yield from _repeats(alternative, "consumes", alternative.consumes)
+            for resource in dict.fromkeys(alternative.consumes):
+                if resource not in self.hardware | self.software:
+                    who = f"alternative {alternative.name} of activity {activity.name} consumes"
+                    yield self.unknown(alternative.source, who, resource, self.hardware | self.software)
+
+    def unknown(self, source: Source | None, who: str, name: str, known: Iterable[str]) -> Problem:
+        near = get_close_matches(name, list(known), n=1)
+        hint = f" (did you mean {near[0]}?)" if near else ""
+        return Problem(source, f"{who} {name}, which is not declared{hint}")
+
+    def cycles(
+        self, what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
+    ) -> Iterator[Problem]:
+        """One problem for each cycle that a depth-first walk closes."""
+        finished: set[str] = set()
+        for start in elements:
+            path: list[str] = []
+            stack = [(start, iter(after(start)))] if start not in finished else []
+            if stack:
+                path.append(start)
+            while stack:
+                name, left = stack[-1]
+                following = next(left, None)
+                if following is None:
+                    finished.add(name)
+                    stack.pop()
+                    path.pop()
+                elif following in path:
+                    cycle = [*path[path.index(following) :], following]
+                    yield Problem(elements[following].source, f"{what}: {' -> '.join(cycle)}")
+                elif following in elements and following not in finished:
+                    path.append(following)
+                    stack.append((following, iter(after(following))))
+
+    # --- blocks ----------------------------------------------------------------------------------------
+
+    def blocks(self, owner: Element, blocks: tuple[Block, ...]) -> Iterator[Problem]:
+        all_blocks = list(walk(blocks))
+        yield from _duplicates("block", all_blocks)
+        if isinstance(owner, Protocol):
+            yield from _duplicates("parameter", owner.parameters)
+        for siblings in _families(blocks):
+            yield from self.routing(siblings)
+        for block in all_blocks:
+            if block.name in (SUCCEED, FAIL):
+                yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
+            if not isinstance(block, Parallel):
+                yield from _duplicates("parameter", block.parameters)
+            if isinstance(block, Objective):
+                yield from self.objective(block)
+            elif isinstance(block, Use):
+                yield from self.use(block)
+            elif isinstance(block, Parallel):
+                yield from self.parallel(block)
+
+    def routing(self, siblings: tuple[Block, ...]) -> Iterator[Problem]:
+        names = [block.name for block in siblings]
+        for block in siblings:
+            for exit_name, route in (("success", block.success), ("failure", block.failure)):
+                if route is not None and route not in (SUCCEED, FAIL, *names):
+                    known = ", ".join((*names, SUCCEED, FAIL))
+                    message = f"{exit_name} of {block.name} leads to {route}; expected one of {known}"
+                    yield Problem(block.source, message)
+
+    def objective(self, block: Objective) -> Iterator[Problem]:
+        if not block.activities:
+            yield Problem(block.source, f"objective {block.name} names no activity")
+        yield from _repeats(block, "activities", block.activities)
+        for name in dict.fromkeys(block.activities):
+            if name not in self.activities:
+                yield self.unknown(block.source, f"objective {block.name} runs", name, self.activities)
+            elif self.activities[name].produces:
+                product = self.activities[name].produces[0]
+                message = f"objective {block.name} runs {name}, which produces {product}"
+                reason = "an activity that produces is started by request, not by an objective"
+                yield Problem(block.source, f"{message}: {reason}")
+
+    def use(self, block: Use) -> Iterator[Problem]:
+        protocol = self.protocols.get(block.protocol)
+        if protocol is None:
+            yield self.unknown(
+                block.source, f"{block.name} uses the protocol", block.protocol, self.protocols
+            )
+            return
+        known = {p.name for p in _all_parameters(protocol)}
+        for parameter in block.parameters:
+            if parameter.name not in known:
+                message = f"{block.name} overrides the parameter {parameter.name}, which protocol"
+                yield Problem(parameter.source, f"{message} {protocol.name} does not have")
+
+    def parallel(self, block: Parallel) -> Iterator[Problem]:
+        if not any(child.mandatory for child in block.blocks):
+            yield Problem(block.source, f"parallel block {block.name} has no mandatory child")
+        for child in block.blocks:
+            if isinstance(child, Parallel):
+                message = f"parallel block {block.name} holds the parallel block {child.name} directly"
+                yield Problem(child.source, f"{message}; expected an objective or a use")
+
+    # --- warnings --------------------------------------------------------------------------------------
+
+    def warnings(self) -> Iterator[Problem]:
+        started = self.started()
+        consumed = {k for name in started for k in _consumed(self.activities[name])}
+        for activity in self.mission.activities:
+            if activity.name not in started:
+                yield Problem(activity.source, f"activity {activity.name} is never started")
+            for number, alternative in enumerate(activity.alternatives[:-1]):
+                if not alternative.consumes:
+                    for late in activity.alternatives[number + 1 :]:
+                        message = (
+                            f"alternative {late.name} is never tried: {alternative.name} is always possible"
+                        )
+                        yield Problem(late.source, message)
+                    break
+        for resource in (*self.mission.hardware, *self.mission.software):
+            if resource.name not in consumed:
+                yield Problem(resource.source, f"resource {resource.name} is never consumed")
+        used = {b.protocol for _, blocks in self.scopes for b in walk(blocks) if isinstance(b, Use)}
+        for protocol in self.mission.protocols:
+            if protocol.name not in used:
+                yield Problem(protocol.source, f"protocol {protocol.name} is never used")
+        for _, blocks in self.scopes:
+            for siblings in _families(blocks):
+                yield from _unreached(siblings)
+
+    def started(self) -> set[str]:
+        """Activities that objectives start, themselves or through resources."""
+        named = [b for _, blocks in self.scopes for b in walk(blocks) if isinstance(b, Objective)]
+        stack = [name for block in named for name in block.activities]
+        started: set[str] = set()
+        while stack:
+            name = stack.pop()
+            if name not in started:
+                started.add(name)
+                for resource in _consumed(self.activities[name]):
+                    stack.extend(a.name for a in self.producers.get(resource, ()))
+        return started
+
+
+def _consumed(activity: Activity) -> list[str]:
+    return list(dict.fromkeys(k for alternative in activity.alternatives for k in alternative.consumes))
+
+
+def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
+    """Every series of sibling blocks that are routed to one another."""
+    yield blocks
+    for block in walk(blocks):
+        if isinstance(block, Recursive):
+            yield block.blocks
+
+
+def _all_parameters(protocol: Protocol) -> Iterator[Parameter]:
+    yield from protocol.parameters
+    for block in walk(protocol.blocks):
+        if not isinstance(block, Parallel):
+            yield from block.parameters
+
+
+def _unreached(siblings: tuple[Block, ...]) -> Iterator[Problem]:
+    names = {block.name: number for number, block in enumerate(siblings)}
+    reached, stack = {0}, [0]
+    while stack:
+        number = stack.pop()
+        block = siblings[number]
+        following = siblings[number + 1].name if number + 1 < len(siblings) else SUCCEED
+        for route in (block.success or following, block.failure or FAIL):
+            if route in names and names[route] not in reached:
+                reached.add(names[route])
+                stack.append(names[route])
+    for number, block in enumerate(siblings):
+        if number not in reached:
+            yield Problem(block.source, f"no route reaches block {block.name}")
+
+
+def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:
+    first: dict[str, Element] = {}
+    for element in elements:
+        earlier = first.setdefault(element.name, element)
+        if earlier is not element:
+            where = f", first declared at {earlier.source}" if earlier.source else ""
+            yield Problem(element.source, f"{kind} {element.name} is declared twice{where}")
+
+
+def _repeats(element: Element, attribute: str, names: tuple[str, ...]) -> Iterator[Problem]:
+    for name, count in Counter(names).items():
+        if count > 1:
+            yield Problem(element.source, f"{attribute} of {element.name} names {name} {count} times")

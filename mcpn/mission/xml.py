@@ -1,0 +1,395 @@
+"""Mission files: the one reader and the one writer (namespace ``urn:mcpn:mission:1``).
+
+Files are untrusted: see :mod:`mcpn.xmlio`; imports stay inside the directory of the main file, unless a wider
+root is given. All problems of all files are collected and raised in one go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from mcpn.errors import InputError, Problem, Source
+from mcpn.files import write_atomically
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Block,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Parameter,
+    Protocol,
+    Recursive,
+    Robot,
+    Software,
+    Use,
+)
+from mcpn.mission.validate import find_errors
+from mcpn.xmlio import parse_xml
+
+NAMESPACE = "urn:mcpn:mission:1"
+MAX_FILE_BYTES = 16 << 20
+MAX_IMPORTS = 1000
+MAX_DEPTH = 64
+
+
+def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> Mission:
+    """Reads a mission with its imports, and checks it.
+
+    Args:
+        path: The mission file.
+        import_root: The directory that imports must stay in; that of the file by default.
+
+    Returns:
+        A valid mission, every element with its file and line.
+
+    Raises:
+        InputError: Everything that is wrong, by file and line.
+    """
+    main = Path(path)
+    root = Path(import_root) if import_root is not None else main.parent
+    reader = _Reader(root.resolve())
+    mission = reader.mission(main)
+    problems = reader.problems
+    if mission is not None and not problems:
+        problems = find_errors(mission)
+    if mission is None or problems:
+        raise InputError(sorted(set(problems), key=_by_place))
+    return mission
+
+
+def _by_place(problem: Problem) -> tuple[str, int, str]:
+    source = problem.source or Source("")
+    return source.file, source.line or 0, problem.message
+
+
+@cache
+def _schema() -> etree.RelaxNG:
+    with resources.files("mcpn.mission").joinpath("schema.rng").open("rb") as file:
+        return etree.RelaxNG(etree.parse(file))
+
+
+@dataclass
+class _Contents:
+    """What a file and its imports declare."""
+
+    robots: list[Robot] = field(default_factory=list)
+    protocols: list[Protocol] = field(default_factory=list)
+
+
+class _Reader:
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.problems: list[Problem] = []
+        self.seen: set[Path] = set()
+
+    def mission(self, path: Path) -> Mission | None:
+        element = self.load(path)
+        if element is None:
+            return None
+        if _tag(element) != "mission":
+            self.wrong(path, element, f"expected a mission, found <{_tag(element)}>")
+            return None
+        self.seen.add(path.resolve())
+        found = _Contents()
+        blocks = []
+        for child in element:
+            if _tag(child) in ("import", "robot", "protocols"):
+                self.declarations(child, path, [path.resolve()], found)
+            else:
+                blocks.append(self.block(child, path))
+        return Mission(
+            **self.common(element, path),
+            blocks=tuple(blocks),
+            robots=tuple(found.robots),
+            protocols=tuple(found.protocols),
+        )
+
+    def load(self, path: Path) -> etree._Element | None:
+        """The root of a file that fits the schema, or ``None`` after noting why it does not."""
+        try:
+            element = parse_xml(path, MAX_FILE_BYTES)
+        except InputError as error:
+            self.problems.extend(error.problems)
+            return None
+        if not self.bounded(element, path):
+            return None
+        schema = _schema()
+        if schema.validate(element):
+            return element
+        self.problems.extend(_explain(schema, element, path))
+        return None
+
+    def bounded(self, element: etree._Element, path: Path) -> bool:
+        depths = {element: 1}
+        for parent in element.iter():
+            for child in parent:
+                depths[child] = depths[parent] + 1
+                if depths[child] > MAX_DEPTH:
+                    self.wrong(path, child, f"nested more than {MAX_DEPTH} deep, the limit on nesting")
+                    return False
+        return True
+
+    def wrong(self, path: Path, element: etree._Element, message: str) -> None:
+        self.problems.append(Problem(_source(element, path), message))
+
+    # --- imports, robots and protocols -----------------------------------------------------------------
+
+    def declarations(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> None:
+        if _tag(element) == "import":
+            self.imported(element, path, chain, found)
+        elif _tag(element) == "robot":
+            found.robots.append(self.robot(element, path, chain, found))
+        else:
+            for child in element:
+                if _tag(child) == "import":
+                    self.imported(child, path, chain, found)
+                else:
+                    found.protocols.append(self.protocol(child, path))
+
+    def imported(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> None:
+        href = element.get("href", "")
+        try:
+            target = path.parent / href
+            real = target.resolve()
+            inside = real.is_relative_to(self.root)
+        except (OSError, ValueError, RuntimeError) as error:
+            self.wrong(path, element, f"cannot import {href!r}: {error}")
+            return
+        if not inside or ":" in href.split("/")[0]:
+            self.wrong(path, element, f"import of {href} leaves the mission's directory")
+        elif real in chain:
+            self.wrong(path, element, f"import of {href} closes a cycle of imports")
+        elif real not in self.seen:
+            self.seen.add(real)
+            if len(self.seen) > MAX_IMPORTS:
+                self.wrong(path, element, f"more than {MAX_IMPORTS} files imported, the limit on imports")
+                return
+            if not target.is_file():
+                self.wrong(path, element, f"import of {href}: no such file")
+                return
+            root = self.load(target)
+            if root is not None and _tag(root) == "mission":
+                self.wrong(
+                    path, element, f"import of {href}: expected <robot> or <protocols>, found <mission>"
+                )
+            elif root is not None:
+                self.declarations(root, target, [*chain, real], found)
+
+    def robot(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> Robot:
+        hardware, software, activities = [], [], []
+        for child in element:
+            tag, common = _tag(child), self.common(child, path)
+            if tag == "import":
+                self.imported(child, path, chain, found)
+            elif tag == "hardware":
+                hardware.append(Hardware(**common, faulty=_truth(child, "faulty")))
+            elif tag == "software":
+                software.append(Software(**common))
+            else:
+                activities.append(self.activity(child, path))
+        return Robot(
+            **self.common(element, path),
+            hardware=tuple(hardware),
+            software=tuple(software),
+            activities=tuple(activities),
+        )
+
+    def activity(self, element: etree._Element, path: Path) -> Activity:
+        common = self.common(element, path)
+        alternatives = tuple(
+            Alternative(
+                **self.common(child, path),
+                consumes=_names(child, "consumes"),
+                parameters=self.parameters(child, path),
+            )
+            for child in element
+            if _tag(child) == "alternative"
+        )
+        short = Alternative(
+            name=common["name"], consumes=_names(element, "consumes"), source=common["source"]
+        )
+        return Activity(
+            **common,
+            produces=_names(element, "produces"),
+            alternatives=alternatives or (short,),
+            parameters=self.parameters(element, path),
+        )
+
+    def protocol(self, element: etree._Element, path: Path) -> Protocol:
+        return Protocol(
+            **self.common(element, path),
+            blocks=self.blocks(element, path),
+            parameters=self.parameters(element, path),
+        )
+
+    # --- blocks ----------------------------------------------------------------------------------------
+
+    def blocks(self, element: etree._Element, path: Path) -> tuple[Block, ...]:
+        return tuple(self.block(child, path) for child in element if _tag(child) != "parameter")
+
+    def block(self, element: etree._Element, path: Path) -> Block:
+        within_parallel = (parent := element.getparent()) is not None and _tag(parent) == "parallel"
+        for attribute in ("success", "failure") if within_parallel else ("mandatory",):
+            if attribute in element.attrib:
+                where = "a child of" if within_parallel else "outside"
+                self.wrong(path, element, f"{attribute} is not allowed on a block {where} a parallel block")
+        common: dict[str, Any] = self.common(element, path) | {
+            "success": element.get("success"),
+            "failure": element.get("failure"),
+            "mandatory": _truth(element, "mandatory"),
+        }
+        tag = _tag(element)
+        if tag == "parallel":
+            return Parallel(**common, blocks=self.blocks(element, path))
+        parameters = self.parameters(element, path)
+        if tag == "use":
+            return Use(**common, protocol=element.get("protocol", ""), parameters=parameters)
+        if "activities" in element.attrib:
+            return Objective(**common, activities=_names(element, "activities"), parameters=parameters)
+        return Recursive(**common, blocks=self.blocks(element, path), parameters=parameters)
+
+    def parameters(self, element: etree._Element, path: Path) -> tuple[Parameter, ...]:
+        return tuple(
+            Parameter(**self.common(child, path), value=child.get("value", ""), unit=child.get("unit"))
+            for child in element
+            if _tag(child) == "parameter"
+        )
+
+    def common(self, element: etree._Element, path: Path) -> dict[str, Any]:
+        return {
+            "name": element.get("name", ""),
+            "description": element.get("description"),
+            "source": _source(element, path),
+        }
+
+
+def _tag(element: etree._Element) -> str:
+    return etree.QName(element).localname
+
+
+def _source(element: etree._Element, path: Path) -> Source:
+    line = element.sourceline
+    return Source(str(path), line if isinstance(line, int) else None)
+
+
+def _names(element: etree._Element, attribute: str) -> tuple[str, ...]:
+    return tuple(element.get(attribute, "").split())
+
+
+def _truth(element: etree._Element, attribute: str) -> bool:
+    return element.get(attribute, "true").strip() in ("true", "1")
+
+
+def _explain(schema: etree.RelaxNG, root: etree._Element, path: Path) -> list[Problem]:
+    """The schema's complaints, each line once; a wrong root is told in words of its own."""
+    if root.tag not in {f"{{{NAMESPACE}}}{tag}" for tag in ("mission", "robot", "protocols")}:
+        found = f"expected a mission file (namespace {NAMESPACE}), found the root element {root.tag}"
+        return [Problem(_source(root, path), found)]
+    by_line: dict[int, list[str]] = {}
+    for entry in schema.error_log:
+        by_line.setdefault(entry.line, []).append(entry.message)
+    # libxml2 ends each chain of complaints with vague ones: the first of a line says what was found.
+    return [Problem(Source(str(path), line), found[0]) for line, found in by_line.items()]
+
+
+# --- writing -------------------------------------------------------------------------------------------
+
+
+def write_mission(mission: Mission) -> bytes:
+    """A mission as one file that reads back as the same mission.
+
+    Args:
+        mission: The mission.
+
+    Returns:
+        UTF-8 XML with robots and protocols as children of the mission, before its blocks.
+    """
+    root = etree.fromstring(f'<mission xmlns="{NAMESPACE}"/>')
+    _attributes(root, mission)
+    for robot in mission.robots:
+        _write_robot(_child(root, "robot", robot), robot)
+    if mission.protocols:
+        protocols = etree.SubElement(root, f"{{{NAMESPACE}}}protocols")
+        for protocol in mission.protocols:
+            element = _child(protocols, "protocol", protocol)
+            _write_parameters(element, protocol.parameters)
+            _write_blocks(element, protocol.blocks, in_parallel=False)
+    _write_blocks(root, mission.blocks, in_parallel=False)
+    return etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
+
+
+def save_mission(mission: Mission, path: Path | str) -> None:
+    """Writes a mission to a file, whole or not at all.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    write_atomically(Path(path), write_mission(mission))
+
+
+def _attributes(element: etree._Element, of: Any, **more: str | None) -> None:
+    for key, value in {"name": of.name, **more, "description": of.description}.items():
+        if value is not None:
+            element.set(key, value)
+
+
+def _child(parent: etree._Element, tag: str, of: Any, **more: str | None) -> etree._Element:
+    element = etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}")
+    _attributes(element, of, **more)
+    return element
+
+
+def _write_parameters(element: etree._Element, parameters: Iterable[Parameter]) -> None:
+    for parameter in parameters:
+        _child(element, "parameter", parameter, value=parameter.value, unit=parameter.unit)
+
+
+def _write_robot(element: etree._Element, robot: Robot) -> None:
+    for hardware in robot.hardware:
+        _child(element, "hardware", hardware, faulty=None if hardware.faulty else "false")
+    for software in robot.software:
+        _child(element, "software", software)
+    for activity in robot.activities:
+        first = activity.alternatives[0]
+        short = activity.alternatives == (Alternative(name=activity.name, consumes=first.consumes),)
+        drawn = _child(
+            element,
+            "activity",
+            activity,
+            produces=" ".join(activity.produces) or None,
+            consumes=(" ".join(first.consumes) or None) if short else None,
+        )
+        _write_parameters(drawn, activity.parameters)
+        for alternative in () if short else activity.alternatives:
+            consumes = " ".join(alternative.consumes) or None
+            _write_parameters(
+                _child(drawn, "alternative", alternative, consumes=consumes), alternative.parameters
+            )
+
+
+def _write_blocks(parent: etree._Element, blocks: Iterable[Block], *, in_parallel: bool) -> None:
+    for block in blocks:
+        routing: dict[str, str | None] = {"success": block.success, "failure": block.failure}
+        if in_parallel and not block.mandatory:
+            routing["mandatory"] = "false"
+        if isinstance(block, Objective):
+            element = _child(parent, "objective", block, activities=" ".join(block.activities), **routing)
+            _write_parameters(element, block.parameters)
+        elif isinstance(block, Use):
+            element = _child(parent, "use", block, protocol=block.protocol, **routing)
+            _write_parameters(element, block.parameters)
+        elif isinstance(block, Recursive):
+            element = _child(parent, "objective", block, **routing)
+            _write_parameters(element, block.parameters)
+            _write_blocks(element, block.blocks, in_parallel=False)
+        else:
+            _write_blocks(_child(parent, "parallel", block, **routing), block.blocks, in_parallel=True)
