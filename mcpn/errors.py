@@ -77,11 +77,11 @@ class SemanticsError(McpnError):
 
 
 class UnsafeError(SemanticsError):
-    """A firing would put a second token in a place.
+    """A firing puts a second token in a place, or the initial marking has one.
 
     Args:
         place: Name of the place that would hold two tokens.
-        transition: Name of the transition whose firing does it.
+        transition: Name of the transition whose firing does it; empty where the initial marking does.
         marking: Names of the marked places before that firing.
         run: Transitions from the initial marking to ``marking`` (without ``transition``).
     """
@@ -91,6 +91,9 @@ class UnsafeError(SemanticsError):
         self.transition = transition
         self.marking = frozenset(marking)
         self.run: tuple[str, ...] = tuple(run)
+        if not transition:
+            super().__init__(f"not 1-safe: the initial marking holds several tokens in {place}")
+            return
         super().__init__(
             f"not 1-safe: firing {transition} would put a second token in {place}, "
             f"after {len(self.run)} firings",

@@ -311,7 +311,10 @@ class Usage:
                     for first in entries(target):
                         needs = _merge(self._tree_needs(a) for a in first.activities)
                         producers = {self.producer[s] for s in needs if s in self.producer}
-                        again = {s for s in released if self.producer[s] in producers}
+                        # What enters beside it may take a resource at once, and must not be waited for.
+                        beside = [a for e in entries(target) if e is not first for a in e.activities]
+                        taken = _merge(self._tree_needs(a) for a in beside)
+                        again = {s for s in released if self.producer[s] in producers and s not in taken}
                         if again:
                             awaited.setdefault(first.name, set()).update(again)
         order = {software: number for number, software in enumerate(self.producer)}

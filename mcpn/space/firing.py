@@ -47,7 +47,7 @@ class MaskedNet:
         for place in self.net.places:
             if place.initial > 1:
                 marked = self.net.marked(self.net.initial)
-                raise UnsafeError(place.name, "(the initial marking)", marked, [])
+                raise UnsafeError(place.name, "", marked, [])
         return _bits(i for i, place in enumerate(self.net.places) if place.initial)
 
     def covered(self, marking: int) -> int:

@@ -1,9 +1,9 @@
 """Nets as JSON: the one reader and the one writer.
 
 One object: ``format`` (``mcpn-net``), ``version`` (1), ``name``, ``priorities``, ``places`` (each with
-``name``, ``initial``), ``transitions`` (each with ``name``, ``event`` or null, and ``consume``, ``produce``, ``read``:
-weights by place) and ``units`` (lists of places). Places and transitions of missions carry ``from``: the
-``kind``, ``name``, ``file`` and ``line`` of the element that made them.
+``name``, ``initial``), ``transitions`` (each with ``name``, ``event`` or null, and ``consume``, ``produce``,
+``read``: weights by place) and ``units`` (lists of places). Places and transitions of missions carry
+``from``: the ``kind``, ``name``, ``file`` and ``line`` of the element that made them.
 """
 
 from __future__ import annotations

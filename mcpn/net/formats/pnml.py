@@ -1,8 +1,8 @@
 """PNML, the ISO/IEC 15909-2 exchange format, for place/transition nets: the one reader and the one writer.
 
 Names are the ``id`` attributes, which property files refer to. Standard PNML has neither read arcs, events
-nor priorities: they are written as ``toolspecific`` elements of ``mcpn``, which other tools skip; a read arc is
-a consuming and a producing arc to them. Units of NUPN (``toolspecific tool="nupn"``) are read as hints.
+nor priorities: they are written as ``toolspecific`` elements of ``mcpn``, which other tools skip; a read arc
+is a consuming and a producing arc to them. Units of NUPN (``toolspecific tool="nupn"``) are read as hints.
 
 Reference: the 2009 grammar, http://www.pnml.org/version-2009/grammar/ptnet.
 """

@@ -1,0 +1,74 @@
+"""What a person reads on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from mcpn.check.modes import Mode
+from mcpn.check.properties import MissionCheck, Verdict
+from mcpn.errors import Problem
+
+
+def print_counts(counts: Mapping[str, object]) -> None:
+    """Prints names and values in two columns; what is not known is left out."""
+    table = Table(show_header=False, box=None, pad_edge=False)
+    for name, value in counts.items():
+        if value is not None:
+            shown = f"{value:.3f}" if isinstance(value, float) else str(value)
+            table.add_row(name.replace("_", " "), shown)
+    Console(highlight=False).print(table)
+
+
+def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:
+    """Prints a mission's sizes, verdicts with their runs, functioning modes and warnings.
+
+    Args:
+        check: What was found.
+        warnings: What reading the mission found suspicious.
+        seconds: Time for all of it.
+    """
+    console = Console(highlight=False, soft_wrap=True)
+    net = check.mission_net.net
+    sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
+    if check.markings is not None:
+        sizes.append(f"{check.markings.states} markings, {check.markings.edges} edges")
+    if check.alternatives is not None:
+        sizes.append(f"{check.alternatives.states} stable states, {check.alternatives.edges} event edges")
+    console.print(
+        f"[bold]mission {check.mission_net.mission.name}[/bold]: {'; '.join(sizes)}; {seconds:.2f} s"
+    )
+    console.print()
+    for verdict in check.verdicts.values():
+        _print_verdict(console, verdict)
+    console.print()
+    _print_modes(console, check.modes)
+    contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
+    warnings = [*warnings, *check.unselectable, *(Problem(c.source, f"{c}") for c in contentions)]
+    for problem in dict.fromkeys(warnings):
+        console.print(f"[yellow]warning:[/yellow] {problem}", markup=True)
+    conclusion = "[green]all required verdicts hold[/green]" if check.passed else "[red]verdicts fail[/red]"
+    console.print(conclusion)
+
+
+def _print_verdict(console: Console, verdict: Verdict) -> None:
+    answer = {True: "yes", False: "no", None: "not known"}[verdict.holds]
+    colour = "dim" if not verdict.required else "green" if verdict.holds else "red"
+    console.print(f"[{colour}]{verdict.name:18} {answer:10}[/{colour}] {verdict.explanation}")
+    for number, run in enumerate(verdict.runs, 1):
+        if len(verdict.runs) > 1:
+            console.print(f"    run {number}")
+        for step in run:
+            console.print(f"    {step.event:34} {step.words}", markup=False)
+
+
+def _print_modes(console: Console, modes: Mapping[str, list[Mode]]) -> None:
+    if not modes:
+        return
+    table = Table("objective", "functioning modes (alternatives that differ from their activity's name)")
+    for objective, found in modes.items():
+        rows = [", ".join(f"{a}: {alt}" for a, alt in mode.items() if a != alt) or "one" for mode in found]
+        table.add_row(objective, "\n".join(rows) or "none")
+    console.print(table)

@@ -1,0 +1,78 @@
+"""Options, fixtures and hypothesis profiles that every test shares."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.space.explicit import explore
+from mcpn.space.graph import StateGraph
+
+ROOT = Path(__file__).resolve().parents[1]
+ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
+
+_quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
+settings.register_profile("dev", max_examples=100, deadline=None, suppress_health_check=_quiet)
+settings.register_profile(
+    "ci", max_examples=200, deadline=None, suppress_health_check=_quiet, derandomize=True
+)
+settings.register_profile("nightly", max_examples=5000, deadline=None, suppress_health_check=_quiet)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    for option, variable, what in (
+        ("--mcc", "MCPN_MCC", "nets of the Model Checking Contest with oracles.tsv"),
+        ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
+    ):
+        parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
+
+
+def _folder(request: pytest.FixtureRequest, option: str, beside: str) -> Path:
+    given = request.config.getoption(option)
+    folder = Path(given) if given else ROOT.parent / "shared" / beside
+    if not folder.is_dir():
+        pytest.skip(f"needs the folder that {option} names")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def mcc(request: pytest.FixtureRequest) -> Path:
+    """The folder of the contest's nets."""
+    return _folder(request, "--mcc", "mcc")
+
+
+@pytest.fixture(scope="session")
+def mcc_oracles(mcc: Path) -> dict[str, dict[str, str]]:
+    """The contest's answers by net."""
+    with (mcc / "oracles.tsv").open(newline="") as file:
+        return {row["model"]: row for row in csv.DictReader(file, delimiter="\t")}
+
+
+@pytest.fixture(scope="session")
+def reference(request: pytest.FixtureRequest) -> Path:
+    """The folder of the reference nets of the Ulysse mission."""
+    return _folder(request, "--reference", "reference")
+
+
+@pytest.fixture(scope="session")
+def ulysse() -> Mission:
+    """The mission of the paper, section 8."""
+    return read_mission(ULYSSE)
+
+
+@pytest.fixture(scope="session")
+def ulysse_net(ulysse: Mission) -> MissionNet:
+    return compose(ulysse)
+
+
+@pytest.fixture(scope="session")
+def ulysse_markings(ulysse_net: MissionNet) -> StateGraph:
+    return explore(ulysse_net.net)
