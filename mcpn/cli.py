@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from mcpn import __version__
-from mcpn.errors import InputError, LimitError, McpnError, SemanticsError, Source
+from mcpn.errors import InputError, McpnError, SemanticsError, Source
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -40,44 +40,21 @@ import_option = click.option(
 )
 
 
-class _Group(click.Group):
-    """Turns mcpn's errors into messages and exit codes; nothing else is caught."""
-
-    def invoke(self, context: click.Context) -> Any:
-        try:
-            return super().invoke(context)
-        except InputError as error:
-            for problem in error.problems:
-                click.echo(f"error: {problem}", err=True)
-            context.exit(EXIT_BAD_INPUT)
-        except LimitError as error:
-            click.echo(f"error: {error}", err=True)
-            context.exit(EXIT_BAD_INPUT)
-        except SemanticsError as error:
-            click.echo(f"error: {error}", err=True)
-            for number, run in enumerate(error.runs, 1):
-                click.echo(f"  run {number}: {' '.join(run)}", err=True)
-            context.exit(EXIT_FAILED)
-        except McpnError as error:
-            click.echo(f"error: {error}", err=True)
-            context.exit(EXIT_BAD_INPUT)
-
-
-@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mcpn")
 def command_line() -> None:
     """Verify robot missions and generate their controllers."""
 
 
 def main() -> None:
-    """Runs the command line; Ctrl-C and a closed pipe end it quietly."""
+    """Runs the command line; mcpn's errors, Ctrl-C and a closed pipe become messages and exit codes."""
     try:
         command_line.main(standalone_mode=False)
-    except click.exceptions.Exit as stop:
-        sys.exit(stop.exit_code)
     except click.ClickException as error:
         error.show()
         sys.exit(EXIT_BAD_INPUT)
+    except McpnError as error:
+        sys.exit(_tell(error))
     except (KeyboardInterrupt, click.Abort):
         click.echo("interrupted", err=True)
         sys.exit(EXIT_INTERRUPTED)
@@ -85,6 +62,18 @@ def main() -> None:
         # The reader has gone: keep the interpreter from flushing into the closed pipe at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(EXIT_FAILED)
+
+
+def _tell(error: McpnError) -> int:
+    """Prints an error and says the exit code that goes with it."""
+    problems = error.problems if isinstance(error, InputError) else (error,)
+    for problem in problems:
+        click.echo(f"error: {problem}", err=True)
+    if isinstance(error, SemanticsError):
+        for number, run in enumerate(error.runs, 1):
+            click.echo(f"  run {number}: {' '.join(run)}", err=True)
+        return EXIT_FAILED
+    return EXIT_BAD_INPUT
 
 
 # --- commands ------------------------------------------------------------------------------------------

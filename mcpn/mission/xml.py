@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -32,10 +30,10 @@ from mcpn.mission.model import (
     Software,
     Use,
 )
+from mcpn.mission.schema import NAMESPACE, find_misfits
 from mcpn.mission.validate import find_errors
 from mcpn.xmlio import parse_xml
 
-NAMESPACE = "urn:mcpn:mission:1"
 MAX_FILE_BYTES = 16 << 20
 MAX_IMPORTS = 1000
 MAX_DEPTH = 64
@@ -69,12 +67,6 @@ def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> 
 def _by_place(problem: Problem) -> tuple[str, int, str]:
     source = problem.source or Source("")
     return source.file, source.line or 0, problem.message
-
-
-@cache
-def _schema() -> etree.RelaxNG:
-    with resources.files("mcpn.mission").joinpath("schema.rng").open("rb") as file:
-        return etree.RelaxNG(etree.parse(file))
 
 
 @dataclass
@@ -122,11 +114,9 @@ class _Reader:
             return None
         if not self.bounded(element, path):
             return None
-        schema = _schema()
-        if schema.validate(element):
-            return element
-        self.problems.extend(_explain(schema, element, path))
-        return None
+        misfits = find_misfits(element)
+        self.problems.extend(Problem(Source(str(path), line), message) for line, message in misfits)
+        return None if misfits else element
 
     def bounded(self, element: etree._Element, path: Path) -> bool:
         depths = {element: 1}
@@ -287,18 +277,6 @@ def _names(element: etree._Element, attribute: str) -> tuple[str, ...]:
 
 def _truth(element: etree._Element, attribute: str) -> bool:
     return element.get(attribute, "true").strip() in ("true", "1")
-
-
-def _explain(schema: etree.RelaxNG, root: etree._Element, path: Path) -> list[Problem]:
-    """The schema's complaints, each line once; a wrong root is told in words of its own."""
-    if root.tag not in {f"{{{NAMESPACE}}}{tag}" for tag in ("mission", "robot", "protocols")}:
-        found = f"expected a mission file (namespace {NAMESPACE}), found the root element {root.tag}"
-        return [Problem(_source(root, path), found)]
-    by_line: dict[int, list[str]] = {}
-    for entry in schema.error_log:
-        by_line.setdefault(entry.line, []).append(entry.message)
-    # libxml2 ends each chain of complaints with vague ones: the first of a line says what was found.
-    return [Problem(Source(str(path), line), found[0]) for line, found in by_line.items()]
 
 
 # --- writing -------------------------------------------------------------------------------------------

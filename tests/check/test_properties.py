@@ -1,0 +1,200 @@
+"""Verdicts, their runs, and functioning modes."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+
+from mcpn.check.modes import functioning_modes
+from mcpn.check.properties import INFORMATIVE, REQUIRED, MissionCheck, check_mission
+from mcpn.check.runs import stabilise
+from mcpn.errors import LimitError
+from mcpn.mission.model import (
+    SUCCEED,
+    Activity,
+    Alternative,
+    Block,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Robot,
+)
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.petri import Marking
+from mcpn.space.alternatives import direct
+from mcpn.testing import missions
+
+
+@pytest.fixture(scope="module")
+def ulysse_check(ulysse_net: MissionNet) -> MissionCheck:
+    return check_mission(ulysse_net)
+
+
+def small(*blocks: Block) -> Mission:
+    robot = Robot(
+        name="r",
+        hardware=(Hardware(name="H"),),
+        activities=(
+            Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),)),
+            Activity(name="also", alternatives=(Alternative(name="also", consumes=("H",)),)),
+            Activity(name="free", alternatives=(Alternative(name="free"),)),
+        ),
+    )
+    return Mission(name="m", robots=(robot,), blocks=blocks)
+
+
+def play(found: MissionNet, events: list[str]) -> Marking:
+    """The stable marking after some events, by the net's own rule; one transition fires on each."""
+    net = found.net
+    marking = stabilise(net, net.initial)
+    for event in events:
+        (fired,) = [t for t in net.enabled(marking) if net.transitions[t].event == event]
+        marking = stabilise(net, net.fire(marking, fired))
+    return marking
+
+
+def test_ulysse_holds_all_that_is_required(ulysse_check: MissionCheck) -> None:
+    assert ulysse_check.passed
+    holds = {name: verdict.holds for name, verdict in ulysse_check.verdicts.items()}
+    assert holds == {**dict.fromkeys(REQUIRED, True), "failure_reachable": True, "unselectable": False}
+    assert list(holds) == [*REQUIRED, *INFORMATIVE]
+
+
+def test_ulysse_runs_are_shortest_and_lead_where_they_say(ulysse_check: MissionCheck) -> None:
+    found = ulysse_check.mission_net
+    for name, place in (("success_reachable", found.success), ("failure_reachable", found.failure)):
+        (run,) = ulysse_check.verdicts[name].runs
+        assert play(found, [step.event for step in run])[place]
+        # Start, leave the coral head, fail to dive, go up: nothing shorter leads to an end of the mission.
+        assert len(run) == 4
+
+
+def test_runs_are_told_in_mission_words(ulysse_check: MissionCheck) -> None:
+    (run,) = ulysse_check.verdicts["success_reachable"].runs
+    assert run[0].words == (
+        "mission ulysse starts: coral_head.manual_moving begins, localisation runs as gps_localisation"
+    )
+    assert run[-1].words.endswith("the mission ends in success")
+
+
+def test_ulysse_functioning_modes(ulysse_check: MissionCheck) -> None:
+    # The paper, 4.3: an objective that needs the location has two modes, by GPS and by IMU.
+    modes = ulysse_check.modes
+    for name in ("coral_head.manual_moving", "transect.diving", "transect.advancing", "transect.going_up"):
+        assert [mode["localisation"] for mode in modes[name]] == ["gps_localisation", "imu_localisation"]
+        assert [set(mode) & {"gps_driver", "imu_driver"} for mode in modes[name]] == [
+            {"gps_driver"},
+            {"imu_driver"},
+        ]
+    assert modes["transect.filming"] == [{"filming": "filming"}]
+
+
+@given(missions(max_objectives=2, max_depth=1))
+def test_modes_are_those_of_the_stable_markings(mission: Mission) -> None:
+    found = compose(mission)
+    try:
+        graph = direct(found.net, proof=False, max_states=2000)
+    except LimitError:
+        return
+    index = found.net.place_index
+    modes = functioning_modes(found, graph)
+    for section in found.graph.walk():
+        seen = set()
+        closure = {b for a in section.activities for b in found.usage.closure(a)}
+        for state in range(graph.states):
+            marking = graph.marking(state)
+            if marking[index[f"OBJ_{section.name}"]]:
+                mode = {
+                    (a.name, alternative.name)
+                    for a in mission.activities
+                    if a.name in closure
+                    for i, alternative in enumerate(a.alternatives)
+                    if marking[index[f"{a.name}_active{i + 1}"]]
+                }
+                if set(section.activities) <= {a for a, _ in mode}:
+                    seen.add(frozenset(mode))
+        assert {frozenset(mode.items()) for mode in modes[section.name]} == seen
+
+
+def test_contention_fails_confluence_with_two_runs_and_words() -> None:
+    found = check_mission(
+        compose(
+            small(
+                Parallel(
+                    name="both",
+                    blocks=(
+                        Objective(name="x", activities=("use",)),
+                        Objective(name="y", activities=("also",)),
+                    ),
+                )
+            )
+        )
+    )
+    verdict = found.verdicts["confluent"]
+    assert verdict.holds is False
+    assert len(verdict.runs) == 2
+    assert "also and use, both in parallel block both, both need H" in verdict.explanation
+    assert not found.passed
+    assert found.alternatives is None
+    assert found.verdicts["can_always_finish"].holds is True  # decided on the markings graph
+
+
+def test_a_mission_that_loops_for_ever_cannot_finish() -> None:
+    found = check_mission(compose(small(Objective(name="x", activities=("use",), success="x", failure="x"))))
+    assert found.verdicts["success_reachable"].holds is False
+    assert found.verdicts["can_always_finish"].holds is False
+    assert found.verdicts["can_always_finish"].runs == ((),)  # from the start
+    assert found.verdicts["failure_reachable"].holds is False
+    assert found.verdicts["deadlock_free"].holds is True
+    assert not found.passed
+
+
+def test_a_trap_on_the_way_is_shown_by_its_shortest_run() -> None:
+    found = check_mission(
+        compose(
+            small(
+                Objective(name="x", activities=("free",), success=SUCCEED, failure="y"),
+                Objective(name="y", activities=("free",), success="y", failure="y"),
+            )
+        )
+    )
+    assert found.verdicts["success_reachable"].holds is True
+    (run,) = found.verdicts["can_always_finish"].runs
+    assert [step.event for step in run] == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
+
+
+def test_what_can_never_be_selected_is_found() -> None:
+    robot = Robot(
+        name="r",
+        hardware=(Hardware(name="H", faulty=False), Hardware(name="spare")),
+        activities=(
+            Activity(
+                name="a",
+                alternatives=(
+                    Alternative(name="first", consumes=("H",)),
+                    Alternative(name="second", consumes=("spare",)),
+                ),
+            ),
+        ),
+    )
+    mission = Mission(name="m", robots=(robot,), blocks=(Objective(name="x", activities=("a",)),))
+    found = check_mission(compose(mission))
+    assert found.passed
+    assert found.verdicts["unselectable"].holds is True
+    assert [p.message for p in found.unselectable] == [
+        "alternative a.second can never be selected",
+        "resource spare is never used",
+    ]
+
+
+def test_an_unsafe_net_leaves_the_rest_unknown(ulysse_net: MissionNet) -> None:
+    from dataclasses import replace
+
+    # The reference net is known not to be 1-safe without its priorities.
+    net = replace(ulysse_net.net, priorities=False)
+    found = check_mission(replace(ulysse_net, net=net))
+    assert found.verdicts["safe"].holds is False
+    assert found.verdicts["bounded"].holds is None
+    assert len(found.verdicts["safe"].runs) == 1
+    assert not found.passed

@@ -1,0 +1,163 @@
+"""The mission language: what is written is read back, and means what it says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.mission.flatten import ParallelSection, flatten
+from mcpn.mission.model import FAIL, SUCCEED, Mission, Recursive
+from mcpn.mission.validate import find_errors, find_warnings
+from mcpn.mission.xml import read_mission, save_mission
+from mcpn.testing import missions
+
+HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1">'
+ROBOT = (
+    '<robot name="r"><hardware name="H"/><software name="S"/>'
+    '<activity name="driver" produces="S" consumes="H"/><activity name="go" consumes="S"/>'
+    '<activity name="look"/></robot>'
+)
+
+
+def mission(tmp_path: Path, text: str) -> Mission:
+    (tmp_path / "m.xml").write_text(HEAD + ROBOT + text + "</mission>")
+    return read_mission(tmp_path / "m.xml")
+
+
+@given(missions(text=True))
+def test_reading_what_was_written_gives_the_same_mission(
+    tmp_path_factory: pytest.TempPathFactory, written: Mission
+) -> None:
+    path = tmp_path_factory.mktemp("round") / "mission.xml"
+    save_mission(written, path)
+    assert read_mission(path) == written
+
+
+@given(missions(text=True))
+def test_generated_missions_are_valid(generated: Mission) -> None:
+    assert find_errors(generated) == []
+
+
+def test_ulysse_is_split_as_its_three_actors_would(ulysse: Mission) -> None:
+    # The paper, section 8: 11 activities, 3 hardware and 4 software resources, 7 elementary objectives.
+    assert [len(part) for part in (ulysse.activities, ulysse.hardware, ulysse.software)] == [11, 3, 4]
+    graph = flatten(ulysse)
+    assert len(list(graph.walk())) == 7
+    assert {s.source.file.rsplit("/", 1)[-1] for s in graph.walk() if s.source} == {"protocols.xml"}
+    assert find_warnings(ulysse) == []
+
+
+def test_ulysse_objectives_graph(ulysse: Mission) -> None:
+    graph = flatten(ulysse)
+    routes = {s.name: (s.success, s.failure) for s in graph.sections}
+    assert graph.entry == "coral_head.manual_moving"
+    assert routes == {
+        "coral_head.manual_moving": ("coral_head.isopheric_observation", "transect.diving"),
+        "coral_head.isopheric_observation": ("transect.diving", "transect.diving"),
+        "transect.diving": ("transect.census", "transect.going_up"),
+        "transect.census": ("transect.going_up", "transect.going_up"),
+        "transect.going_up": (SUCCEED, FAIL),
+    }
+    census = graph.section("transect.census")
+    assert isinstance(census, ParallelSection)
+    assert [(b.name, b.mandatory) for b in census.branches] == [
+        ("transect.filming", True),
+        ("transect.advancing", True),
+        ("transect.measuring_temperature", True),
+    ]
+
+
+def test_parameters_of_a_use_override_those_of_its_protocol(ulysse: Mission) -> None:
+    diving = next(s for s in flatten(ulysse).walk() if s.name == "transect.diving")
+    assert {(p.name, p.value, p.unit) for p in diving.parameters} == {
+        ("depth", "10", "m"),
+        ("length", "50", "m"),
+    }
+
+
+def test_the_objectives_graph_as_networkx(ulysse: Mission) -> None:
+    drawn = flatten(ulysse).to_networkx()
+    kinds = [drawn.nodes[node]["kind"] for node in drawn]
+    assert (kinds.count("objective"), kinds.count("parallel")) == (7, 1)
+    assert drawn.has_edge("transect.going_up", SUCCEED)
+    census = drawn["transect.census"].items()
+    assert {v for v, edges in census if any(e["outcome"] == "branch" for e in edges.values())} == {
+        "transect.filming",
+        "transect.advancing",
+        "transect.measuring_temperature",
+    }
+
+
+def test_uses_nest_and_routes_may_go_back(tmp_path: Path) -> None:
+    found = mission(
+        tmp_path,
+        '<protocols><protocol name="inner"><objective name="x" activities="go" failure="x"/></protocol>'
+        '<protocol name="outer"><use name="i" protocol="inner"/><objective name="y" activities="look"/>'
+        "</protocol></protocols>"
+        '<use name="o" protocol="outer" failure="again"/><objective name="z" activities="look"/>'
+        '<objective name="again" activities="go" success="o"/>',
+    )
+    routes = {s.name: (s.success, s.failure) for s in flatten(found).sections}
+    assert routes == {
+        "o.i.x": ("o.y", "o.i.x"),
+        "o.y": ("z", "again"),
+        "z": ("again", FAIL),
+        "again": ("o.i.x", FAIL),
+    }
+
+
+def test_imports_are_merged_once(tmp_path: Path) -> None:
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "r.xml").write_text(ROBOT.replace("<robot ", '<robot xmlns="urn:mcpn:mission:1" '))
+    text = '<import href="robots/r.xml"/><import href="./robots/r.xml"/><objective name="o" activities="go"/>'
+    (tmp_path / "m.xml").write_text(f"{HEAD}{text}</mission>")
+    found = read_mission(tmp_path / "m.xml")
+    assert len(found.robots) == 1
+    assert found.hardware[0].source is not None
+    assert found.hardware[0].source.file.endswith("r.xml")
+
+
+def test_a_wider_import_root_is_an_option(tmp_path: Path) -> None:
+    (tmp_path / "r.xml").write_text(ROBOT.replace("<robot ", '<robot xmlns="urn:mcpn:mission:1" '))
+    (tmp_path / "in").mkdir()
+    text = '<import href="../r.xml"/><objective name="o" activities="go"/>'
+    (tmp_path / "in" / "m.xml").write_text(f"{HEAD}{text}</mission>")
+    assert read_mission(tmp_path / "in" / "m.xml", import_root=tmp_path).hardware[0].name == "H"
+
+
+def test_warnings_name_their_lines(tmp_path: Path) -> None:
+    found = mission(
+        tmp_path,
+        '\n<robot name="q"><hardware name="spare"/>\n<activity name="idle"/>\n'
+        '<activity name="two">\n<alternative name="always"/>\n<alternative name="never" consumes="H"/>'
+        "</activity></robot>\n"
+        '<protocols><protocol name="unused"><objective name="x" activities="look"/></protocol></protocols>\n'
+        '<objective name="first" activities="two" success="succeed"/>\n'
+        '<objective name="lost" activities="go"/>',
+    )
+    told = [(p.source.line, p.message) for p in find_warnings(found) if p.source]
+    assert told == [
+        (2, "resource spare is never consumed"),
+        (3, "activity idle is never started"),
+        (6, "alternative never is never tried: always is always possible"),
+        (7, "protocol unused is never used"),
+        (9, "no route reaches block lost"),
+    ]
+
+
+@given(missions(), st.data())
+def test_flattening_keeps_every_reachable_objective_once(generated: Mission, data: st.DataObject) -> None:
+    names = [section.name for section in flatten(generated).walk()]
+    assert len(names) == len(set(names))
+    assert names
+
+
+def test_deeply_nested_blocks_are_flattened(tmp_path: Path) -> None:
+    depth = 50
+    opening = "".join(f'<objective name="r{i}">' for i in range(depth))
+    found = mission(tmp_path, f'{opening}<objective name="o" activities="go"/>{"</objective>" * depth}')
+    assert isinstance(found.blocks[0], Recursive)
+    assert [s.name for s in flatten(found).walk()] == ["o"]

@@ -1,0 +1,69 @@
+"""The rules of the house: which way imports point, and what the command line's help may load."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
+# The way of the data; a room may import its own kind and what stands before it.
+WAY = [
+    "errors",
+    "files",
+    "xmlio",
+    "mission",
+    "net",
+    "space",
+    "check",
+    "controller",
+    "report",
+    "testing",
+    "cli",
+]
+MODULES = sorted(PACKAGE.rglob("*.py"))
+
+
+def imported(path: Path) -> set[str]:
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative imports hide the way"
+            names.add(node.module or "")
+    return names
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_only_point_backwards(path: Path) -> None:
+    room = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    if room == "__init__":
+        assert not {name for name in imported(path) if name.startswith("mcpn")}
+        return
+    assert room in WAY, f"{path} stands in no known room"
+    for name in imported(path):
+        if name.startswith("mcpn."):
+            target = name.split(".")[1]
+            assert WAY.index(target) <= WAY.index(room), f"{path} imports {name}"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_modules_are_of_a_size_to_be_read(path: Path) -> None:
+    assert len(path.read_text().splitlines()) <= 420
+
+
+def test_help_loads_nothing_heavy() -> None:
+    heavy = {"numpy", "networkx", "lxml", "rich", "hypothesis", "scipy"}
+    script = (
+        "import sys\n"
+        "from click.testing import CliRunner\n"
+        "from mcpn.cli import command_line\n"
+        "assert CliRunner().invoke(command_line, ['--help']).exit_code == 0\n"
+        f"print(*sorted({heavy!r} & sys.modules.keys()))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == []

@@ -1,0 +1,258 @@
+"""The command line, as other programs and people see it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.conftest import ULYSSE
+from tests.mission.test_broken import BROKEN
+
+CONTENTION = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r"><hardware name="H"/><activity name="a" consumes="H"/><activity name="b" consumes="H"/></robot>
+<parallel name="p"><objective name="x" activities="a"/><objective name="y" activities="b"/></parallel>
+</mission>"""
+
+
+def mcpn(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "mcpn.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+def output(*arguments: object, code: int = 0) -> Any:
+    """The one JSON object of a command."""
+    run = mcpn(*arguments, "--json")
+    assert run.returncode == code, run.stderr
+    assert run.stderr == ""
+    return json.loads(run.stdout)
+
+
+def test_check_passes_on_ulysse() -> None:
+    found = output("check", ULYSSE)
+    assert list(found) == [
+        "mission",
+        "places",
+        "transitions",
+        "markings",
+        "alternatives",
+        "verdicts",
+        "witnesses",
+        "engine",
+        "seconds",
+    ]
+    assert (found["mission"], found["places"], found["transitions"]) == ("ulysse", 133, 150)
+    assert found["markings"] == {"states": 44299, "edges": 124078}
+    assert found["alternatives"] == {"states": 260, "edges": 1332}
+    assert found["verdicts"] == {
+        "safe": True,
+        "bounded": True,
+        "confluent": True,
+        "deadlock_free": True,
+        "success_reachable": True,
+        "can_always_finish": True,
+        "failure_reachable": True,
+        "unselectable": False,
+    }
+
+
+def test_check_for_a_person_says_sizes_verdicts_runs_and_modes() -> None:
+    run = mcpn("check", ULYSSE)
+    assert run.returncode == 0
+    for words in (
+        "133 places; 150 transitions; 44299 markings, 124078 edges; 260 stable states, 1332 event edges",
+        "can_always_finish",
+        "objective transect.going_up succeeds: the mission ends in success",
+        "localisation: imu_localisation",
+        "all required verdicts hold",
+    ):
+        assert words in run.stdout
+
+
+def test_a_verdict_that_fails_exits_with_1(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(CONTENTION)
+    found = output("check", path, code=1)
+    assert found["verdicts"]["confluent"] is False
+    assert len(found["witnesses"]["confluent"]) == 2
+    assert found["alternatives"] == {"states": None, "edges": None}
+    run = mcpn("check", path)
+    assert run.returncode == 1
+    assert "m.xml:3: a and b, both in parallel block p, both need H" in run.stdout
+    assert mcpn("alternatives", path).returncode == 1
+    controller = mcpn("controller", path, "-o", tmp_path / "out")
+    assert controller.returncode == 1
+    assert "Traceback" not in controller.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_states_of_ulysse() -> None:
+    found = output("states", ULYSSE)
+    assert found.pop("seconds") > 0
+    assert found == {
+        "places": 133,
+        "transitions": 150,
+        "states": 44299,
+        "edges": 124078,
+        "stable_states": 260,
+        "dead_states": 0,
+        "max_tokens": found["max_tokens"],
+        "nodes": None,
+        "engine": "explicit",
+    }
+
+
+@pytest.mark.parametrize("method", ["direct", "reduction"])
+def test_alternatives_of_ulysse(method: str) -> None:
+    found = output("alternatives", ULYSSE, "--method", method)
+    assert found.pop("seconds") > 0
+    assert found == {"states": 260, "edges": 1332, "events": 21, "method": method}
+
+
+@pytest.mark.parametrize("suffix", ["json", "graphml", "aut", "dot"])
+def test_alternatives_are_written(suffix: str, tmp_path: Path) -> None:
+    import networkx as nx
+
+    path = tmp_path / f"a.{suffix}"
+    assert mcpn("alternatives", ULYSSE, "-o", path).returncode == 0
+    text = path.read_text()
+    if suffix == "json":
+        document = json.loads(text)
+        assert (len(document["states"]), len(document["edges"])) == (260, 1332)
+    elif suffix == "graphml":
+        graph = nx.read_graphml(path, force_multigraph=True)
+        assert (graph.number_of_nodes(), graph.number_of_edges()) == (260, 1332)
+    elif suffix == "aut":
+        assert text.splitlines()[0] == "des (0, 1332, 260)"
+        assert len(text.splitlines()) == 1333
+    else:
+        assert text.count(" -> ") == 1332
+    assert mcpn("alternatives", ULYSSE, "-o", tmp_path / "a.txt").returncode == 2
+
+
+def test_the_controller_is_written(tmp_path: Path) -> None:
+    run = mcpn("controller", ULYSSE, "--target", "json", "-o", tmp_path / "out")
+    assert run.returncode == 0
+    document = json.loads((tmp_path / "out" / "controller.json").read_text())
+    assert (len(document["states"]), len(document["edges"])) == (260, 1332)
+
+
+def test_conversions_keep_the_graph(tmp_path: Path) -> None:
+    source: Path = ULYSSE
+    for suffix in (".net", ".pnml", ".json"):
+        target = tmp_path / f"u{suffix}"
+        run = mcpn("convert", source, target)
+        assert run.returncode == 0
+        assert ("no priorities" in run.stderr) == (suffix == ".pnml")
+        source = target
+    found = output("states", source)
+    assert (found["states"], found["edges"], found["stable_states"]) == (44299, 124078, 260)
+    assert mcpn("convert", ULYSSE, tmp_path / "u.dot").returncode == 0
+    assert (tmp_path / "u.dot").read_text().startswith("digraph")
+
+
+def test_foreign_nets_have_no_stable_states(tmp_path: Path) -> None:
+    (tmp_path / "n.net").write_text("net n\npl p (1)\ntr t p -> q\ntr u q -> p\n")
+    found = output("states", tmp_path / "n.net")
+    assert (found["states"], found["edges"], found["stable_states"], found["max_tokens"]) == (2, 2, None, 1)
+
+
+def test_an_unsafe_net_names_the_firing(tmp_path: Path) -> None:
+    (tmp_path / "n.net").write_text("net n\npl p (1)\ntr t p -> p q\n")
+    run = mcpn("states", tmp_path / "n.net")
+    assert run.returncode == 1
+    assert "firing t would put a second token in q" in run.stderr
+    assert "run 1: t t" in run.stderr
+
+
+@pytest.mark.parametrize("name", [*list(BROKEN)[::4], "nested 100,000 deep", "entity bomb"])
+def test_bad_input_exits_with_2_and_writes_nothing(name: str, tmp_path: Path) -> None:
+    text, line, _ = BROKEN[name]
+    path = tmp_path / "m.xml"
+    path.write_text(text)
+    for arguments in (["check", path], ["controller", path, "-o", tmp_path / "out"]):
+        run = mcpn(*arguments)
+        assert run.returncode == 2
+        assert f"error: {path}:{line}: " in run.stderr
+        assert "Traceback" not in run.stderr
+        assert run.stdout == ""
+    run = mcpn("check", path, "--json")
+    assert (run.returncode, run.stdout) == (2, "")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_limits_exit_with_2() -> None:
+    run = mcpn("states", ULYSSE, "--max-states", 1000)
+    assert run.returncode == 2
+    assert "more than 1000 states" in run.stderr
+
+
+def test_wrong_usage_exits_with_2(tmp_path: Path) -> None:
+    for arguments in (
+        ["check"],
+        ["fly", ULYSSE],
+        ["states", tmp_path / "no.xml"],
+        ["convert", ULYSSE, "x.txt"],
+    ):
+        run = mcpn(*arguments)
+        assert run.returncode == 2
+        assert run.stderr
+        assert "Traceback" not in run.stderr
+
+
+def test_output_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    run = mcpn("controller", ULYSSE, "-o", tmp_path / "file" / "out")
+    assert run.returncode == 2
+    run = mcpn("convert", ULYSSE, tmp_path / "missing" / "u.net")
+    assert run.returncode == 2
+    assert "cannot be written" in run.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_interrupting_an_exploration_ends_cleanly(tmp_path: Path) -> None:
+    lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(40))]
+    (tmp_path / "big.net").write_text("\n".join(lines) + "\n")
+    command = [sys.executable, "-m", "mcpn.cli", "states", str(tmp_path / "big.net")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(3)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert (out, err.strip()) == ("", "interrupted")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes")
+def test_a_closed_pipe_ends_quietly() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "mcpn.cli", "check", str(ULYSSE)]
+    run = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(write)
+    assert "Traceback" not in run.stderr
+    assert "Exception" not in run.stderr
+
+
+def test_help_and_version_answer() -> None:
+    assert "check" in mcpn("--help").stdout
+    assert mcpn("--version").stdout.startswith("mcpn, version ")
+
+
+@given(st.binary(max_size=200))
+def test_no_bytes_make_a_mission_crash(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+    from mcpn.errors import McpnError
+    from mcpn.mission.xml import read_mission
+
+    path = tmp_path_factory.mktemp("bytes") / "m.xml"
+    path.write_bytes(data)
+    with pytest.raises(McpnError):
+        read_mission(path)
