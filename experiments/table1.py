@@ -30,8 +30,8 @@ MISSION = Path(__file__).parent / "ulysse" / "mission.xml"
 T = TypeVar("T")
 
 WHY = """\
-The figures of the paper's templates are lost: ours were rebuilt from its sentences, satisfy each of them and give
-its net size exactly, but the sentences do not fix every arc, so its program explored another net than ours.
+The figures of the paper's templates are lost: ours were rebuilt from its sentences and give its net size
+exactly, but the sentences do not fix every arc, so its program explored another net than ours.
 The counts are therefore shown side by side as they are; nothing here was tuned to the paper's."""
 
 
@@ -89,7 +89,7 @@ def main() -> None:
         ways.add_row(label, f"{seconds:.4f}", f"{reduction / seconds:.1f} x")
     ways.add_row("the proof alone", f"{with_proof - unproved:.4f}", "")
     console.print(ways)
-    console.print(WHY, highlight=False)
+    console.print(WHY, highlight=False, soft_wrap=True)
     versions = f"mcpn {mcpn.__version__}, Python {platform.python_version()}, numpy {numpy.__version__}"
     console.print(f"{versions}, networkx {networkx.__version__}; {platform.system()} {platform.machine()}")
 

@@ -19,6 +19,8 @@ from mcpn.space.firing import MaskedNet
 from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack
 
 DEFAULT_MAX_STATES = 5_000_000
+MAX_UNRECORDED = 100_000
+"""Internal firings in a row before the direct way starts to look for a marking that comes back."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +173,19 @@ class _Direct:
         self.parents.setdefault(marking, origin)
         return self.every_end(marking, covered) if self.prove else self.one_end(marking, covered)
 
+    def recorded_end(self, marking: int, covered: int) -> int:
+        """Follows one interleaving as :meth:`one_end` does, noting its run for the error that it ends in."""
+        masked, seen = self.masked, set[int]()
+        while internal := covered & masked.internal:
+            seen.add(marking)
+            t = (internal & -internal).bit_length() - 1
+            before, marking = marking, self.step(marking, t)
+            if marking in seen:
+                raise divergence_error([*self.run(before), self.net.transitions[t].name])
+            self.parents.setdefault(marking, (before, t))
+            covered = masked.covered_after(covered, marking, t)
+        return marking
+
     def step(self, marking: int, transition: int) -> int:
         after, doubled = self.masked.fire(marking, transition)
         if doubled:
@@ -180,18 +195,25 @@ class _Direct:
         return after
 
     def one_end(self, marking: int, covered: int) -> int:
-        """Follows one interleaving to its stable end."""
-        masked, seen = self.masked, set[int]()
-        start = marking
-        while internal := covered & masked.internal:
-            if marking in seen:
-                return self.every_end(start, masked.covered(start))  # raises, with the run
-            seen.add(marking)
+        """Follows one interleaving to its stable end; only internal transitions are kept track of."""
+        masked = self.masked
+        need, take, put, overflow = masked.need, masked.take, masked.put, masked.overflow
+        winners, losers = masked.internal_winners, masked.losers
+        at, internal = marking, covered & masked.internal
+        for _ in range(MAX_UNRECORDED):
+            if not internal:
+                return at
             t = (internal & -internal).bit_length() - 1
-            before, marking = marking, self.step(marking, t)
-            self.parents.setdefault(marking, (before, t))
-            covered = masked.covered_after(covered, marking, t)
-        return marking
+            kept = at & ~take[t]
+            if kept & put[t] or overflow[t]:
+                break
+            at = kept | put[t]
+            internal &= ~losers[t]
+            for u in winners[t]:
+                if at & need[u] == need[u]:
+                    internal |= 1 << u
+        # Unsafe, or long enough to suspect that it never ends.
+        return self.recorded_end(marking, covered)
 
     def every_end(self, start: int, covered: int) -> int:
         """Explores every transient marking behind one, each once, and proves that their ends agree."""
