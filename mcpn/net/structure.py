@@ -11,6 +11,7 @@ Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. I
 ...     _ = builder.place(place, initial=tokens)
 >>> builder.transition("press", consume=["off"], produce=["on", "presses"])
 >>> builder.transition("fuse", consume=["on"], produce=["broken"])
+>>> builder.transition("repair", consume=["broken"], produce=["off"])
 >>> net = builder.build()
 >>> invariants(net)
 ({0: 1, 1: 1, 2: 1},)
@@ -183,8 +184,8 @@ def state_machine_units(net: PetriNet, *, steps: int = SEARCH_STEPS) -> tuple[tu
     greedily: the units that the net itself declares come first where they are such invariants; then, from
     each place that no group has yet, a search adds a place that balances a transition, places without a
     group first, and takes the choice back where it leads nowhere. Groups may overlap, and each has a place
-    that those before it do not have. Any one place of a group is determined by the others; a marked place that
-    nothing changes is a group of its own.
+    that those before it do not have. Any one place of a group is determined by the others; a marked place
+    that nothing changes is a group of its own.
 
     Args:
         net: The net.
@@ -226,6 +227,9 @@ class _UnitSearch:
                 (self.takers if change < 0 else self.givers)[transition].append(place)
         self.covered: set[int] = set()
         self.group: set[int] = set()
+        self.barred: set[int] = set()
+        self.balance: Sparse = {}
+        self.tokens = 0
 
     def grow(self, seed: int, steps: int) -> int:
         """Leaves in ``group`` a unit that holds the seed, or nothing; returns how many places it tried."""

@@ -63,3 +63,37 @@ def reachable(net: PetriNet, limit: int = 5000) -> tuple[dict[Marking, int], int
                 found[after] = found[marking] + 1
                 queue.append(after)
     return found, edges, safe
+
+
+def pt_nets(*, odd_names: bool = False) -> st.SearchStrategy[PetriNet]:
+    """Small nets with weights and several tokens: what place/transition nets can say, and events."""
+    return nets(max_weight=4, odd_names=odd_names)
+
+
+def safe_ish_nets() -> st.SearchStrategy[PetriNet]:
+    """Small nets with weights 1 and at most one token a place at first: many of them are 1-safe."""
+    return nets(max_weight=1)
+
+
+@st.composite
+def state_machines(draw: st.DrawFn) -> tuple[PetriNet, int]:
+    """Rings of states side by side that synchronise on common transitions, and how many: all 1-safe."""
+    builder = NetBuilder("machines")
+    machines = draw(st.integers(1, 4))
+    sizes = [draw(st.integers(1, 4)) for _ in range(machines)]
+    for machine, size in enumerate(sizes):
+        start = draw(st.integers(0, size - 1))
+        for state in range(size):
+            builder.place(f"m{machine}s{state}", initial=int(state == start))
+            after = f"m{machine}s{(state + 1) % size}"
+            builder.transition(f"m{machine}t{state}", consume=[f"m{machine}s{state}"], produce=[after])
+    moves = st.tuples(st.integers(0, 3), st.integers(0, 3))
+    for number in range(draw(st.integers(0, 8))):
+        members = draw(st.sets(st.integers(0, machines - 1), min_size=1, max_size=2))
+        consume, produce = [], []
+        for machine in sorted(members):
+            source, target = draw(moves)
+            consume.append(f"m{machine}s{source % sizes[machine]}")
+            produce.append(f"m{machine}s{target % sizes[machine]}")
+        builder.transition(f"t{number}", consume=consume, produce=produce)
+    return builder.build(), machines
