@@ -46,8 +46,8 @@ def write_atomically(path: Path, data: bytes | str) -> None:
     Raises:
         InputError: It cannot be written; what stood there before is untouched.
     """
-    content = data.encode() if isinstance(data, str) else data
     try:
+        content = data.encode() if isinstance(data, str) else data
         handle, beside = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
@@ -59,5 +59,6 @@ def write_atomically(path: Path, data: bytes | str) -> None:
         except BaseException:
             os.unlink(beside)
             raise
-    except OSError as error:
-        raise InputError.at(Source(str(path)), f"cannot be written: {error.strerror or error}") from error
+    except (OSError, ValueError) as error:  # ValueError: half a character in the text, a NUL in the path
+        what = getattr(error, "strerror", None) or error
+        raise InputError.at(Source(str(path)), f"cannot be written: {what}") from error

@@ -75,4 +75,5 @@ def _weight(weight: int, *attributes: str) -> str:
 
 
 def _quote(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    # Graphviz reads backslashes and the character references of HTML in any label.
+    return '"' + text.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') + '"'

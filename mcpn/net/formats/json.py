@@ -9,10 +9,13 @@ One object: ``format`` (``mcpn-net``), ``version`` (1), ``name``, ``priorities``
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from mcpn.errors import InputError, Source
+from mcpn.net.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts
 from mcpn.net.petri import Arcs, NetBuilder, PetriNet, Provenance
 
 
@@ -24,7 +27,11 @@ def write_json(net: PetriNet) -> str:
 
     Returns:
         The text.
+
+    Raises:
+        InputError: A number is beyond what files may say.
     """
+    check_counts(net)
     document = {
         "format": "mcpn-net",
         "version": 1,
@@ -76,59 +83,106 @@ def read_json(path: Path, data: bytes) -> PetriNet:
         The net.
 
     Raises:
-        InputError: It is no JSON, or not of this format.
+        InputError: It is no JSON, or not of this format; says where in the document.
     """
     try:
-        document = json.loads(data)
-    except (ValueError, RecursionError) as error:
-        line = getattr(error, "lineno", 1)
-        raise InputError.at(Source(str(path), line), f"not JSON: {error}") from error
-    if not isinstance(document, dict) or document.get("format") != "mcpn-net" or document.get("version") != 1:
-        raise InputError.at(Source(str(path)), 'expected an object with "format": "mcpn-net", "version": 1')
+        document = json.loads(data, object_pairs_hook=_object)
+    except json.JSONDecodeError as error:
+        raise InputError.at(Source(str(path), error.lineno), f"not JSON: {error}") from error
+    except (ValueError, RecursionError) as error:  # also bytes that are not UTF-8, and endless numbers
+        raise InputError.at(Source(str(path), 1), f"not JSON: {error}") from error
     try:
-        return _build(document)
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise InputError.at(Source(str(path)), f"not a net: {type(error).__name__} {error}") from error
+        return _net(_Value(document, "the document"))
     except InputError as error:
         raise InputError.at(Source(str(path)), str(error)) from error
 
 
-def _build(document: dict[str, Any]) -> PetriNet:
-    builder = NetBuilder(_text(document["name"]), priorities=document["priorities"] is True)
-    for place in document["places"]:
-        builder.place(_text(place["name"]), initial=_count(place["initial"]), provenance=_provenance(place))
-    for t in document["transitions"]:
-        sides = ({p: _count(w) for p, w in t[side].items()} for side in ("consume", "produce", "read"))
-        consume, produce, read = sides
-        event = None if t["event"] is None else _text(t["event"])
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"the key {key!r} is given twice")
+        found[key] = value
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Value:
+    """A value with the way to it, for messages; each method is one expectation."""
+
+    value: Any
+    way: str
+
+    def fail(self, expected: str) -> NoReturn:
+        if isinstance(self.value, dict | list):
+            found = "an object" if isinstance(self.value, dict) else "a list"
+        else:
+            shown = json.dumps(self.value)
+            found = shown if len(shown) < 40 else f"{shown[:40]}…"
+        raise InputError.at(None, f"{self.way} is {found}, expected {expected}")
+
+    def get(self, key: str, *, optional: bool = False) -> _Value:
+        if not isinstance(self.value, dict):
+            self.fail("an object")
+        if key not in self.value and not optional:
+            raise InputError.at(None, f"{self.way} has no {key!r}")
+        return _Value(self.value.get(key), f"{self.way}.{key}".removeprefix("the document."))
+
+    def items(self) -> Iterator[_Value]:
+        if not isinstance(self.value, list):
+            self.fail("a list")
+        return (_Value(item, f"{self.way}[{number}]") for number, item in enumerate(self.value))
+
+    def text(self) -> str:
+        if not isinstance(self.value, str):
+            self.fail("a text")
+        return self.value
+
+    def truth(self) -> bool:
+        if not isinstance(self.value, bool):
+            self.fail("true or false")
+        return self.value
+
+    def count(self, least: int) -> int:
+        number = self.value
+        if not isinstance(number, int) or isinstance(number, bool) or not least <= number <= MAX_COUNT:
+            self.fail(f"a whole number from {least} of at most {MAX_DIGITS} digits")
+        return number
+
+    def weights(self) -> dict[str, int]:
+        if not isinstance(self.value, dict):
+            self.fail("an object of weights by place")
+        return {place: self.get(place).count(1) for place in self.value}
+
+
+def _net(document: _Value) -> PetriNet:
+    if (document.get("format").value, document.get("version").value) != ("mcpn-net", 1):
+        document.fail('an object with "format": "mcpn-net", "version": 1')
+    builder = NetBuilder(document.get("name").text(), priorities=document.get("priorities").truth())
+    for place in document.get("places").items():
+        name, initial = place.get("name").text(), place.get("initial").count(0)
+        builder.place(name, initial=initial, provenance=_provenance(place))
+    for t in document.get("transitions").items():
+        event = t.get("event")
         builder.transition(
-            _text(t["name"]),
-            consume=consume,
-            produce=produce,
-            read=read,
-            event=event,
+            t.get("name").text(),
+            consume=t.get("consume").weights(),
+            produce=t.get("produce").weights(),
+            read=t.get("read").weights(),
+            event=None if event.value is None else event.text(),
             provenance=_provenance(t),
         )
-    for unit in document["units"]:
-        builder.unit(unit)
+    for unit in document.get("units").items():
+        builder.unit(place.text() for place in unit.items())
     return builder.build()
 
 
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"expected a text, found {value!r}")
-    return value
-
-
-def _count(value: Any) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        raise TypeError(f"expected a number from 0, found {value!r}")
-    return value
-
-
-def _provenance(node: dict[str, Any]) -> Provenance | None:
-    origin = node.get("from")
-    if origin is None:
+def _provenance(node: _Value) -> Provenance | None:
+    origin = node.get("from", optional=True)
+    if origin.value is None:
         return None
-    source = None if origin["file"] is None else Source(origin["file"], origin["line"])
-    return Provenance(origin["kind"], origin["name"], source)
+    file, line = origin.get("file"), origin.get("line")
+    source = None
+    if file.value is not None:
+        source = Source(file.text(), None if line.value is None else line.count(1))
+    return Provenance(origin.get("kind").text(), origin.get("name").text(), source)

@@ -1,211 +1,295 @@
 """TINA's textual nets (``.net``): the one reader and the one writer.
 
-Supported: ``net``, ``pl`` with labels, markings and arcs, ``tr`` with labels and arcs, weights (``p*3``),
-read arcs (``p?1``), names in braces, notes (``nt``) and positions skipped, priorities (``pr a b > c d``) that
-amount to two levels. Priorities make the upper level internal and the lower one events, named by the
-transition's label, or by the transition itself. Without priorities a label is kept as the event.
+A net is the superposition of declarations: ``net``, ``tr`` and ``pl`` with labels, markings and arcs, ``lb``,
+``pr``. Supported: weights (``p*3``), read arcs (``p?1``), names in braces with backslashes, comments,
+priorities (``pr a b > c d``, on several lines too) that amount to two levels. Priorities make the upper level
+internal and the lower one events, named by the transition's label, or by the transition itself. Without
+priorities a label is kept as the event. Notes and labels of places are skipped. Inhibitor and stopwatch arcs
+and time intervals other than ``[0,w[`` change the meaning of the net: they are refused.
 
-Reference: the formats page of the TINA toolbox (Berthomieu, Ribet, Vernadat 2004).
+A declaration starts with its keyword at the start of a line; indented lines continue it.
+
+Reference: the manual page "formats" of the TINA toolbox (Berthomieu, Ribet, Vernadat, The tool TINA, Int. J.
+of Production Research 42(14), 2004).
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
 from mcpn.errors import InputError, Source
+from mcpn.net.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts, read_count
 from mcpn.net.petri import NetBuilder, PetriNet
 
+# Each alternative starts with other characters and none backtracks: the scan takes linear time.
 _TOKEN = re.compile(
-    r"""(?P<brace>\{(?:[^{}\\]|\\.)*\})"""
-    r"""|(?P<marking>\([^()\s]*\))"""
-    r"""|(?P<interval>[\[\]][0-9.]+,\s*(?:[0-9.]+|w|oo)[\[\]])"""
-    r"""|(?P<word>(?:->|[:>]|[^\s{}()\[\]:>\-]|-(?!>))+?(?=->|[\s{}()\[\]:>]|$)|->|[:>])""",
-    re.ASCII,
+    r"(?P<space>\s+)|(?P<comment>\#.*)|(?P<braces>\{(?:[^{}\\]|\\.)*\})"
+    r"|(?P<symbol>->|\?-?|!-?|[:<>()\[\],*])|(?P<word>(?:[^\s{}()\[\]:<>,*?!\#-]|-(?!>))+)"
 )
-_PLAIN = re.compile(r"[A-Za-z_'][A-Za-z0-9_'.]*\Z", re.ASCII)
-_WEIGHT = re.compile(r"(?P<kind>\*|\?-?)(?P<count>[0-9]+[KM]?)\Z")
-_SCALE = {"K": 1000, "M": 1_000_000}
-MAX_TOKENS = 1 << 62
+_PLAIN = re.compile(r"[A-Za-z_'][A-Za-z0-9_']*\Z")
+_KEYWORDS = ("net", "pl", "tr", "pr", "lb", "nt")
+_SCALE = {"K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12, "P": 10**15, "E": 10**18}
+_REFUSED = {"?-": "inhibitor", "!": "stopwatch", "!-": "stopwatch inhibitor"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Token:
+    kind: str
+    text: str
+    line: int
+    column: int
+
+    def shown(self) -> str:
+        return "the end of the declaration" if self.kind == "end" else repr(self.text)
+
+
+class _Declaration:
+    """The tokens of one declaration, read from left to right."""
+
+    def __init__(self, path: str, keyword: _Token) -> None:
+        self.path = path
+        self.keyword = keyword
+        self.tokens: list[_Token] = []
+        self.at = 0
+
+    def fail(self, message: str, token: _Token | None = None) -> NoReturn:
+        token = token or self.keyword
+        raise InputError.at(Source(self.path, token.line), f"column {token.column}: {message}")
+
+    def peek(self) -> _Token:
+        if self.at < len(self.tokens):
+            return self.tokens[self.at]
+        last = self.tokens[-1] if self.tokens else self.keyword
+        return _Token("end", "", last.line, last.column + len(last.text))
+
+    def skip(self, *symbols: str) -> _Token | None:
+        """The next token if it is one of these symbols, which it then leaves behind."""
+        token = self.peek()
+        if token.kind != "symbol" or token.text not in symbols:
+            return None
+        self.at += 1
+        return token
+
+    def name(self, what: str) -> str:
+        token = self.peek()
+        if token.kind not in ("word", "braces"):
+            self.fail(f"found {token.shown()}, expected {what}", token)
+        self.at += 1
+        return re.sub(r"\\(.)", r"\1", token.text[1:-1]) if token.kind == "braces" else token.text
+
+    def number(self, what: str) -> int:
+        token = self.peek()
+        scale = _SCALE.get(token.text[-1:], 1)
+        number = read_count(token.text[:-1] if scale > 1 else token.text)
+        if token.kind != "word" or number is None or number * scale > MAX_COUNT:
+            self.fail(f"found {token.shown()}, expected {what}: a number below 10^{MAX_DIGITS}", token)
+        self.at += 1
+        return number * scale
+
+    def label(self) -> str | None:
+        return self.name("a label") if self.skip(":") else None
+
+    def sides(self, what: str) -> tuple[list[tuple[str, str, int]], list[tuple[str, str, int]]]:
+        """The arcs before and after the arrow, each with its other end, its kind and its weight."""
+        sides: tuple[list[tuple[str, str, int]], list[tuple[str, str, int]]] = ([], [])
+        arrows = 0
+        while (token := self.peek()).kind != "end":
+            if self.skip("->"):
+                arrows += 1
+            else:
+                sides[min(arrows, 1)].append(self.arc())
+            if arrows > 1:
+                self.fail(f"{what} needs one '->' between its inputs and its outputs, found two", token)
+        if arrows == 0 and sides[0]:
+            self.fail(f"{what} needs one '->' between its inputs and its outputs")
+        return sides
+
+    def arc(self) -> tuple[str, str, int]:
+        shape = "an arc PLACE, PLACE*WEIGHT or PLACE?WEIGHT"
+        name = self.name(shape)
+        kind = self.skip("*", "?", "?-", "!", "!-")
+        if kind is None:
+            return name, "*", 1
+        if kind.text in _REFUSED:
+            self.fail(f"{_REFUSED[kind.text]} arcs are not supported", kind)
+        weight = self.number("PLACE*WEIGHT or PLACE?WEIGHT")
+        if weight == 0:
+            self.fail(f"the arc {name}{kind.text}0 has weight 0", kind)
+        return name, kind.text, weight
 
 
 class _Reader:
-    """Reads line by line: TINA's declarations do not span lines."""
+    """Collects declarations, then makes the net of them."""
 
     def __init__(self, path: str) -> None:
         self.path = path
-        self.line = 0
         self.name = ""
         self.places: dict[str, int] = {}
-        self.labels: dict[str, str] = {}
         self.arcs: dict[str, dict[str, dict[str, int]]] = {}
-        self.priorities: list[tuple[list[str], list[str], int]] = []
-
-    def fail(self, message: str) -> NoReturn:
-        raise InputError.at(Source(self.path, self.line), message)
-
-    def tokens(self, text: str) -> list[str]:
-        """Words of a line; names in braces unescaped, with a mark that tells them from syntax."""
-        found, at = [], 0
-        while at < len(text):
-            if text[at].isspace():
-                at += 1
-                continue
-            if text[at] == "#":
-                break
-            match = _TOKEN.match(text, at)
-            if not match:
-                self.fail(f"column {at + 1}: found {text[at]!r}, expected a name, an arc or an arrow")
-            token = match.group()
-            at = match.end()
-            if match.lastgroup == "brace":
-                token = "\0" + re.sub(r"\\(.)", r"\1", token[1:-1])
-                suffix = re.compile(r"[*?][-0-9KM]+").match(text, at)
-                if suffix:
-                    token += "\0" + suffix.group()
-                    at = suffix.end()
-            found.append(token)
-        return found
+        self.labels: dict[str, str] = {}
+        self.late_labels: list[tuple[_Declaration, str, str]] = []
+        self.priorities: list[tuple[_Declaration, list[str], list[str]]] = []
 
     def read(self, lines: Iterable[str]) -> PetriNet:
-        handlers = {"tr": self.transition, "pl": self.place, "pr": self.priority}
-        for self.line, text in enumerate(lines, 1):
-            words = self.tokens(text)
-            if not words:
-                continue
-            keyword, rest = words[0], words[1:]
+        for declaration in self.declarations(lines):
+            keyword = declaration.keyword.text
             if keyword == "net":
-                self.name = self.plain(rest[0]) if rest else ""
-            elif keyword in handlers:
-                if not rest:
-                    self.fail(f"{keyword} without a name")
-                handlers[keyword](rest)
-            elif keyword not in ("nt", "lb", "an"):
-                self.fail(f"found {self.plain(keyword)!r}, expected one of net, pl, tr, pr, nt, lb")
+                self.name = declaration.name("the net's name")
+            elif keyword == "pl":
+                self.place(declaration)
+            elif keyword == "tr":
+                self.transition(declaration)
+            elif keyword == "lb":
+                node = declaration.name("a place or a transition")
+                self.late_labels.append((declaration, node, declaration.name("a label")))
+            elif keyword == "pr":
+                self.priority(declaration)
+            else:
+                continue  # a note
+            rest = declaration.peek()
+            if rest.kind != "end":
+                declaration.fail(f"found {rest.shown()} where the declaration should end", rest)
         return self.build()
 
-    def plain(self, token: str) -> str:
-        return token.strip("\0")
+    def declarations(self, lines: Iterable[str]) -> Iterator[_Declaration]:
+        current: _Declaration | None = None
+        for number, text in enumerate(lines, 1):
+            tokens = self.tokens(text, number)
+            if not tokens:
+                continue
+            first = tokens[0]
+            if first.kind == "word" and first.text in _KEYWORDS:
+                if current:
+                    yield current
+                current = _Declaration(self.path, first)
+                tokens = tokens[1:]
+            elif current is None or first.column == 1:
+                expected = f"expected one of {', '.join(_KEYWORDS)}"
+                _Declaration(self.path, first).fail(f"found {first.shown()}, {expected}")
+            current.tokens += tokens
+        if current:
+            yield current
 
-    def label(self, rest: list[str]) -> tuple[str | None, list[str]]:
-        if rest and rest[0] == ":":
-            if len(rest) < 2:
-                self.fail("a label is missing after ':'")
-            return self.plain(rest[1]), rest[2:]
-        return None, rest
+    def tokens(self, text: str, line: int) -> list[_Token]:
+        found, at = [], 0
+        while at < len(text):
+            match = _TOKEN.match(text, at)
+            if not match:
+                wrong = "'{' without its '}' on the same line" if text[at] == "{" else repr(text[at])
+                here = _Token("symbol", text[at], line, at + 1)
+                _Declaration(self.path, here).fail(f"found {wrong}, expected a name, an arc or an arrow")
+            kind = match.lastgroup or ""
+            if kind not in ("space", "comment"):
+                found.append(_Token(kind, match.group(), line, at + 1))
+            at = match.end()
+        return found
 
-    def place(self, words: list[str]) -> None:
-        name = self.plain(words[0])
-        _, rest = self.label(words[1:])
+    def place(self, declaration: _Declaration) -> None:
+        if declaration.peek().kind == "end":
+            declaration.fail("pl without a name")
+        name = declaration.name("a place")
+        declaration.label()
         tokens = 0
-        if rest and rest[0].startswith("("):
-            tokens = self.number(rest[0][1:-1], "a marking")
-            rest = rest[1:]
+        if declaration.skip("("):
+            tokens = declaration.number("a marking")
+            if not declaration.skip(")"):
+                token = declaration.peek()
+                declaration.fail(f"found {token.shown()}, expected ')' after the marking", token)
         self.places[name] = self.places.get(name, 0) + tokens
-        if "->" in rest:
-            arrow = rest.index("->")
-            for side, arcs in (("produce", rest[:arrow]), ("consume", rest[arrow + 1 :])):
-                for arc in arcs:
-                    transition, kind, weight = self.arc(arc)
-                    self.add(transition, "read" if kind == "?" else side, name, weight)
-        elif rest:
-            self.fail(f"found {self.plain(rest[0])!r} after place {name}, expected a marking or arcs")
+        inputs, outputs = declaration.sides(f"place {name}")
+        for transition, kind, weight in inputs:
+            if kind == "?":
+                declaration.fail(f"place {name} has a read arc among its inputs")
+            self.add(transition, "produce", name, weight)
+        for transition, kind, weight in outputs:
+            self.add(transition, "read" if kind == "?" else "consume", name, weight)
 
-    def transition(self, words: list[str]) -> None:
-        name = self.plain(words[0])
+    def transition(self, declaration: _Declaration) -> None:
+        if declaration.peek().kind == "end":
+            declaration.fail("tr without a name")
+        name = declaration.name("a transition")
         self.arcs.setdefault(name, {})
-        label, rest = self.label(words[1:])
+        label = declaration.label()
         if label is not None:
-            self.labels[name] = label
-        if rest and rest[0][0] in "[]" and not rest[0].startswith("\0"):
-            if not re.match(r"\[0,\s*(w|oo)\[\Z", rest[0]):
-                self.fail(f"transition {name} has the time interval {rest[0]}; only untimed nets are read")
-            rest = rest[1:]
-        if rest.count("->") != 1:
-            self.fail(f"transition {name} needs one '->' between what it consumes and what it produces")
-        arrow = rest.index("->")
-        for side, arcs in (("consume", rest[:arrow]), ("produce", rest[arrow + 1 :])):
-            for arc in arcs:
-                place, kind, weight = self.arc(arc)
-                self.places.setdefault(place, 0)
-                if kind == "?" and side == "produce":
-                    self.fail(f"transition {name} has a read arc among its outputs")
-                self.add(name, "read" if kind == "?" else side, place, weight)
-
-    def arc(self, token: str) -> tuple[str, str, int]:
-        """Name, kind and weight of an arc."""
-        if token.startswith("\0"):
-            name, _, suffix = token[1:].partition("\0")
-        else:
-            found = re.search(r"[*?]", token)
-            cut = found.start() if found else len(token)
-            name, suffix = token[:cut], token[cut:]
-        if not suffix:
-            return name, "*", 1
-        match = _WEIGHT.match(suffix)
-        if not match or not name:
-            self.fail(f"found the arc {self.plain(token)!r}, expected PLACE, PLACE*WEIGHT or PLACE?WEIGHT")
-        if match["kind"] == "?-":
-            self.fail(f"inhibitor arc {self.plain(token)!r}: inhibitor arcs are not supported")
-        weight = self.number(match["count"], "a weight")
-        if weight == 0:
-            self.fail(f"the arc {self.plain(token)!r} has weight 0")
-        return name, match["kind"], weight
-
-    def number(self, text: str, what: str) -> int:
-        scale = _SCALE.get(text[-1:], 1)
-        digits = text[:-1] if scale > 1 else text
-        if not digits.isascii() or not digits.isdigit() or len(digits) > 18:
-            self.fail(f"found {text!r}, expected {what}: a number below 10^18")
-        return int(digits) * scale
+            self.set_label(declaration, name, label)
+        if declaration.peek().text in ("[", "]") and declaration.peek().kind == "symbol":
+            interval = "".join(
+                token.text for token in declaration.tokens[declaration.at : declaration.at + 5]
+            )
+            if interval != "[0,w[":
+                what = f"transition {name} has a time interval other than [0,w["
+                declaration.fail(f"{what}: only untimed nets are supported", declaration.peek())
+            declaration.at += 5
+        inputs, outputs = declaration.sides(f"transition {name}")
+        for place, kind, weight in inputs:
+            self.add(name, "read" if kind == "?" else "consume", place, weight)
+        for place, kind, weight in outputs:
+            if kind == "?":
+                declaration.fail(f"transition {name} has a read arc among its outputs")
+            self.add(name, "produce", place, weight)
 
     def add(self, transition: str, side: str, place: str, weight: int) -> None:
+        self.places.setdefault(place, 0)
         weights = self.arcs.setdefault(transition, {}).setdefault(side, {})
         weights[place] = weights.get(place, 0) + weight
 
-    def priority(self, words: list[str]) -> None:
-        relation = next((word for word in words if word in (">", "<")), None)
-        if relation is None:
-            self.fail("pr needs '>' between the transitions with priority and the others")
-        cut = words.index(relation)
-        sides = [self.plain(w) for w in words[:cut]], [self.plain(w) for w in words[cut + 1 :]]
-        upper, lower = sides if relation == ">" else sides[::-1]
-        self.priorities.append((upper, lower, self.line))
+    def set_label(self, declaration: _Declaration, name: str, label: str) -> None:
+        if self.labels.setdefault(name, label) != label:
+            declaration.fail(f"transition {name} has two labels, {self.labels[name]} and {label}")
+
+    def priority(self, declaration: _Declaration) -> None:
+        left: list[str] = [declaration.name("a transition")]
+        right: list[str] = []
+        while not (relation := declaration.skip(">", "<")):
+            left.append(declaration.name("a transition, '>' or '<'"))
+        while declaration.peek().kind != "end" or not right:
+            right.append(declaration.name("a transition"))
+        upper, lower = (left, right) if relation.text == ">" else (right, left)
+        self.priorities.append((declaration, upper, lower))
 
     def build(self) -> PetriNet:
+        for declaration, node, label in self.late_labels:
+            if node in self.arcs:
+                self.set_label(declaration, node, label)
+            elif node not in self.places:
+                declaration.fail(f"lb names {node}, which is neither a place nor a transition")
         lower = self.lower_level()
         builder = NetBuilder(self.name, priorities=bool(self.priorities))
         for place, tokens in self.places.items():
             builder.place(place, initial=tokens)
         for name, sides in self.arcs.items():
-            label = self.labels.get(name)
-            event = label if not self.priorities else (label or name) if name in lower else None
-            builder.transition(
-                name,
-                consume=sides.get("consume", {}),
-                produce=sides.get("produce", {}),
-                read=sides.get("read", {}),
-                event=event,
-            )
+            event = self.labels.get(name)
+            if self.priorities:
+                event = self.labels.get(name, name) if name in lower else None
+            consume, produce, read = (sides.get(side, {}) for side in ("consume", "produce", "read"))
+            builder.transition(name, consume=consume, produce=produce, read=read, event=event)
         return builder.build()
 
     def lower_level(self) -> set[str]:
         """The transitions of the lower of two levels."""
-        pairs: dict[str, set[str]] = {}
-        for upper, lower, line in self.priorities:
-            self.line = line
-            for name in (*upper, *lower):
+        if not self.priorities:
+            return set()
+        lines_of: dict[str, list[int]] = {}
+        lower: set[str] = set()
+        for line, (declaration, above, below) in enumerate(self.priorities):
+            for name in (*above, *below):
                 if name not in self.arcs:
-                    self.fail(f"pr names the transition {name}, which is not declared")
-            for name in upper:
-                pairs.setdefault(name, set()).update(lower)
-        below = set[str]().union(*pairs.values())
-        complete = all(lower == below for lower in pairs.values())
-        if pairs and not (complete and below.isdisjoint(pairs) and below | pairs.keys() == self.arcs.keys()):
-            self.fail("priorities must amount to two levels that hold every transition: upper > lower")
-        return below
+                    declaration.fail(f"pr names the transition {name}, which is not declared")
+            for name in above:
+                lines_of.setdefault(name, []).append(line)
+            lower.update(below)
+        # Each transition above must stand above all those below, by one line or by several together.
+        complete = lines_of.keys() | lower == self.arcs.keys() and lower.isdisjoint(lines_of)
+        for lines in {tuple(lines) for lines in lines_of.values()}:
+            complete = complete and set().union(*(self.priorities[line][2] for line in lines)) == lower
+        if not complete:
+            message = "only two levels of priority are supported: each transition of the net in one of them"
+            self.priorities[-1][0].fail(f"{message}, and all of the upper above all of the lower")
+        return lower
 
 
 def read_tina(path: Path, data: bytes) -> PetriNet:
@@ -216,10 +300,10 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
         data: The file's bytes, UTF-8.
 
     Returns:
-        The net.
+        The net. Takes time linear in the size of the file, but for priorities declared line by line.
 
     Raises:
-        InputError: With file and line.
+        InputError: With file, line and column.
     """
     try:
         text = data.decode("utf-8-sig")
@@ -230,7 +314,10 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
 
 
 def write_tina(net: PetriNet) -> str:
-    """A net as ``.net`` text; priorities as one ``pr`` line.
+    """A net as ``.net`` text that reads back as the same net; priorities as one ``pr`` line.
+
+    Where all transitions are internal, or all are events, there is no ``pr`` line to say that the net has
+    priorities, which then are of no effect. Units and provenance are not written.
 
     Args:
         net: The net.
@@ -239,16 +326,19 @@ def write_tina(net: PetriNet) -> str:
         The text, a line for each place and transition.
 
     Raises:
-        InputError: A name holds a line break, which the format cannot say.
+        InputError: A name holds a line break, which the format cannot say, or a number is beyond what files
+            may say.
     """
-    for name in (net.name, *(p.name for p in net.places), *(t.name for t in net.transitions)):
-        if re.search(r"[\r\n\0]", name):
+    check_counts(net)
+    events = (t.event for t in net.transitions if t.event is not None)
+    for name in (net.name, *net.place_index, *net.transition_index, *events):
+        if re.search(r"[\r\n]", name):
             raise InputError.at(None, f"the name {name!r} holds a line break, which .net files cannot say")
     return "\n".join(_lines(net)) + "\n"
 
 
 def _lines(net: PetriNet) -> Iterator[str]:
-    yield f"net {_quote(net.name)}" if net.name else "net {}"
+    yield f"net {_quote(net.name)}"
     for place in net.places:
         yield f"pl {_quote(place.name)}" + (f" ({place.initial})" if place.initial else "")
     for t in net.transitions:
@@ -256,11 +346,10 @@ def _lines(net: PetriNet) -> Iterator[str]:
         inputs = [_arc(net, arc, "*") for arc in t.consume] + [_arc(net, arc, "?") for arc in t.read]
         outputs = [_arc(net, arc, "*") for arc in t.produce]
         yield " ".join([f"tr {_quote(t.name)}{label}", *inputs, "->", *outputs])
-    if net.priorities:
-        upper = [_quote(t.name) for t in net.transitions if t.internal]
-        lower = [_quote(t.name) for t in net.transitions if not t.internal]
-        if upper and lower:
-            yield f"pr {' '.join(upper)} > {' '.join(lower)}"
+    upper = [_quote(t.name) for t in net.transitions if t.internal]
+    lower = [_quote(t.name) for t in net.transitions if not t.internal]
+    if net.priorities and upper and lower:
+        yield f"pr {' '.join(upper)} > {' '.join(lower)}"
 
 
 def _arc(net: PetriNet, arc: tuple[int, int], kind: str) -> str:
@@ -269,6 +358,6 @@ def _arc(net: PetriNet, arc: tuple[int, int], kind: str) -> str:
 
 
 def _quote(name: str) -> str:
-    if _PLAIN.match(name):
+    if _PLAIN.match(name) and name not in _KEYWORDS:
         return name
     return "{" + re.sub(r"([{}\\])", r"\\\1", name) + "}"
