@@ -97,3 +97,23 @@ def state_machines(draw: st.DrawFn) -> tuple[PetriNet, int]:
             produce.append(f"m{machine}s{target % sizes[machine]}")
         builder.transition(f"t{number}", consume=consume, produce=produce)
     return builder.build(), machines
+
+
+@st.composite
+def odd_nets(draw: st.DrawFn, *, line_breaks: bool = False) -> PetriNet:
+    """Small nets whose names are whatever the model allows, places and transitions of one name included."""
+    letters = st.sampled_from(
+        "{}\\\"'<>&#:*?!()[]-> .,p1é→\u00a0\U0001f916" + ("\n\r\t" if line_breaks else "")
+    )
+    texts = st.text(letters, max_size=5) | st.sampled_from(["net", "tr", "id1", "id2", "node", "p*3", "p?1"])
+    texts |= ODD_NAMES
+    places = draw(st.lists(texts, min_size=1, max_size=5, unique=True))
+    names = draw(st.lists(texts, max_size=5, unique=True))
+    builder = NetBuilder(draw(texts), priorities=draw(st.booleans()))
+    for name in places:
+        builder.place(name, initial=draw(st.integers(0, 3) | st.just(10**18 - 1)))
+    weights = st.dictionaries(st.sampled_from(places), st.integers(1, 3) | st.just(10**18 - 1), max_size=3)
+    for name in names:
+        consume, produce, read = draw(weights), draw(weights), draw(weights)
+        builder.transition(name, consume=consume, produce=produce, read=read, event=draw(st.none() | texts))
+    return builder.build()

@@ -2,9 +2,9 @@
 
 Names are the ``id`` attributes, which property files refer to. Standard PNML has neither read arcs, events
 nor priorities: they are written as ``toolspecific`` elements of ``mcpn``, which other tools skip; a read arc
-is a consuming and a producing arc to them. A name that XML does not take as an id is kept in such an element
-too. Units of NUPN (``toolspecific tool="nupn"``) are read as hints. What else could change the meaning of the
-net is refused, never skipped.
+is a consuming and a producing arc to them. A name that is no id in XML is kept in such an element too. Units
+of NUPN (``toolspecific tool="nupn"``) are read as hints. What else could change the meaning of the net is
+refused, never skipped.
 
 Reference: the 2009 grammar, http://www.pnml.org/version-2009/grammar/ptnet.
 """
@@ -225,12 +225,8 @@ def _tag(element: etree._Element) -> str:
 
 # --- writing -------------------------------------------------------------------------------------------
 
-# An NCName of XML 1.0, which an id must be.
-_START = (
-    "A-Z_a-z\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u02ff\u0370-\u037d\u037f-\u1fff\u200c-\u200d\u2070-\u218f"
-    "\u2c00-\u2fef\u3001-\ud7ff\uf900-\ufdcf\ufdf0-\ufffd\U00010000-\U000effff"
-)
-_ID = re.compile(f"[{_START}][-.0-9\u00b7\u0300-\u036f\u203f-\u2040{_START}]*\\Z")
+# What every edition of XML takes as an id; the editions differ on letters beyond ASCII.
+_ID = re.compile(r"[A-Za-z_][-.\w]*\Z", re.ASCII)
 
 
 def write_pnml(net: PetriNet) -> bytes:
