@@ -1,0 +1,81 @@
+"""Zero-suppressed decision diagrams with saturation, for 1-safe Petri nets."""
+
+from collections.abc import Sequence
+
+class BudgetExceeded(RuntimeError):
+    """An operation needed more new nodes than its budget; the store remains usable."""
+
+class MemoryLimit(MemoryError):
+    """The store's memory limit was hit; the store remains usable."""
+
+class Zdd:
+    """A set of markings; a marking is the set of its marked levels. Equal sets are equal handles."""
+
+    def __or__(self, other: Zdd) -> Zdd: ...
+    def __and__(self, other: Zdd) -> Zdd: ...
+    def __sub__(self, other: Zdd) -> Zdd: ...
+    def __bool__(self) -> bool: ...
+    def __hash__(self) -> int: ...
+    def subset(self, marked: Sequence[int] = ..., unmarked: Sequence[int] = ...) -> Zdd:
+        """The markings with these levels marked and those unmarked."""
+
+    def without(self, conditions: Sequence[int]) -> Zdd:
+        """The markings that satisfy none of some conditions."""
+
+    def count(self) -> int:
+        """The exact number of markings."""
+
+    def counts(self, conditions: Sequence[int]) -> list[int]:
+        """The exact number of markings that satisfy each condition."""
+
+    def first(self, conditions: Sequence[int]) -> int:
+        """Index of the first condition that some marking satisfies, or -1."""
+
+    def largest(self, weights: Sequence[int]) -> int:
+        """The most weight of marked levels in one marking; a ValueError for the empty set."""
+
+    def nodes(self) -> int:
+        """Number of nodes of the diagram, terminals aside."""
+
+    def pick(self) -> list[int] | None:
+        """Some marking, the same each time."""
+
+    def images(self, events: Sequence[int]) -> Zdd:
+        """The markings after one firing of any of some events."""
+
+    def saturate(self, events: Sequence[int], max_nodes: int = ...) -> Zdd:
+        """The markings reachable by any number of firings; ``max_nodes`` (0: none) bounds new nodes."""
+
+class Store:
+    """Owns nodes, their unique table and a bounded operation cache; sets of two stores do not mix."""
+
+    def __new__(cls, levels: int, memory_limit: int = ...) -> Store: ...
+    def empty(self) -> Zdd: ...
+    def singleton(self, marked: Sequence[int]) -> Zdd: ...
+    def event(
+        self,
+        consume: Sequence[int],
+        produce: Sequence[int],
+        read: Sequence[int] = ...,
+        zero: Sequence[int] = ...,
+    ) -> int:
+        """An event: levels that go from marked to unmarked, back, stay marked, stay unmarked; all disjoint."""
+
+    def condition(self, marked: Sequence[int], unmarked: Sequence[int] = ...) -> int:
+        """A condition on markings: these levels marked, those unmarked."""
+
+    def collect(self) -> None:
+        """Frees every node that no handle reaches."""
+
+    @property
+    def levels(self) -> int: ...
+    @property
+    def live_nodes(self) -> int: ...
+    @property
+    def peak_nodes(self) -> int:
+        """Most nodes at once during the last operation, garbage included."""
+
+    @property
+    def collections(self) -> int: ...
+    @property
+    def bytes(self) -> int: ...

@@ -1,0 +1,124 @@
+// Exact numbers about a set of markings. Counts need additions only, so limbs are all there is to it.
+#include "store.hpp"
+
+#include <algorithm>
+
+namespace mcpn {
+
+namespace {
+
+using Limbs = std::vector<std::uint64_t>;
+
+constexpr std::size_t kMostMemo = 1u << 21;
+
+Limbs sum(const Limbs& a, const Limbs& b) {
+  const Limbs& longer = a.size() < b.size() ? b : a;
+  const Limbs& shorter = a.size() < b.size() ? a : b;
+  Limbs result = longer;
+  unsigned __int128 carry = 0;
+  for (std::size_t i = 0; i < result.size() && (i < shorter.size() || carry); ++i) {
+    carry += result[i];
+    if (i < shorter.size()) carry += shorter[i];
+    result[i] = std::uint64_t(carry);
+    carry >>= 64;
+  }
+  if (carry) result.push_back(std::uint64_t(carry));
+  return result;
+}
+
+struct KeyHash {
+  std::size_t operator()(std::uint64_t x) const {
+    x *= 0x9E3779B97F4A7C15ull;
+    return x ^ x >> 31;
+  }
+};
+template <class T> using Memo = std::unordered_map<std::uint64_t, T, KeyHash>;
+
+}  // namespace
+
+std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<std::uint32_t>& conditions) {
+  Memo<Limbs> memo;  // shared: conditions have their ends in common, and every count ends in plain ones
+  auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> Limbs {
+    while (wanted && suffixes_[wanted].level < level(n)) {
+      if (suffixes_[wanted].touch != Touch::zero) return {};
+      wanted = suffixes_[wanted].next;
+    }
+    if (n == 0) return {};
+    if (n == 1) return {1};
+    const std::uint64_t key = std::uint64_t(n) << 32 | wanted;
+    if (const auto found = memo.find(key); found != memo.end()) return found->second;
+    Limbs result;
+    if (wanted && suffixes_[wanted].level == level(n)) {
+      const Suffix literal = suffixes_[wanted];
+      result = self(self, literal.touch == Touch::zero ? lo(n) : hi(n), literal.next);
+    } else {
+      result = sum(self(self, lo(n), wanted), self(self, hi(n), wanted));
+    }
+    if ((++steps_ & 0xFFFF) == 0) check();
+    if (memo.size() > kMostMemo) memo.clear();
+    return memo[key] = std::move(result);
+  };
+  std::vector<Limbs> results;
+  for (const std::uint32_t condition : conditions) results.push_back(visit(visit, a, condition));
+  return results;
+}
+
+bool Store::holds(Node a, std::uint32_t literals) {
+  Memo<bool> memo;
+  auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> bool {
+    if (n == 0) return false;
+    if (wanted == 0) return true;
+    const Suffix literal = suffixes_[wanted];
+    if (level(n) > literal.level) return literal.touch == Touch::zero && self(self, n, literal.next);
+    const std::uint64_t key = std::uint64_t(n) << 32 | wanted;
+    if (const auto found = memo.find(key); found != memo.end()) return found->second;
+    bool result;
+    if (literal.level == level(n))
+      result = self(self, literal.touch == Touch::zero ? lo(n) : hi(n), literal.next);
+    else
+      result = self(self, hi(n), wanted) || self(self, lo(n), wanted);
+    if ((++steps_ & 0xFFFF) == 0) check();
+    return memo[key] = result;
+  };
+  return visit(visit, a, literals);
+}
+
+std::int64_t Store::largest(Node a, const std::vector<std::int32_t>& weights) {
+  Memo<std::int64_t> memo;
+  auto visit = [&](auto&& self, Node n) -> std::int64_t {
+    if (n < 2) return 0;
+    if (const auto found = memo.find(n); found != memo.end()) return found->second;
+    std::int64_t result = self(self, hi(n)) + weights[level(n)];
+    if (lo(n) != 0) result = std::max(result, self(self, lo(n)));
+    return memo[n] = result;
+  };
+  return visit(visit, a);
+}
+
+std::uint64_t Store::size(Node a) {
+  Memo<bool> seen;
+  std::vector<Node> stack{a};
+  while (!stack.empty()) {
+    const Node n = stack.back();
+    stack.pop_back();
+    if (n < 2 || !seen.emplace(n, true).second) continue;
+    stack.push_back(lo(n));
+    stack.push_back(hi(n));
+  }
+  return seen.size();
+}
+
+bool Store::pick(Node a, std::vector<Level>& marking) {
+  if (a == 0) return false;
+  while (a != 1) {
+    if (lo(a) != 0) {
+      a = lo(a);
+    } else {
+      marking.push_back(level(a));
+      a = hi(a);
+    }
+  }
+  return true;
+}
+
+}  // namespace mcpn

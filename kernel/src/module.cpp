@@ -1,0 +1,262 @@
+// The Python module: handles on sets, and one way to run a long operation.
+//
+// Operations recurse as deep as there are levels. Where that is deep they run on a thread of their own with a stack
+// to match, while the calling thread looks for signals; else they run on the calling thread, without the GIL, and
+// look for signals themselves now and then.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "store.hpp"
+
+namespace nb = nanobind;
+using namespace mcpn;
+
+namespace {
+
+constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
+constexpr Level kMostLevels = 1u << 20, kShallow = 400;
+
+struct Job {
+  std::function<void()> body;
+  std::exception_ptr error;
+  std::mutex mutex;
+  std::condition_variable done_signal;
+  bool done = false;
+};
+
+void* run_job(void* pointer) {
+  Job& job = *static_cast<Job*>(pointer);
+  try {
+    job.body();
+  } catch (...) {
+    job.error = std::current_exception();
+  }
+  const std::lock_guard lock(job.mutex);
+  job.done = true;
+  job.done_signal.notify_one();
+  return nullptr;
+}
+
+bool signal_arrived() {
+  const nb::gil_scoped_acquire acquire;
+  return PyErr_CheckSignals() != 0;
+}
+
+void run_here(Store& store, const std::function<void()>& body) {
+  store.asked_to_stop = signal_arrived;
+  try {
+    const nb::gil_scoped_release release;
+    body();
+  } catch (const Interrupted&) {
+    throw nb::python_error();
+  }
+}
+
+void run(Store& store, std::function<void()> body) {
+  if (store.levels <= kShallow) return run_here(store, body);
+  Job job;
+  job.body = std::move(body);
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kStackBase + kStackPerLevel * (std::size_t(store.levels) + 1) * 2);
+  pthread_t thread;
+  const int failed = pthread_create(&thread, &attributes, run_job, &job);
+  pthread_attr_destroy(&attributes);
+  if (failed) throw MemoryLimit("no thread with a stack for this many levels could be made");
+  bool signalled = false;
+  for (bool done = false; !done;) {
+    {
+      const nb::gil_scoped_release release;
+      std::unique_lock lock(job.mutex);
+      done = job.done_signal.wait_for(lock, std::chrono::milliseconds(100), [&] { return job.done; });
+    }
+    if (!done && !signalled && PyErr_CheckSignals() != 0) {
+      signalled = true;
+      store.stop.store(true);
+    }
+  }
+  pthread_join(thread, nullptr);
+  if (signalled) throw nb::python_error();
+  if (job.error) std::rethrow_exception(job.error);
+}
+
+class Handle;
+
+class PyStore : public std::enable_shared_from_this<PyStore> {
+ public:
+  PyStore(std::uint64_t levels, std::uint64_t memory_limit) : store(checked(levels), memory_limit) {}
+  Store store;
+
+  static Level checked(std::uint64_t levels) {
+    if (levels > kMostLevels) throw std::invalid_argument("a store has at most 2^20 levels");
+    return Level(levels);
+  }
+  std::vector<Level> sorted(std::vector<std::int64_t> levels) const {
+    std::sort(levels.begin(), levels.end());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      if (levels[i] < 0 || levels[i] >= std::int64_t(store.levels)) throw std::invalid_argument("no such level");
+      if (i && levels[i] == levels[i - 1]) throw std::invalid_argument("a level is named twice");
+    }
+    return {levels.begin(), levels.end()};
+  }
+  std::uint32_t touches(const std::vector<std::pair<Touch, std::vector<std::int64_t>>>& sides) {
+    std::vector<std::int64_t> all;
+    std::vector<std::pair<std::int64_t, Touch>> each;
+    for (const auto& [touch, levels] : sides)
+      for (const std::int64_t at : levels) {
+        all.push_back(at);
+        each.emplace_back(at, touch);
+      }
+    sorted(all);  // checks range and repeats
+    std::sort(each.begin(), each.end());
+    std::uint32_t suffix = 0;
+    for (auto at = each.rbegin(); at != each.rend(); ++at) suffix = store.suffix(Level(at->first), at->second, suffix);
+    return suffix;
+  }
+};
+
+class Handle {
+ public:
+  Handle(std::shared_ptr<PyStore> owner, Node node) : owner(std::move(owner)), node(node) { this->owner->store.keep(node); }
+  Handle(const Handle& other) : Handle(other.owner, other.node) {}
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { owner->store.drop(node); }
+  Store& store() const { return owner->store; }
+  void same_store(const Handle& other) const {
+    if (owner != other.owner) throw std::invalid_argument("the sets belong to two stores");
+  }
+  std::shared_ptr<PyStore> owner;
+  Node node;
+};
+
+template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, std::uint64_t budget, F body) {
+  owner->store.begin(budget);
+  Node result = 0;
+  run(owner->store, [&] { result = body(owner->store); });
+  return {owner, result};
+}
+
+template <class F> auto measured(const Handle& set, F body) {
+  decltype(body(set.store())) result{};
+  set.store().stop.store(false);
+  run(set.store(), [&] { result = body(set.store()); });
+  return result;
+}
+
+nb::object to_int(const std::vector<std::uint64_t>& limbs) {
+  const nb::bytes data(reinterpret_cast<const char*>(limbs.data()), limbs.size() * sizeof(std::uint64_t));
+  return nb::module_::import_("builtins").attr("int").attr("from_bytes")(data, "little");
+}
+
+}  // namespace
+
+NB_MODULE(mcpn_kernel, module) {
+  module.doc() = "Zero-suppressed decision diagrams with saturation, for 1-safe Petri nets.";
+  nb::exception<BudgetExceeded>(module, "BudgetExceeded");
+  nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
+
+  using Levels = std::vector<std::int64_t>;
+
+  nb::class_<Handle>(module, "Zdd")
+      .def("__or__", [](const Handle& a, const Handle& b) {
+        a.same_store(b);
+        return computed(a.owner, 0, [&](Store& s) { return s.join(a.node, b.node); });
+      })
+      .def("__and__", [](const Handle& a, const Handle& b) {
+        a.same_store(b);
+        return computed(a.owner, 0, [&](Store& s) { return s.meet(a.node, b.node); });
+      })
+      .def("__sub__", [](const Handle& a, const Handle& b) {
+        a.same_store(b);
+        return computed(a.owner, 0, [&](Store& s) { return s.minus(a.node, b.node); });
+      })
+      .def("__eq__", [](const Handle& a, const Handle& b) { return a.owner == b.owner && a.node == b.node; },
+           nb::is_operator())
+      .def("__hash__", [](const Handle& a) { return std::size_t(a.node); })
+      .def("__bool__", [](const Handle& a) { return a.node != 0; })
+      .def("subset", [](const Handle& a, const Levels& marked, const Levels& unmarked) {
+        const std::uint32_t wanted = a.owner->touches({{Touch::read, marked}, {Touch::zero, unmarked}});
+        return computed(a.owner, 0, [&](Store& s) { return s.filter(a.node, wanted); });
+      }, nb::arg("marked") = Levels{}, nb::arg("unmarked") = Levels{})
+      .def("count", [](const Handle& a) {
+        return to_int(measured(a, [&](Store& s) { return s.counts(a.node, {0}); }).front());
+      })
+      .def("largest", [](const Handle& a, const std::vector<std::int32_t>& weights) {
+        if (weights.size() != a.store().levels) throw std::invalid_argument("one weight for each level");
+        if (a.node == 0) throw std::invalid_argument("the empty set has no largest marking");
+        return measured(a, [&](Store& s) { return s.largest(a.node, weights); });
+      }, nb::arg("weights"))
+      .def("nodes", [](const Handle& a) { return a.store().size(a.node); })
+      .def("pick", [](const Handle& a) -> std::optional<std::vector<Level>> {
+        std::vector<Level> marking;
+        if (!a.store().pick(a.node, marking)) return std::nullopt;
+        return marking;
+      })
+      .def("without", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
+        return computed(a.owner, 0, [&](Store& s) {
+          Node left = a.node;
+          for (const std::uint32_t condition : conditions) left = s.minus(left, s.filter(left, condition));
+          return left;
+        });
+      }, nb::arg("conditions"))
+      .def("counts", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
+        const auto limbs = measured(a, [&](Store& s) { return s.counts(a.node, conditions); });
+        nb::list result;
+        for (const auto& number : limbs) result.append(to_int(number));
+        return result;
+      }, nb::arg("conditions"))
+      .def("first", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
+        return measured(a, [&](Store& s) {
+          std::int64_t found = -1;
+          for (std::size_t i = 0; i < conditions.size() && found < 0; ++i)
+            if (s.holds(a.node, conditions[i])) found = std::int64_t(i);
+          return found;
+        });
+      }, nb::arg("conditions"))
+      .def("images", [](const Handle& a, const std::vector<std::uint32_t>& events) {
+        return computed(a.owner, 0, [&](Store& s) {
+          Node all = 0;
+          for (const std::uint32_t event : events) all = s.join(all, s.image(a.node, event));
+          return all;
+        });
+      }, nb::arg("events"))
+      .def("saturate", [](const Handle& a, const std::vector<std::uint32_t>& events, std::uint64_t max_nodes) {
+        a.store().declare(events);
+        return computed(a.owner, max_nodes, [&](Store& s) { return s.saturate(a.node); });
+      }, nb::arg("events"), nb::arg("max_nodes") = 0);
+
+  nb::class_<PyStore>(module, "Store")
+      .def(nb::new_([](std::uint64_t levels, std::uint64_t memory_limit) {
+        return std::make_shared<PyStore>(levels, memory_limit);
+      }), nb::arg("levels"), nb::arg("memory_limit") = std::uint64_t(4) << 30)
+      .def("empty", [](std::shared_ptr<PyStore> s) { return Handle(s, 0); })
+      .def("singleton", [](std::shared_ptr<PyStore> s, const Levels& marked) {
+        const std::vector<Level> levels = s->sorted(marked);
+        return computed(s, 0, [&](Store& store) { return store.singleton(levels); });
+      }, nb::arg("marked"))
+      .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {
+        return s.touches({{Touch::consume, consume}, {Touch::produce, produce}, {Touch::read, read}, {Touch::zero, zero}});
+      }, nb::arg("consume"), nb::arg("produce"), nb::arg("read") = Levels{}, nb::arg("zero") = Levels{})
+      .def("condition", [](PyStore& s, const Levels& marked, const Levels& unmarked) {
+        return s.touches({{Touch::read, marked}, {Touch::zero, unmarked}});
+      }, nb::arg("marked"), nb::arg("unmarked") = Levels{})
+      .def("collect", [](PyStore& s) { s.store.collect(); })
+      .def_prop_ro("levels", [](const PyStore& s) { return s.store.levels; })
+      .def_prop_ro("live_nodes", [](const PyStore& s) { return s.store.live(); })
+      .def_prop_ro("peak_nodes", [](const PyStore& s) { return s.store.peak(); })
+      .def_prop_ro("collections", [](const PyStore& s) { return s.store.collections(); })
+      .def_prop_ro("bytes", [](const PyStore& s) { return s.store.bytes(); });
+}

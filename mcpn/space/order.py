@@ -1,0 +1,115 @@
+"""Orders of places for decision diagrams: candidates, none of which is good for every net.
+
+FORCE (Aloul, Markov, Sakallah 2003) moves each place to where the transitions around it are, again and
+again; it starts from the file's order or from reverse Cuthill-McKee on the graph of places and transitions.
+Saturation works from the bottom, so each order is tried in both directions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from mcpn.net.petri import PetriNet
+
+Order = tuple[int, ...]
+"""Indices of places, the first on top."""
+
+MAX_ROUNDS = 200
+
+
+def candidates(net: PetriNet) -> Iterator[tuple[str, Order]]:
+    """Orders worth trying, with their names, the most often good first; each is made when it is asked for.
+
+    Args:
+        net: The net.
+
+    Yields:
+        Pairs of name and order, without repeats.
+    """
+    seen: set[Order] = set()
+    for name, order in _named(net):
+        for suffix, way in (("", order), ("-reversed", order[::-1])):
+            if way not in seen:
+                seen.add(way)
+                yield name + suffix, way
+
+
+def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
+    file = tuple(range(len(net.places)))
+    yield "force-rcm", force(net, cuthill_mckee(net))
+    yield "file", file
+    yield "force", force(net, file)
+    if net.units:
+        yield "units", by_units(net)
+
+
+def _touched(net: PetriNet) -> list[list[int]]:
+    """Places beside each transition."""
+    return [sorted({p for side in (t.consume, t.produce, t.read) for p, _ in side}) for t in net.transitions]
+
+
+def by_units(net: PetriNet) -> Order:
+    """Places of a unit together, units in the file's order, other places where they first stand."""
+    placed: dict[int, None] = {}
+    for unit in net.units:
+        placed.update(dict.fromkeys(unit))
+    placed.update(dict.fromkeys(range(len(net.places))))
+    return tuple(placed)
+
+
+def cuthill_mckee(net: PetriNet) -> Order:
+    """Reverse Cuthill-McKee on the bipartite graph of places and transitions (Cuthill, McKee 1969)."""
+    import networkx
+    from networkx.utils import reverse_cuthill_mckee_ordering
+
+    count = len(net.places)
+    graph: networkx.Graph[int] = networkx.Graph()
+    graph.add_nodes_from(range(count))
+    for number, places in enumerate(_touched(net)):
+        graph.add_edges_from((count + number, place) for place in places)
+    return tuple(node for node in reverse_cuthill_mckee_ordering(graph) if node < count)
+
+
+def force(net: PetriNet, start: Order) -> Order:
+    """FORCE from a given order; wide transitions pull less.
+
+    Args:
+        net: The net.
+        start: The order to begin with.
+
+    Returns:
+        The order of least total span that was passed, with each span divided by the transition's width.
+    """
+    touched = [places for places in _touched(net) if len(places) > 1]
+    if not touched:
+        return start
+    widths = np.array([len(places) for places in touched])
+    edge = np.repeat(np.arange(len(touched)), widths)
+    place = np.array([p for places in touched for p in places])
+    first = np.concatenate(([0], np.cumsum(widths)[:-1]))
+    pull = 1.0 / widths[edge]
+    total = np.bincount(place, weights=pull, minlength=len(start))
+    position = np.empty(len(start))
+    position[list(start)] = np.arange(len(start))
+
+    def span(at: npt.NDArray[np.float64]) -> float:
+        here = at[place]
+        return float(((np.maximum.reduceat(here, first) - np.minimum.reduceat(here, first)) / widths).sum())
+
+    best, least, stale = position, span(position), 0
+    for _ in range(MAX_ROUNDS):
+        centres = np.bincount(edge, weights=position[place]) / widths
+        pulled = np.bincount(place, weights=pull * centres[edge], minlength=len(start))
+        moved = np.where(total > 0, pulled / np.where(total > 0, total, 1), position)
+        position = np.empty(len(start))
+        position[np.argsort(moved, kind="stable")] = np.arange(len(start))
+        now = span(position)
+        stale = 0 if now < least else stale + 1
+        if now < least:
+            best, least = position, now
+        if stale > 10:
+            break
+    return tuple(np.argsort(best, kind="stable").tolist())

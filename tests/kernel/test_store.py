@@ -1,0 +1,248 @@
+"""The native store against sets of frozensets: everything on small scopes, hypothesis beyond."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from itertools import combinations, product
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mcpn_kernel import BudgetExceeded, MemoryLimit, Store, Zdd
+
+Marking = frozenset[int]
+Sets = frozenset[Marking]
+
+
+def build(store: Store, markings: Iterable[Marking]) -> Zdd:
+    result = store.empty()
+    for marking in markings:
+        result |= store.singleton(sorted(marking))
+    return result
+
+
+def read(store: Store, zdd: Zdd) -> Sets:
+    """Every marking, by asking for each of them."""
+    levels = range(store.levels)
+    every = [frozenset(c) for size in range(store.levels + 1) for c in combinations(levels, size)]
+    return frozenset(m for m in every if zdd & store.singleton(sorted(m)))
+
+
+MARKINGS_3 = [frozenset(c) for size in range(4) for c in combinations(range(3), size)]
+SETS_3 = [frozenset(m for i, m in enumerate(MARKINGS_3) if bits >> i & 1) for bits in range(256)]
+
+
+def test_algebra_on_every_pair_of_sets_over_three_levels() -> None:
+    store = Store(3)
+    zdds = [build(store, markings) for markings in SETS_3]
+    assert len(set(zdds)) == 256  # equal sets, and only those, are equal handles
+    for (a, x), (b, y) in product(zip(zdds, SETS_3, strict=True), repeat=2):
+        assert (a | b) == zdds[SETS_3.index(x | y)]
+        assert (a & b) == zdds[SETS_3.index(x & y)]
+        assert (a - b) == zdds[SETS_3.index(x - y)]
+    for a, x in zip(zdds, SETS_3, strict=True):
+        assert a.count() == len(x)
+        assert bool(a) == bool(x)
+        assert read(store, a) == x
+        picked = a.pick()
+        assert (picked is None) == (not x)
+        assert picked is None or frozenset(picked) in x
+
+
+def test_conditions_on_every_set_over_three_levels() -> None:
+    store = Store(3)
+    for markings in SETS_3:
+        zdd = build(store, markings)
+        for kinds in product((0, 1, 2), repeat=3):
+            marked = [p for p in range(3) if kinds[p] == 1]
+            unmarked = [p for p in range(3) if kinds[p] == 2]
+            expected = frozenset(m for m in markings if m >= set(marked) and not m & set(unmarked))
+            assert zdd.subset(marked, unmarked) == build(store, expected)
+            condition = store.condition(marked, unmarked)
+            assert zdd.counts([condition]) == [len(expected)]
+            assert zdd.first([condition]) == (0 if expected else -1)
+            assert zdd.without([condition]) == build(store, markings - expected)
+
+
+Touches = tuple[int, ...]  # for each level: 0 untouched, 1 consume, 2 produce, 3 read, 4 zero
+
+
+def fire(markings: Sets, touches: Touches) -> Sets:
+    consume, produce, still, zero = ({p for p, k in enumerate(touches) if k == kind} for kind in (1, 2, 3, 4))
+    return frozenset(
+        (m - consume) | produce for m in markings if m >= consume | still and not m & (produce | zero)
+    )
+
+
+def event(store: Store, touches: Touches) -> int:
+    sides = [[p for p, k in enumerate(touches) if k == kind] for kind in (1, 2, 3, 4)]
+    return store.event(*sides)
+
+
+def closure(markings: Sets, events: list[Touches]) -> Sets:
+    found = markings
+    while True:
+        wider = found.union(*(fire(found, touches) for touches in events))
+        if wider == found:
+            return found
+        found = wider
+
+
+def test_every_event_on_every_set_over_three_levels() -> None:
+    store = Store(3)
+    zdds = [build(store, markings) for markings in SETS_3]
+    for touches in product(range(5), repeat=3):
+        number = event(store, touches)
+        for zdd, markings in zip(zdds, SETS_3, strict=True):
+            assert zdd.images([number]) == zdds[SETS_3.index(fire(markings, touches))]
+            assert zdd.saturate([number]) == zdds[SETS_3.index(closure(markings, [touches]))]
+
+
+@st.composite
+def systems(draw: st.DrawFn) -> tuple[int, Sets, list[Touches]]:
+    levels = draw(st.integers(1, 7))
+    markings = draw(st.frozensets(st.frozensets(st.integers(0, levels - 1)), max_size=5))
+    touches = st.tuples(*[st.sampled_from([0, 0, 1, 2, 3, 4])] * levels)
+    return levels, markings, draw(st.lists(touches, max_size=8))
+
+
+@given(systems())
+def test_saturation_is_the_closure(system: tuple[int, Sets, list[Touches]]) -> None:
+    levels, markings, events = system
+    store = Store(levels)
+    start = build(store, markings)
+    numbers = [event(store, touches) for touches in events]
+    assert read(store, start.saturate(numbers)) == closure(markings, events)
+    assert read(store, start.saturate(numbers[::-1])) == closure(markings, events)
+    assert read(store, start.images(numbers)) == frozenset().union(*(fire(markings, e) for e in events))
+    # A second set of events in the same store must not meet what was remembered for the first.
+    assert read(store, start.saturate(numbers[:1])) == closure(markings, events[:1])
+
+
+@given(systems(), st.lists(st.integers(-9, 9), min_size=7, max_size=7))
+def test_largest_is_the_heaviest_marking(system: tuple[int, Sets, list[Touches]], drawn: list[int]) -> None:
+    levels, markings, _ = system
+    store = Store(levels)
+    weights = drawn[:levels]
+    if markings:
+        heaviest = max(sum(weights[p] for p in m) for m in markings)
+        assert build(store, markings).largest(weights) == heaviest
+    else:
+        with pytest.raises(ValueError, match="empty"):
+            store.empty().largest(weights)
+
+
+def switches(store: Store) -> list[int]:
+    """Each level switches on and off freely: 2^levels markings in as many nodes as levels."""
+    return [e for p in range(store.levels) for e in (store.event([p], []), store.event([], [p]))]
+
+
+@pytest.mark.parametrize("levels", [1, 63, 64, 65, 1000, 20_000])
+def test_counts_are_exact_and_depth_is_safe(levels: int) -> None:
+    store = Store(levels)
+    everything = store.singleton([]).saturate(switches(store))
+    assert everything.count() == 2**levels
+    assert everything.nodes() == levels
+    assert everything.largest([1] * levels) == levels
+    half = everything.subset([0], [])
+    assert (everything - half).count() == 2 ** (levels - 1)
+    assert (half | (everything - half)) == everything
+
+
+def permutations(size: int, **limits: int) -> tuple[Store, Zdd, list[int]]:
+    """Tokens that fill a matrix, one a row and column at most: its diagram is exponential in its size."""
+    store = Store(3 * size * size, **limits)
+
+    def cell(kind: int, i: int, j: int) -> int:
+        return (kind * size + i) * size + j
+
+    events = [
+        store.event([cell(0, i, 0), cell(1, 0, j)], [cell(2, i, j)]) for i in range(size) for j in range(size)
+    ]
+    start = store.singleton([cell(0, i, 0) for i in range(size)] + [cell(1, 0, j) for j in range(size)])
+    return store, start, events
+
+
+def test_a_budget_stops_an_operation_and_leaves_the_store_usable() -> None:
+    _, start, events = permutations(7)
+    with pytest.raises(BudgetExceeded, match="budget of 100 nodes"):
+        start.saturate(events, 100)
+    # Partial permutations of 7: the sum over k of C(7, k)^2 k!.
+    assert start.saturate(events).count() == 130_922
+
+
+def test_the_memory_limit_is_an_error_and_leaves_the_store_usable() -> None:
+    store, start, events = permutations(14, memory_limit=8 << 20)
+    with pytest.raises(MemoryLimit, match="memory limit of 8388608 bytes"):
+        start.saturate(events)
+    with pytest.raises(MemoryError):
+        start.saturate(events)
+    store.collect()
+    assert store.live_nodes == start.nodes()
+    assert (start | store.singleton([0])).count() == 2
+
+
+def test_garbage_is_collected_under_what_is_held() -> None:
+    store, start, events = permutations(7)
+    result = start.saturate(events)
+    count, nodes = result.count(), result.nodes()
+    for level in range(store.levels):
+        waste = (result.subset([level], []) | store.singleton([level])) - start
+    del waste
+    assert store.live_nodes > nodes
+    before = store.collections
+    store.collect()
+    assert store.collections == before + 1
+    assert store.live_nodes <= nodes + start.nodes()
+    assert result.count() == count
+    assert start.saturate(events) == result
+    del result
+    store.collect()
+    assert store.live_nodes == start.nodes()
+
+
+def test_stores_stand_side_by_side_and_do_not_mix() -> None:
+    first, second = Store(4), Store(4)
+    a, b = first.singleton([1]), second.singleton([1])
+    for combine in (Zdd.__or__, Zdd.__and__, Zdd.__sub__):
+        with pytest.raises(ValueError, match="two stores"):
+            combine(a, b)
+    assert a != b
+    del first
+    assert a.count() == 1  # a set keeps its store
+
+
+def test_levels_are_checked() -> None:
+    store = Store(3)
+    with pytest.raises(ValueError, match="no such level"):
+        store.singleton([3])
+    with pytest.raises(ValueError, match="no such level"):
+        store.event([-1], [])
+    with pytest.raises(ValueError, match="named twice"):
+        store.event([1], [1])
+    with pytest.raises(ValueError, match="levels"):
+        Store(1 << 30)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_ctrl_c_stops_a_long_operation() -> None:
+    script = (
+        "from tests.kernel.test_store import permutations\n"
+        "_, start, events = permutations(40, memory_limit=1 << 36)\n"
+        "print('ready', flush=True)\n"
+        "try:\n    start.saturate(events, 1 << 31)\n"
+        "except KeyboardInterrupt:\n    assert start.count() == 1\n    print('stopped')\n"
+    )
+    command = [sys.executable, "-c", script]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        out, _ = process.communicate(timeout=30)
+    assert out == "stopped\n"
+    assert process.returncode == 0
