@@ -134,35 +134,19 @@ def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
 
 @command_line.command()
 @click.argument("file", type=FILE)
-@click.option("--engine", type=click.Choice(["explicit"]), default="explicit", show_default=True)
+@click.option("--engine", type=click.Choice(["explicit", "symbolic"]), default="explicit", show_default=True)
 @limit_option
 @import_option
 @json_option
 def states(file: Path, engine: str, max_states: int | None, import_root: Path | None, as_json: bool) -> None:
     """Count the reachable markings of FILE, a mission or a net."""
-    import numpy as np
+    from dataclasses import asdict
 
-    from mcpn.space.explicit import explore
+    from mcpn.space.summary import summarise
 
     net = _net(file, import_root)
-    started = time.perf_counter()
-    limits = {} if max_states is None else {"max_states": max_states}
     with _progress(as_json) as progress:
-        graph = explore(net, progress=progress, **limits)
-    internal = np.array([t.internal for t in net.transitions], np.bool_)
-    unstable = np.unique(graph.sources[internal[graph.labels]]) if len(net.transitions) else np.array([])
-    counts: dict[str, Any] = {
-        "places": len(net.places),
-        "transitions": len(net.transitions),
-        "states": graph.states,
-        "edges": graph.edges,
-        "stable_states": graph.states - len(unstable) if net.priorities else None,
-        "dead_states": int(graph.dead.sum()),
-        "max_tokens": int(np.bitwise_count(graph.markings).sum(axis=1).max()),
-        "nodes": None,
-        "engine": engine,
-        "seconds": time.perf_counter() - started,
-    }
+        counts = asdict(summarise(net, engine, max_states=max_states, progress=progress))
     _print_counts(counts, as_json)
 
 

@@ -1,0 +1,93 @@
+"""The sizes of a state space, from whichever engine counts them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mcpn.net.petri import PetriNet
+from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
+
+
+@dataclass(frozen=True)
+class SpaceSummary:
+    """Sizes of a state space; exact integers of any size.
+
+    Args:
+        places: Of the net.
+        transitions: Of the net.
+        states: Reachable markings.
+        edges: Firings, priorities respected.
+        stable_states: Markings that enable no internal transition; ``None`` for nets without priorities.
+        dead_states: Markings that enable no transition.
+        max_tokens: Most tokens in a marking.
+        nodes: Of the final decision diagram; ``None`` where there is none.
+        engine: ``explicit`` or ``symbolic``.
+        seconds: Wall-clock time of the engine.
+    """
+
+    places: int
+    transitions: int
+    states: int
+    edges: int
+    stable_states: int | None
+    dead_states: int
+    max_tokens: int
+    nodes: int | None
+    engine: str
+    seconds: float
+
+
+def summarise(
+    net: PetriNet, engine: str, *, max_states: int | None = None, progress: Progress | None = None
+) -> SpaceSummary:
+    """Explores a net and says its sizes.
+
+    Args:
+        net: The net.
+        engine: ``explicit`` or ``symbolic``.
+        max_states: Limit for the explicit engine.
+        progress: Called now and then by the explicit engine.
+
+    Returns:
+        The sizes.
+
+    Raises:
+        UnsafeError: The net is not 1-safe.
+        LimitError: A limit was hit.
+    """
+    started = time.perf_counter()
+    if engine == "explicit":
+        counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
+    else:
+        counts = _symbolic(net)
+    states, edges, stable, dead, tokens, nodes = counts
+    seconds = time.perf_counter() - started
+    sizes = len(net.places), len(net.transitions)
+    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, nodes, engine, seconds)
+
+
+_Counts = tuple[int, int, int | None, int, int, int | None]
+
+
+def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
+    import numpy as np
+
+    from mcpn.space.explicit import explore
+
+    graph = explore(net, max_states=max_states, progress=progress)
+    internal = np.array([t.internal for t in net.transitions], np.bool_)
+    unstable = np.unique(graph.sources[internal[graph.labels]]) if graph.edges else np.array([])
+    stable = graph.states - len(unstable) if net.priorities else None
+    tokens = int(np.bitwise_count(graph.markings).sum(axis=1).max())
+    return graph.states, graph.edges, stable, int(graph.dead.sum()), tokens, None
+
+
+def _symbolic(net: PetriNet) -> _Counts:
+    from mcpn.space.symbolic import reach
+
+    space = reach(net)
+    stable = None if space.stable is None else space.stable.count()
+    nodes = space.reachable.nodes()
+    return space.states, space.edges, stable, space.dead_states, space.max_tokens, nodes
