@@ -2,9 +2,9 @@
 
 Run: python experiments/mcc.py FOLDER [--seconds 60] [--gigabytes 4] [NET...]
 
-FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its own; a line says whether states, edges,
-deadlock and most tokens are exactly the contest's, the seconds from the parsed net to all counts, the process's peak
-memory, the order of places that won the race and the nodes of the final diagram.
+FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its own; a line says whether states,
+edges, deadlock and most tokens are exactly the contest's, the seconds from the parsed net to all counts, the
+process's peak memory, the nodes of the final diagram and the order of places that won the race.
 """
 
 from __future__ import annotations
@@ -98,9 +98,8 @@ def main() -> None:
             flush=True,
         )
     print(f"{solved} of {len(rows)} solved, {quick} in under {QUICK:.0f} s, {wrong} wrong")
-    print(
-        f"mcpn {mcpn.__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}"
-    )
+    machine = f"{platform.system()} {platform.machine()}"
+    print(f"mcpn {mcpn.__version__}, Python {platform.python_version()}, {machine}")
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ class Store:
         read: Sequence[int] = ...,
         zero: Sequence[int] = ...,
     ) -> int:
-        """An event: levels that go from marked to unmarked, back, stay marked, stay unmarked; all disjoint."""
+        """An event: levels that go from marked to unmarked, back, stay marked, stay unmarked."""
 
     def condition(self, marked: Sequence[int], unmarked: Sequence[int] = ...) -> int:
         """A condition on markings: these levels marked, those unmarked."""
