@@ -2,9 +2,9 @@
 
 Run: python experiments/mcc.py FOLDER [--seconds 60] [--gigabytes 4] [NET...]
 
-FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its own; a line says whether states,
-edges, deadlock and most tokens are exactly the contest's, the seconds from the parsed net to all counts, the
-process's peak memory, the nodes of the final diagram and the order of places that won the race.
+FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its own; a line says whether
+states, edges, deadlock and most tokens are exactly the contest's, the seconds from the parsed net to all
+counts, the process's peak memory, the nodes of the final diagram and the order of places that won the race.
 """
 
 from __future__ import annotations

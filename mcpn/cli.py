@@ -197,11 +197,14 @@ def _alternatives(
     progress: Callable[[int, int], None] | None,
 ) -> AlternativesGraph:
     from mcpn.space.alternatives import by_reduction, direct
+    from mcpn.space.confluence import direct_with_proof
     from mcpn.space.explicit import explore
 
     limits = {} if max_states is None else {"max_states": max_states}
+    if method == "direct" and proof:
+        return direct_with_proof(mission_net.net, progress=progress, **limits)
     if method == "direct":
-        return direct(mission_net.net, proof=proof, progress=progress, **limits)
+        return direct(mission_net.net, proof=False, progress=progress, **limits)
     return by_reduction(explore(mission_net.net, progress=progress, **limits))
 
 
