@@ -134,7 +134,9 @@ def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
 
 @command_line.command()
 @click.argument("file", type=FILE)
-@click.option("--engine", type=click.Choice(["explicit", "symbolic"]), default="explicit", show_default=True)
+@click.option(
+    "--engine", type=click.Choice(["explicit", "symbolic", "pyeda"]), default="explicit", show_default=True
+)
 @limit_option
 @import_option
 @json_option
@@ -246,6 +248,22 @@ def convert(source: Path, target: Path, import_root: Path | None) -> None:
     warning = save_net(_net(source, import_root), target)
     if warning:
         click.echo(f"warning: {warning}", err=True)
+
+
+@command_line.command()
+@click.argument("file", type=FILE)
+@limit_option
+@import_option
+def compare(file: Path, max_states: int | None, import_root: Path | None) -> None:
+    """Run every engine on FILE, a mission or a net, side by side; disagreement is an error."""
+    from mcpn.report.text import print_comparison
+    from mcpn.space.compare import disagreement, measure
+
+    found = measure(_net(file, import_root), max_states=max_states)
+    print_comparison(found)
+    error = disagreement(found)
+    if error is not None:
+        raise error
 
 
 # --- what commands share -------------------------------------------------------------------------------

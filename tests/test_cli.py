@@ -161,6 +161,29 @@ def test_conversions_keep_the_graph(tmp_path: Path) -> None:
     assert (tmp_path / "u.dot").read_text().startswith("digraph")
 
 
+def test_engines_are_compared(tmp_path: Path) -> None:
+    lines = ["net n", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(8))]
+    (tmp_path / "n.net").write_text("\n".join(lines) + "\n")
+    run = mcpn("compare", tmp_path / "n.net")
+    assert run.returncode == 0
+    for engine in ("explicit", "symbolic", "pyeda"):
+        (row,) = [line for line in run.stdout.splitlines() if f" {engine} " in line]
+        assert " 256 " in row  # 2^8 states
+        assert " 2048 " in row  # 8 * 2^8 edges
+    assert "pyeda: left out: more than 24 places" in mcpn("compare", ULYSSE).stdout
+
+
+def test_engines_that_disagree_are_a_loud_error() -> None:
+    from mcpn.space.compare import Measurement, disagreement
+    from mcpn.space.summary import SpaceSummary
+
+    one = SpaceSummary(2, 2, 10, 20, None, 0, 1, None, "explicit", 1.0)
+    other = SpaceSummary(2, 2, 11, 20, None, 0, 1, 3, "symbolic", 2.0)
+    found = [Measurement("explicit", one, 1), Measurement("symbolic", other, 1)]
+    assert "10 states" in str(disagreement(found))
+    assert disagreement(found[:1]) is None
+
+
 def test_foreign_nets_have_no_stable_states(tmp_path: Path) -> None:
     (tmp_path / "n.net").write_text("net n\npl p (1)\ntr t p -> q\ntr u q -> p\n")
     found = output("states", tmp_path / "n.net")

@@ -6,7 +6,7 @@ their names qualified by the use (``transect_north.diving``).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     import networkx as nx
 
 MAX_OBJECTIVES = 100_000
+MAX_PARAMETERS = 1_000_000
+MAX_NESTING = 128
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,8 @@ class ElementarySection:
         success: The next section, or one of the graph's own exits, ``succeed`` and ``fail``.
         failure: The same for failure.
         source: Its line.
-        parameters: For the control laws, after inheritance and overrides.
+        parameters: For the control laws: those of enclosing recursive objectives and protocols, then its own;
+            the innermost of a name counts, and a use's overrides replace what its protocol says.
         description: For reports.
     """
 
@@ -168,92 +171,115 @@ def flatten(mission: Mission) -> ObjectivesGraph:
         Its graph; sections that no route reaches are left out.
 
     Raises:
-        LimitError: Uses of protocols expand to more than :data:`MAX_OBJECTIVES` objectives.
+        LimitError: Uses of protocols expand to more than :data:`MAX_OBJECTIVES` objectives, to more than
+            :data:`MAX_PARAMETERS` parameters of objectives, or to blocks more than :data:`MAX_NESTING` deep.
     """
-    return _Flattening(mission).graph(mission.blocks, "", {})
+    return _Flattening(mission).graph(mission.blocks, _Scope())
+
+
+@dataclass(frozen=True, slots=True)
+class _Scope:
+    """What the blocks of one text, the mission's or a protocol's, take from around them.
+
+    Args:
+        prefix: Qualifies names.
+        depth: How many blocks stand around.
+        defaults: Parameters that an objective has unless it says otherwise.
+        overrides: What the use of this text says instead of the parameters written in it. It does not
+            reach into protocols used there: their interface is what the uses in this text say.
+    """
+
+    prefix: str = ""
+    depth: int = 0
+    defaults: Mapping[str, Parameter] = field(default_factory=dict)
+    overrides: Mapping[str, Parameter] = field(default_factory=dict)
+
+    def written(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
+        """Parameters written in this text, as the use of the text overrides them."""
+        return {p.name: self.overrides.get(p.name, p) for p in parameters}
+
+    def with_defaults(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
+        """The parameters in force where these are written."""
+        return {**self.defaults, **self.written(parameters)}
 
 
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.objectives = 0
+        self.parameters = 0
 
-    def graph(
-        self, blocks: tuple[Block, ...], prefix: str, inherited: dict[str, Parameter]
-    ) -> ObjectivesGraph:
+    def graph(self, blocks: tuple[Block, ...], scope: _Scope) -> ObjectivesGraph:
         sections: list[Section] = []
-        entry = self.series(blocks, prefix, {SUCCEED: SUCCEED, FAIL: FAIL}, inherited, sections)
+        entry = self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL}, sections)
         return _reachable(ObjectivesGraph(tuple(sections), entry))
 
     def series(
-        self,
-        blocks: tuple[Block, ...],
-        prefix: str,
-        exits: dict[str, str],
-        inherited: dict[str, Parameter],
-        sections: list[Section],
+        self, blocks: tuple[Block, ...], scope: _Scope, exits: dict[str, str], sections: list[Section]
     ) -> str:
         """Adds the sections of sibling blocks and returns the entry of the first."""
-        entries = {block.name: self.entry(block, prefix) for block in blocks}
+        entries = {block.name: self.entry(block, scope) for block in blocks}
+        routes = entries | exits
         for block, following in zip(blocks, (*blocks[1:], None), strict=True):
             success = block.success or (following.name if following else SUCCEED)
-            routes = entries | exits
-            self.block(block, prefix, routes[success], routes[block.failure or FAIL], inherited, sections)
+            self.block(block, scope, routes[success], routes[block.failure or FAIL], sections)
         return entries[blocks[0].name]
 
-    def contents(self, block: Recursive | Use, prefix: str) -> tuple[tuple[Block, ...], str]:
-        if isinstance(block, Use):
-            return self.protocols[block.protocol].blocks, f"{prefix}{block.name}."
-        return block.blocks, prefix
+    def inside(self, block: Recursive | Parallel | Use, scope: _Scope) -> tuple[tuple[Block, ...], _Scope]:
+        """What a block holds, and the scope of that."""
+        if scope.depth >= MAX_NESTING:
+            message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
+            raise LimitError(f"{block.source}: {message}" if block.source else message)
+        inner = replace(scope, depth=scope.depth + 1)
+        if isinstance(block, Parallel):
+            return block.blocks, inner
+        if isinstance(block, Recursive):
+            return block.blocks, replace(inner, defaults=scope.with_defaults(block.parameters))
+        protocol = self.protocols[block.protocol]
+        inner = replace(
+            inner, prefix=f"{scope.prefix}{block.name}.", overrides=scope.written(block.parameters)
+        )
+        return protocol.blocks, replace(inner, defaults=inner.with_defaults(protocol.parameters))
 
-    def entry(self, block: Block, prefix: str) -> str:
+    def entry(self, block: Block, scope: _Scope) -> str:
         """The name of the section that is entered when the block is."""
         while isinstance(block, Recursive | Use):
-            inner, prefix = self.contents(block, prefix)
-            block = inner[0]
-        return prefix + block.name
+            blocks, scope = self.inside(block, scope)
+            block = blocks[0]
+        return scope.prefix + block.name
 
-    def block(
-        self,
-        block: Block,
-        prefix: str,
-        success: str,
-        failure: str,
-        inherited: dict[str, Parameter],
-        sections: list[Section],
-    ) -> None:
-        name = prefix + block.name
+    def block(self, block: Block, scope: _Scope, success: str, failure: str, sections: list[Section]) -> None:
+        name = scope.prefix + block.name
         if isinstance(block, Objective):
-            self.objectives += 1
-            if self.objectives > MAX_OBJECTIVES:
-                raise LimitError(f"more than {MAX_OBJECTIVES} objectives after expansion: the limit was hit")
-            parameters = tuple(self.inherit(block.parameters, inherited).values())
+            parameters = tuple(scope.with_defaults(block.parameters).values())
+            self.count(len(parameters))
             sections.append(
                 ElementarySection(
                     name, block.activities, success, failure, block.source, parameters, block.description
                 )
             )
         elif isinstance(block, Parallel):
-            branches = tuple(self.branch(child, prefix, inherited) for child in block.blocks)
+            children, inner = self.inside(block, scope)
+            branches = tuple(self.branch(child, inner) for child in children)
             sections.append(
                 ParallelSection(name, branches, success, failure, block.source, block.description)
             )
         else:
-            inner, inner_prefix = self.contents(block, prefix)
-            scope = self.inherit(block.parameters, inherited)
-            if isinstance(block, Use):
-                scope = self.inherit(self.protocols[block.protocol].parameters, {}) | scope
-            self.series(inner, inner_prefix, {SUCCEED: success, FAIL: failure}, scope, sections)
+            blocks, inner = self.inside(block, scope)
+            self.series(blocks, inner, {SUCCEED: success, FAIL: failure}, sections)
 
-    def branch(self, child: Block, prefix: str, inherited: dict[str, Parameter]) -> Branch:
+    def branch(self, child: Block, scope: _Scope) -> Branch:
         alone = replace(child, success=None, failure=None)
-        graph = self.graph((alone,), prefix, inherited)
-        return Branch(prefix + child.name, child.mandatory, graph, child.source)
+        return Branch(scope.prefix + child.name, child.mandatory, self.graph((alone,), scope), child.source)
 
-    @staticmethod
-    def inherit(own: tuple[Parameter, ...], inherited: dict[str, Parameter]) -> dict[str, Parameter]:
-        """Own parameters, overridden by those of an enclosing use."""
-        return {p.name: p for p in own} | inherited
+    def count(self, parameters: int) -> None:
+        self.objectives += 1
+        self.parameters += parameters
+        if self.objectives > MAX_OBJECTIVES:
+            raise LimitError(f"more than {MAX_OBJECTIVES} objectives after expansion: the limit was hit")
+        if self.parameters > MAX_PARAMETERS:
+            message = f"more than {MAX_PARAMETERS} parameters of objectives after expansion"
+            raise LimitError(f"{message}: the limit was hit")
 
 
 def _reachable(graph: ObjectivesGraph) -> ObjectivesGraph:

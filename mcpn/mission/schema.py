@@ -17,6 +17,7 @@ from lxml import etree
 RNG = "{http://relaxng.org/ns/structure/1.0}"
 NAMESPACE = "urn:mcpn:mission:1"
 ROOTS = ("mission", "robot", "protocols")
+BLOCKS = ("objective", "parallel", "use")
 
 
 @dataclass
@@ -115,6 +116,7 @@ def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
     for element in root.iter():
         tag, line = etree.QName(element).localname, _line(element)
         parent = element.getparent()
+        yield from _misplaced(element)
         if parent is not None:
             outer = etree.QName(parent).localname
             allowed = rules[outer].children if outer in rules else {tag}
@@ -127,11 +129,37 @@ def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
             if name not in rule.patterns:
                 known = ", ".join(sorted(rule.patterns))
                 yield line, f"found the attribute {name} on <{tag}>, expected one of {known}"
-            elif (pattern := rule.patterns[name]) and not re.fullmatch(pattern, value):
-                expected = "true or false" if "true" in pattern else "letters, digits and _, no digit first"
+            elif (pattern := rule.patterns[name]) and not re.fullmatch(pattern, value, re.ASCII):
+                names = "letters, digits and _, no digit first, at most 255 characters"
+                expected = "true or false" if "true" in pattern else names
                 yield line, f"{name} of <{tag}> is {value!r}, expected {expected}"
         for name in sorted(rule.required - set(element.attrib)):
             yield line, f"<{tag}> has no attribute {name}, which is required"
+
+
+def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
+    """What is allowed by itself, but not where or with what it stands."""
+    tag, line = etree.QName(element).localname, _line(element)
+    children = [etree.QName(child).localname for child in element]
+    for where, text in ((element, element.text), *((child, child.tail) for child in element)):
+        if text and text.strip():
+            yield _line(where), f"found the text {text.strip()[:40]!r} inside <{tag}>, expected elements only"
+    blocks = [child for child in children if child in BLOCKS]
+    if tag in ("mission", "protocol"):
+        first = children.index(blocks[0]) if blocks else len(children)
+        for child, name in zip(list(element)[first:], children[first:], strict=True):
+            if name not in BLOCKS and name in _rules()[tag].children:
+                yield (
+                    _line(child),
+                    f"found <{name}> after a block of <{tag}>, expected before its first block",
+                )
+    if tag in ("mission", "protocol", "parallel") and not blocks:
+        yield line, f"<{tag}> has no blocks, expected <objective>, <parallel> or <use> inside"
+    if tag == "objective" and bool(blocks) == ("activities" in element.attrib):
+        found = "both activities and blocks" if blocks else "neither activities nor blocks"
+        yield line, f"<objective> has {found}, expected activities (elementary) or blocks (recursive)"
+    if tag == "activity" and "consumes" in element.attrib and "alternative" in children:
+        yield line, "<activity> has both consumes and <alternative>, expected consumes on the alternatives"
 
 
 def _contents(element: etree._Element) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from itertools import islice
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.model import (
@@ -16,22 +18,30 @@ from mcpn.mission.model import (
     Mission,
     Objective,
     Parallel,
-    Parameter,
     Protocol,
     Recursive,
     Use,
     walk,
 )
 
+MAX_HINTS = 20
+"""How many unknown names are compared with the known ones: each comparison costs."""
+MAX_COMPARED = 1000
+"""Among how many known names a near one is looked for, and how many a message lists."""
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
+
 
 def find_errors(mission: Mission) -> list[Problem]:
     """What makes a mission invalid.
 
     Args:
-        mission: Any mission that fits the schema.
+        mission: Any mission, read or built in Python. What the schema says of files (names, empty blocks,
+            where routes and ``mandatory`` may stand) is said of built ones here.
 
     Returns:
-        Every problem, with its line; empty for a valid mission.
+        Every problem, with its line; empty for a valid mission. The time is nearly linear in the mission's
+        size.
     """
     return list(_Checks(mission).errors())
 
@@ -56,12 +66,15 @@ class _Checks:
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
-        self.hardware = {h.name for h in mission.hardware}
-        self.software = {s.name for s in mission.software}
+        self.hardware = {h.name: h for h in mission.hardware}
+        self.software = {s.name: s for s in mission.software}
+        self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
+        self.parameters: dict[str, frozenset[str]] = {}
+        self.hints: dict[str, str] = {}
         self.producers: dict[str, list[Activity]] = {}
         for activity in mission.activities:
-            for resource in activity.produces:
+            for resource in dict.fromkeys(activity.produces):
                 self.producers.setdefault(resource, []).append(activity)
         self.scopes: list[tuple[Element, tuple[Block, ...]]] = [
             (mission, mission.blocks),
@@ -70,10 +83,17 @@ class _Checks:
 
     def errors(self) -> Iterator[Problem]:
         mission = self.mission
+        for element in _elements(mission):
+            if not _NAME.fullmatch(element.name):
+                expected = "letters, digits and _, no digit first, at most 255 characters"
+                yield Problem(
+                    element.source, f"the name {element.name!r} is not allowed, expected {expected}"
+                )
+        yield from _duplicates("robot", mission.robots)
         yield from _duplicates("resource", (*mission.hardware, *mission.software))
         yield from _duplicates("activity", mission.activities)
         yield from _duplicates("protocol", mission.protocols)
-        yield from self.resources()
+        yield from self.products()
         for activity in mission.activities:
             yield from self.activity(activity)
         yield from self.cycles(
@@ -93,7 +113,7 @@ class _Checks:
 
     # --- resources and activities ----------------------------------------------------------------------
 
-    def resources(self) -> Iterator[Problem]:
+    def products(self) -> Iterator[Problem]:
         for software in self.mission.software:
             producers = self.producers.get(software.name, [])
             if len(producers) != 1:
@@ -107,7 +127,9 @@ class _Checks:
         yield from _duplicates("parameter", activity.parameters)
         yield from _duplicates("alternative", activity.alternatives)
         yield from _repeats(activity, "produces", activity.produces)
-        for resource in activity.produces:
+        if not activity.alternatives:
+            yield Problem(activity.source, f"activity {activity.name} has no alternative")
+        for resource in dict.fromkeys(activity.produces):
             if resource in self.hardware:
                 message = f"activity {activity.name} produces {resource}, which is a hardware resource"
                 yield Problem(activity.source, message)
@@ -119,14 +141,19 @@ class _Checks:
             yield from _duplicates("parameter", alternative.parameters)
             yield from _repeats(alternative, "consumes", alternative.consumes)
             for resource in dict.fromkeys(alternative.consumes):
-                if resource not in self.hardware | self.software:
+                if resource not in self.resources:
                     who = f"alternative {alternative.name} of activity {activity.name} consumes"
-                    yield self.unknown(alternative.source, who, resource, self.hardware | self.software)
+                    yield self.unknown(alternative.source, who, resource, self.resources)
 
     def unknown(self, source: Source | None, who: str, name: str, known: Iterable[str]) -> Problem:
-        near = get_close_matches(name, list(known), n=1)
-        hint = f" (did you mean {near[0]}?)" if near else ""
-        return Problem(source, f"{who} {name}, which is not declared{hint}")
+        return Problem(source, f"{who} {name}, which is not declared{self.hint(name, known)}")
+
+    def hint(self, name: str, known: Iterable[str]) -> str:
+        """A near name among the known ones, as long as looking for it costs little."""
+        if name not in self.hints and len(self.hints) < MAX_HINTS:
+            near = get_close_matches(name, sorted(islice(known, MAX_COMPARED)), n=1)
+            self.hints[name] = f" (did you mean {near[0]}?)" if near else ""
+        return self.hints.get(name, "")
 
     def cycles(
         self, what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
@@ -134,34 +161,39 @@ class _Checks:
         """One problem for each cycle that a depth-first walk closes."""
         finished: set[str] = set()
         for start in elements:
-            path: list[str] = []
+            path: dict[str, None] = {}
             stack = [(start, iter(after(start)))] if start not in finished else []
             if stack:
-                path.append(start)
+                path[start] = None
             while stack:
                 name, left = stack[-1]
                 following = next(left, None)
                 if following is None:
                     finished.add(name)
                     stack.pop()
-                    path.pop()
+                    del path[name]
                 elif following in path:
-                    cycle = [*path[path.index(following) :], following]
+                    names = list(path)
+                    cycle = [*names[names.index(following) :], following]
                     yield Problem(elements[following].source, f"{what}: {' -> '.join(cycle)}")
                 elif following in elements and following not in finished:
-                    path.append(following)
+                    path[following] = None
                     stack.append((following, iter(after(following))))
 
     # --- blocks ----------------------------------------------------------------------------------------
 
     def blocks(self, owner: Element, blocks: tuple[Block, ...]) -> Iterator[Problem]:
         all_blocks = list(walk(blocks))
+        if not blocks:
+            yield Problem(owner.source, f"{owner.name} has no blocks")
         yield from _duplicates("block", all_blocks)
         if isinstance(owner, Protocol):
             yield from _duplicates("parameter", owner.parameters)
         for siblings in _families(blocks):
             yield from self.routing(siblings)
         for block in all_blocks:
+            if isinstance(block, Recursive | Parallel) and not block.blocks:
+                yield Problem(block.source, f"{block.name} has no blocks")
             if block.name in (SUCCEED, FAIL):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
             if not isinstance(block, Parallel):
@@ -174,13 +206,17 @@ class _Checks:
                 yield from self.parallel(block)
 
     def routing(self, siblings: tuple[Block, ...]) -> Iterator[Problem]:
-        names = [block.name for block in siblings]
+        names = {block.name: None for block in siblings}
         for block in siblings:
+            if not block.mandatory:
+                message = f"{block.name} is not mandatory, though it is no child of a parallel block"
+                yield Problem(block.source, message)
             for exit_name, route in (("success", block.success), ("failure", block.failure)):
                 if route is not None and route not in (SUCCEED, FAIL, *names):
-                    known = ", ".join((*names, SUCCEED, FAIL))
-                    message = f"{exit_name} of {block.name} leads to {route}; expected one of {known}"
-                    yield Problem(block.source, message)
+                    shown = ", ".join(names) if len(names) <= 10 else f"its {len(names)} siblings"
+                    message = f"{exit_name} of {block.name} leads to {route}"
+                    expected = f"expected one of {shown}, {SUCCEED}, {FAIL}"
+                    yield Problem(block.source, f"{message}; {expected}{self.hint(route, names)}")
 
     def objective(self, block: Objective) -> Iterator[Problem]:
         if not block.activities:
@@ -202,9 +238,10 @@ class _Checks:
                 block.source, f"{block.name} uses the protocol", block.protocol, self.protocols
             )
             return
-        known = {p.name for p in _all_parameters(protocol)}
+        if protocol.name not in self.parameters:
+            self.parameters[protocol.name] = _parameters(protocol)
         for parameter in block.parameters:
-            if parameter.name not in known:
+            if parameter.name not in self.parameters[protocol.name]:
                 message = f"{block.name} overrides the parameter {parameter.name}, which protocol"
                 yield Problem(parameter.source, f"{message} {protocol.name} does not have")
 
@@ -215,6 +252,9 @@ class _Checks:
             if isinstance(child, Parallel):
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"
                 yield Problem(child.source, f"{message}; expected an objective or a use")
+            if child.success is not None or child.failure is not None:
+                message = f"{child.name} has a route, though it is a child of a parallel block"
+                yield Problem(child.source, message)
 
     # --- warnings --------------------------------------------------------------------------------------
 
@@ -269,11 +309,27 @@ def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
             yield block.blocks
 
 
-def _all_parameters(protocol: Protocol) -> Iterator[Parameter]:
-    yield from protocol.parameters
-    for block in walk(protocol.blocks):
-        if not isinstance(block, Parallel):
-            yield from block.parameters
+def _parameters(protocol: Protocol) -> frozenset[str]:
+    """Names of the parameters that are written in a protocol, which a use of it may override."""
+    blocks = (block for block in walk(protocol.blocks) if not isinstance(block, Parallel))
+    return frozenset(p.name for element in (protocol, *blocks) for p in element.parameters)
+
+
+def _elements(mission: Mission) -> Iterator[Element]:
+    """Every named element of a mission."""
+    yield mission
+    yield from (*mission.robots, *mission.hardware, *mission.software)
+    for activity in mission.activities:
+        yield from (activity, *activity.parameters, *activity.alternatives)
+        for alternative in activity.alternatives:
+            yield from alternative.parameters
+    for protocol in mission.protocols:
+        yield from (protocol, *protocol.parameters)
+    for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
+        for block in walk(blocks):
+            yield block
+            if not isinstance(block, Parallel):
+                yield from block.parameters
 
 
 def _unreached(siblings: tuple[Block, ...]) -> Iterator[Problem]:

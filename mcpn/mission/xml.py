@@ -37,6 +37,7 @@ from mcpn.xmlio import parse_xml
 MAX_FILE_BYTES = 16 << 20
 MAX_IMPORTS = 1000
 MAX_DEPTH = 64
+MAX_ELEMENTS = 200_000
 
 
 def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> Mission:
@@ -50,15 +51,16 @@ def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> 
         A valid mission, every element with its file and line.
 
     Raises:
-        InputError: Everything that is wrong, by file and line.
+        InputError: Everything that is wrong, by file and line. References are checked once every file could
+            be read and fits the schema, for what a file declares is not known otherwise.
     """
     main = Path(path)
     root = Path(import_root) if import_root is not None else main.parent
     reader = _Reader(root.resolve())
     mission = reader.mission(main)
     problems = reader.problems
-    if mission is not None and not problems:
-        problems = find_errors(mission)
+    if mission is not None and reader.complete:
+        problems = [*problems, *find_errors(mission)]
     if mission is None or problems:
         raise InputError(sorted(set(problems), key=_by_place))
     return mission
@@ -81,6 +83,8 @@ class _Reader:
     def __init__(self, root: Path) -> None:
         self.root = root
         self.problems: list[Problem] = []
+        self.complete = True
+        self.elements = 0
         self.seen: set[Path] = set()
 
     def mission(self, path: Path) -> Mission | None:
@@ -89,6 +93,7 @@ class _Reader:
             return None
         if _tag(element) != "mission":
             self.wrong(path, element, f"expected a mission, found <{_tag(element)}>")
+            self.complete = False
             return None
         self.seen.add(path.resolve())
         found = _Contents()
@@ -111,21 +116,31 @@ class _Reader:
             element = parse_xml(path, MAX_FILE_BYTES)
         except InputError as error:
             self.problems.extend(error.problems)
+            self.complete = False
             return None
         if not self.bounded(element, path):
+            self.complete = False
             return None
         misfits = find_misfits(element)
         self.problems.extend(Problem(Source(str(path), line), message) for line, message in misfits)
-        return None if misfits else element
+        if misfits:
+            self.complete = False
+            return None
+        return element
 
-    def bounded(self, element: etree._Element, path: Path) -> bool:
-        depths = {element: 1}
-        for parent in element.iter():
-            for child in parent:
-                depths[child] = depths[parent] + 1
-                if depths[child] > MAX_DEPTH:
-                    self.wrong(path, child, f"nested more than {MAX_DEPTH} deep, the limit on nesting")
-                    return False
+    def bounded(self, root: etree._Element, path: Path) -> bool:
+        depth = 0
+        for event, element in etree.iterwalk(root, events=("start", "end")):
+            depth += 1 if event == "start" else -1
+            self.elements += event == "start"
+            if depth > MAX_DEPTH:
+                self.wrong(path, element, f"nested more than {MAX_DEPTH} deep, the limit on nesting")
+                return False
+            if self.elements > MAX_ELEMENTS:
+                self.wrong(
+                    path, element, f"more than {MAX_ELEMENTS} elements in all files, the limit on them"
+                )
+                return False
         return True
 
     def wrong(self, path: Path, element: etree._Element, message: str) -> None:
@@ -152,27 +167,38 @@ class _Reader:
             real = target.resolve()
             inside = real.is_relative_to(self.root)
         except (OSError, ValueError, RuntimeError) as error:
-            self.wrong(path, element, f"cannot import {href!r}: {error}")
+            self.not_imported(path, element, f"{href!r}: {error}")
             return
         if not inside or ":" in href.split("/")[0]:
-            self.wrong(path, element, f"import of {href} leaves the mission's directory")
+            self.not_imported(path, element, f"{href} leaves the mission's directory")
         elif real in chain:
-            self.wrong(path, element, f"import of {href} closes a cycle of imports")
+            self.not_imported(path, element, f"{href} closes a cycle of imports")
         elif real not in self.seen:
             self.seen.add(real)
             if len(self.seen) > MAX_IMPORTS:
-                self.wrong(path, element, f"more than {MAX_IMPORTS} files imported, the limit on imports")
-                return
-            if not target.is_file():
-                self.wrong(path, element, f"import of {href}: no such file")
-                return
-            root = self.load(target)
-            if root is not None and _tag(root) == "mission":
-                self.wrong(
-                    path, element, f"import of {href}: expected <robot> or <protocols>, found <mission>"
+                self.not_imported(
+                    path, element, f"{href}: more than {MAX_IMPORTS} files, the limit on imports"
                 )
-            elif root is not None:
-                self.declarations(root, target, [*chain, real], found)
+            elif len(chain) > MAX_DEPTH:
+                self.not_imported(
+                    path, element, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports"
+                )
+            elif not target.is_file():
+                self.not_imported(
+                    path, element, f"{href}: {'a directory' if target.is_dir() else 'no such file'}"
+                )
+            else:
+                root = self.load(target)
+                if root is not None and _tag(root) == "mission":
+                    self.not_imported(
+                        path, element, f"{href}: expected <robot> or <protocols>, found <mission>"
+                    )
+                elif root is not None:
+                    self.declarations(root, target, [*chain, real], found)
+
+    def not_imported(self, path: Path, element: etree._Element, why: str) -> None:
+        self.complete = False
+        self.wrong(path, element, f"import of {why}")
 
     def robot(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> Robot:
         hardware, software, activities = [], [], []
@@ -290,7 +316,17 @@ def write_mission(mission: Mission) -> bytes:
 
     Returns:
         UTF-8 XML with robots and protocols as children of the mission, before its blocks.
+
+    Raises:
+        InputError: A text holds a character that XML cannot.
     """
+    try:
+        return _written(mission)
+    except ValueError as error:
+        raise InputError.at(mission.source, f"mission {mission.name} cannot be written: {error}") from error
+
+
+def _written(mission: Mission) -> bytes:
     root = etree.fromstring(f'<mission xmlns="{NAMESPACE}"/>')
     _attributes(root, mission)
     for robot in mission.robots:

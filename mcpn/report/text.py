@@ -10,6 +10,7 @@ from rich.table import Table
 from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
 from mcpn.errors import Problem
+from mcpn.space.compare import Measurement
 
 
 def print_counts(counts: Mapping[str, object]) -> None:
@@ -20,6 +21,25 @@ def print_counts(counts: Mapping[str, object]) -> None:
             shown = f"{value:.3f}" if isinstance(value, float) else str(value)
             table.add_row(name.replace("_", " "), shown)
     Console(highlight=False).print(table)
+
+
+def print_comparison(found: Sequence[Measurement]) -> None:
+    """Prints what each engine found and took, and its speed against the slowest."""
+    slowest = max((m.summary.seconds for m in found if m.summary), default=0.0)
+    table = Table("engine", "states", "edges", "dead", "seconds", "speed", "MB", "nodes")
+    for m in found:
+        if m.summary is None:
+            continue
+        s = m.summary
+        nodes = "" if s.nodes is None else str(s.nodes)
+        counts = [str(s.states), str(s.edges), str(s.dead_states)]
+        speed = f"{slowest / s.seconds:.1f} x"
+        table.add_row(m.engine, *counts, f"{s.seconds:.3f}", speed, str(m.megabytes), nodes)
+    console = Console(highlight=False, soft_wrap=True)
+    console.print(table)
+    for m in found:
+        if m.summary is None:
+            console.print(f"{m.engine}: {m.reason}")
 
 
 def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:

@@ -6,8 +6,8 @@ same marking. Then every internal run from a marking that ends has the same leng
 descent*, Newman 1942; van Oostrom 2007), so that the end of the one run that is followed proves termination
 of them all.
 
-Transitions whose arcs cannot conflict are passed over; for each other pair, one query on the diagram of reachable
-markings asks whether any of them enables both.
+Transitions whose arcs cannot conflict are passed over; for each other pair, one query on the diagram of
+reachable markings asks whether any of them enables both.
 """
 
 from __future__ import annotations

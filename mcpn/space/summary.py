@@ -6,8 +6,12 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
+
+ENGINES = ("explicit", "symbolic", "pyeda")
+"""The engines that count: marking by marking, by decision diagrams, and the small independent reference."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +27,7 @@ class SpaceSummary:
         dead_states: Markings that enable no transition.
         max_tokens: Most tokens in a marking.
         nodes: Of the final decision diagram; ``None`` where there is none.
-        engine: ``explicit`` or ``symbolic``.
+        engine: One of :data:`ENGINES`.
         seconds: Wall-clock time of the engine.
     """
 
@@ -46,7 +50,7 @@ def summarise(
 
     Args:
         net: The net.
-        engine: ``explicit`` or ``symbolic``.
+        engine: One of :data:`ENGINES`.
         max_states: Limit for the explicit engine.
         progress: Called now and then by the explicit engine.
 
@@ -55,13 +59,15 @@ def summarise(
 
     Raises:
         UnsafeError: The net is not 1-safe.
-        LimitError: A limit was hit.
+        LimitError: A limit was hit, or the engine is not installed.
     """
     started = time.perf_counter()
     if engine == "explicit":
         counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
-    else:
+    elif engine == "symbolic":
         counts = _symbolic(net)
+    else:
+        counts = _pyeda(net)
     states, edges, stable, dead, tokens, nodes = counts
     seconds = time.perf_counter() - started
     sizes = len(net.places), len(net.transitions)
@@ -91,3 +97,14 @@ def _symbolic(net: PetriNet) -> _Counts:
     stable = None if space.stable is None else space.stable.count()
     nodes = space.reachable.nodes()
     return space.states, space.edges, stable, space.dead_states, space.max_tokens, nodes
+
+
+def _pyeda(net: PetriNet) -> _Counts:
+    try:
+        from mcpn.space.pyeda_reference import count
+
+        found = count(net)
+    except ImportError as error:
+        raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
+    tokens = found.max_tokens
+    return found.states, found.edges, found.stable_states, found.dead_states, tokens, None
