@@ -2,8 +2,8 @@
 
 Run: python experiments/families.py
 
-Prints, for each size, the markings that the symbolic engine counts, whether the closed form agrees where there
-is one, its seconds, and the nodes of the diagram at its peak and at its end.
+Prints, for each size, the markings that the symbolic engine counts, whether the closed form agrees where
+there is one, its seconds, and the nodes of the diagram at its peak and at its end.
 """
 
 from __future__ import annotations
