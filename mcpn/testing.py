@@ -10,7 +10,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from hypothesis import strategies as st
 
@@ -42,12 +42,17 @@ class Shape:
         producers: Most activities that produce; later ones may consume what earlier ones produce.
         alternatives: Most alternatives of an activity.
         outputs: Most resources that one activity produces.
-        activities: Most activities that objectives start.
+        activities: Most activities that objectives start, unless ``shared_activities`` asks for more.
+        sections: Most elementary objectives in all, uses expanded.
         objectives: Most blocks in a series.
         depth: How deep blocks nest.
         parallel: Whether parallel blocks are drawn.
         protocols: Whether protocols are drawn and used.
         loops: Whether routes may go back.
+        shared_activities: Whether two objectives may start the same activity.
+        disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
+            objective, the chain under one activity) shares no resource and no activity, so that nothing
+            contends.
         text: Whether descriptions and parameters are drawn.
     """
 
@@ -56,15 +61,38 @@ class Shape:
     alternatives: int = 3
     outputs: int = 2
     activities: int = 4
+    sections: int = 16
     objectives: int = 3
     depth: int = 2
     parallel: bool = True
     protocols: bool = True
     loops: bool = True
+    shared_activities: bool = True
+    disjoint_branches: bool = False
     text: bool = False
 
 
-TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")), max_size=12)
+TEXTS = st.text(
+    st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")) | st.sampled_from("\t\n\r"),
+    max_size=12,
+)
+
+
+@dataclass
+class _Island:
+    """A part of the robot that shares no resource with another; without disjoint branches, all of it.
+
+    Args:
+        number: Its rank.
+        below: Its resources, each with all that its producer may need, itself included.
+        groups: Its resources, each with those that the same activity produces.
+        startable: Its activities that objectives may start.
+    """
+
+    number: int
+    below: dict[str, frozenset[str]] = field(default_factory=dict)
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    startable: list[str] = field(default_factory=list)
 
 
 class _Drawing:
@@ -74,8 +102,11 @@ class _Drawing:
         self.draw = draw
         self.shape = shape
         self.count = 0
-        self.protocols: list[Protocol] = []
-        self.startable: list[str] = []
+        self.islands: list[_Island] = []
+        self.activities: list[Activity] = []
+        # Each protocol with the islands that it needs and how many elementary objectives it has.
+        self.protocols: list[tuple[Protocol, list[_Island], int]] = []
+        self.unused: list[str] = []
 
     def number(self, low: int, high: int) -> int:
         return self.draw(st.integers(low, high))
@@ -97,96 +128,181 @@ class _Drawing:
         return (Parameter(name=self.name("par"), value=self.draw(TEXTS), unit=unit),)
 
     def mission(self) -> Mission:
-        robot = self.robot()
+        hardware, software = self.resources()
+        for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
+            self.startable(self.islands[i] if i < len(self.islands) else self.island())
+        budget = self.shape.sections
         if self.shape.protocols and self.chance():
-            blocks = self.series(1)
-            name = self.name("proto")
-            self.protocols.append(Protocol(name=name, blocks=blocks, parameters=self.parameters()))
-        blocks = self.series(self.shape.depth)
+            blocks, size = self.series(1, self.islands, self.number(1, budget))
+            protocol = Protocol(name=self.name("proto"), blocks=blocks, parameters=self.parameters())
+            self.protocols.append((protocol, self.islands, size))
+            self.unused.append(protocol.name)
+        blocks, _ = self.series(self.shape.depth, self.islands, budget)
         return Mission(
             name="mission",
             description=self.description(),
             blocks=blocks,
-            robots=(robot,),
-            protocols=tuple(self.protocols),
+            robots=(
+                Robot(name="robot", hardware=hardware, software=software, activities=tuple(self.activities)),
+            ),
+            protocols=tuple(protocol for protocol, _, _ in self.protocols),
         )
 
-    def robot(self) -> Robot:
-        shape = self.shape
+    # --- the robot -------------------------------------------------------------------------------------
+
+    def island(self) -> _Island:
+        return self.islands[self.number(0, len(self.islands) - 1)]
+
+    def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
         hardware = tuple(
             Hardware(name=f"h{i}", faulty=self.number(0, 4) > 0, description=self.description())
-            for i in range(self.number(1, shape.hardware))
+            for i in range(self.number(1, self.shape.hardware))
         )
-        resources = [h.name for h in hardware]
-        software, activities = [], []
-        for i in range(self.number(0, shape.producers)):
-            produced = tuple(f"s{i}{letter}" for letter in "abcd"[: self.number(1, shape.outputs)])
-            activities.append(self.activity(f"producer{i}", resources, produced))
+        islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
+        self.islands = [_Island(i) for i in range(islands)]
+        for i, h in enumerate(hardware):
+            island = self.islands[i] if i < islands else self.island()
+            island.below[h.name] = frozenset({h.name})
+            island.groups[h.name] = (h.name,)
+        software: list[Software] = []
+        for i in range(self.number(0, self.shape.producers)):
+            produced = tuple(f"s{i}{letter}" for letter in "abcd"[: self.number(1, self.shape.outputs)])
+            island = self.island()
+            producer = self.activity(f"producer{i}", island, produced)
+            self.activities.append(producer)
             software += [Software(name=s, description=self.description()) for s in produced]
-            resources += produced
-        for i in range(self.number(1, shape.activities)):
-            activities.append(self.activity(f"activity{i}", resources, ()))
-            self.startable.append(f"activity{i}")
-        return Robot(name="robot", hardware=hardware, software=tuple(software), activities=tuple(activities))
+            needs = [island.below[k] for a in producer.alternatives for k in a.consumes]
+            for s in produced:
+                island.below[s] = frozenset(produced).union(*needs)
+                island.groups[s] = produced
+        return hardware, tuple(software)
 
-    def activity(self, name: str, resources: list[str], produces: tuple[str, ...]) -> Activity:
-        alternatives = []
+    def startable(self, island: _Island) -> None:
+        name = f"activity{len(self.activities)}"
+        self.activities.append(self.activity(name, island, ()))
+        island.startable.append(name)
+
+    def activity(self, name: str, island: _Island, produces: tuple[str, ...]) -> Activity:
+        ways = []
         for i in range(self.number(1, self.shape.alternatives)):
-            size = min(self.draw(st.sampled_from([0, 1, 1, 1, 2])), len(resources))
-            consumes = st.lists(st.sampled_from(resources), min_size=size, max_size=size, unique=True)
-            alternatives.append(
-                Alternative(
-                    name=f"{name}_way{i}", consumes=tuple(self.draw(consumes)), parameters=self.parameters()
-                )
-            )
+            consumes = self.consumed(island)
+            ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
+        if len(ways) == 1 and self.chance():
+            ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
         return Activity(
             name=name,
             produces=produces,
-            alternatives=tuple(alternatives),
+            alternatives=tuple(ways),
             parameters=self.parameters(),
             description=self.description(),
         )
 
-    def series(self, depth: int) -> tuple[Block, ...]:
-        blocks = [self.block(depth) for _ in range(self.number(1, self.shape.objectives))]
-        return tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))
+    def consumed(self, island: _Island) -> tuple[str, ...]:
+        chosen: list[str] = []
+        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2]))):
+            left = [k for k in island.below if self.may_join(island, k, chosen)]
+            if left:
+                chosen.append(self.draw(st.sampled_from(left)))
+        return tuple(chosen)
+
+    def may_join(self, island: _Island, resource: str, chosen: list[str]) -> bool:
+        """Whether a resource may be consumed beside the chosen ones: disjoint below, or of one producer."""
+        if not self.shape.disjoint_branches:
+            return resource not in chosen
+        return resource not in chosen and all(
+            resource in island.groups[k] or island.below[resource].isdisjoint(island.below[k]) for k in chosen
+        )
+
+    # --- blocks ----------------------------------------------------------------------------------------
+    # Each draws within islands and a budget of elementary objectives, and says how many it took.
+
+    def series(self, depth: int, islands: list[_Island], budget: int) -> tuple[tuple[Block, ...], int]:
+        blocks: list[Block] = []
+        taken = 0
+        for left in range(self.number(1, min(self.shape.objectives, budget)) - 1, -1, -1):
+            block, size = self.block(depth, islands, budget - taken - left)
+            blocks.append(block)
+            taken += size
+        return tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks)), taken
 
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         targets = [None, SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else index + 1 :])]
         route = st.sampled_from(targets)
         return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
 
-    def block(self, depth: int) -> Block:
+    def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
+        usable = self.usable(islands, budget)
         kinds = ["objective", "objective"]
         kinds += ["recursive"] if depth else []
         kinds += ["parallel"] if depth and self.shape.parallel else []
-        kinds += ["use"] if self.protocols else []
+        kinds += ["use"] if usable else []
         kind = self.draw(st.sampled_from(kinds))
         if kind == "use":
-            protocol = self.draw(st.sampled_from(self.protocols))
-            return Use(name=self.name("use"), protocol=protocol.name)
+            return self.use(*self.draw(st.sampled_from(usable)))
         if kind == "recursive":
-            return Recursive(
-                name=self.name("rec"), blocks=self.series(depth - 1), parameters=self.parameters()
-            )
+            blocks, size = self.series(depth - 1, islands, budget)
+            return Recursive(name=self.name("rec"), blocks=blocks, parameters=self.parameters()), size
         if kind == "parallel":
-            return Parallel(name=self.name("par"), blocks=self.children(depth - 1))
-        activities = st.lists(st.sampled_from(self.startable), min_size=1, max_size=2, unique=True)
+            blocks, size = self.children(depth - 1, islands, budget)
+            return Parallel(name=self.name("par"), blocks=blocks), size
+        return self.objective(islands), 1
+
+    def usable(self, islands: list[_Island], budget: int) -> list[tuple[Protocol, int]]:
+        return [
+            (protocol, size)
+            for protocol, needed, size in self.protocols
+            if size <= budget
+            and all(island in islands for island in needed)
+            and (self.shape.shared_activities or protocol.name in self.unused)
+        ]
+
+    def use(self, protocol: Protocol, size: int) -> tuple[Block, int]:
+        if protocol.name in self.unused:
+            self.unused.remove(protocol.name)
+        overrides = protocol.parameters if self.shape.text and self.chance() else ()
+        parameters = tuple(replace(p, value=self.draw(TEXTS)) for p in overrides)
+        return Use(name=self.name("use"), protocol=protocol.name, parameters=parameters), size
+
+    def objective(self, islands: list[_Island]) -> Objective:
+        activities: list[str] = []
+        for _ in range(self.number(1, 2)):
+            if self.shape.disjoint_branches:
+                islands = [i for i in islands if not set(i.startable) & set(activities)]
+            if not islands:
+                break
+            island = self.draw(st.sampled_from(islands))
+            left = [a for a in island.startable if a not in activities]
+            if not left and not self.shape.shared_activities:
+                self.startable(island)
+                left = island.startable[-1:]
+            if left:
+                activities.append(self.draw(st.sampled_from(left)))
+        if not self.shape.shared_activities:
+            for island in self.islands:
+                island.startable = [a for a in island.startable if a not in activities]
         return Objective(
             name=self.name("obj"),
-            activities=tuple(self.draw(activities)),
+            activities=tuple(activities),
             parameters=self.parameters(),
             description=self.description(),
         )
 
-    def children(self, depth: int) -> tuple[Block, ...]:
+    def children(self, depth: int, islands: list[_Island], budget: int) -> tuple[tuple[Block, ...], int]:
+        apart = self.shape.disjoint_branches
+        number = self.number(1, min(2, budget, len(islands) if apart else 2))
+        shares = [islands] * number
+        if apart and number == 2:
+            cut = self.number(1, len(islands) - 1)
+            shares = [islands[:cut], islands[cut:]]
         children: list[Block] = []
-        for i in range(self.number(1, 2)):
-            child = self.block(depth)
+        taken = 0
+        for i, share in enumerate(shares):
+            child, size = self.block(depth, share, budget - taken - (number - 1 - i))
             if isinstance(child, Parallel):
                 child = Recursive(name=self.name("rec"), blocks=(child,))
             children.append(replace(child, mandatory=i == 0 or self.chance()))
-        return tuple(children)
+            taken += size
+        return tuple(children), taken
 
 
 def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrategy[Mission]:
@@ -194,13 +310,13 @@ def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrat
 
     Args:
         shape: Bounds on the missions; the defaults of :class:`Shape` keep most under 100,000 markings.
-        **bounds: Bounds to replace in it, by name (``max_`` before a name is allowed).
+        **bounds: Bounds to replace in it, by name (``max_`` or ``allow_`` before a name is allowed).
 
     Returns:
-        A strategy. Its missions may contend for resources; :attr:`mcpn.mission.usage.Usage.contentions` says
-        whether one does.
+        A strategy. Unless ``disjoint_branches`` is set, its missions may contend for resources;
+        :attr:`mcpn.mission.usage.Usage.contentions` says whether one does.
     """
-    fields = {key.removeprefix("max_"): value for key, value in bounds.items()}
+    fields = {key.removeprefix("max_").removeprefix("allow_"): value for key, value in bounds.items()}
     chosen = replace(shape or Shape(), **fields)  # type: ignore[arg-type]
 
     @st.composite

@@ -24,10 +24,10 @@ from mcpn.mission.model import (
     walk,
 )
 
-MAX_HINTS = 20
+MAX_HINTS = 10
 """How many unknown names are compared with the known ones: each comparison costs."""
-MAX_COMPARED = 1000
-"""Among how many known names a near one is looked for, and how many a message lists."""
+MAX_COMPARED = 500
+"""Among how many known names a near one is looked for."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
@@ -212,7 +212,7 @@ class _Checks:
                 message = f"{block.name} is not mandatory, though it is no child of a parallel block"
                 yield Problem(block.source, message)
             for exit_name, route in (("success", block.success), ("failure", block.failure)):
-                if route is not None and route not in (SUCCEED, FAIL, *names):
+                if route not in (None, SUCCEED, FAIL) and route not in names:
                     shown = ", ".join(names) if len(names) <= 10 else f"its {len(names)} siblings"
                     message = f"{exit_name} of {block.name} leads to {route}"
                     expected = f"expected one of {shown}, {SUCCEED}, {FAIL}"

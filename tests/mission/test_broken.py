@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from mcpn.errors import InputError, LimitError
-from mcpn.mission.flatten import flatten
-from mcpn.mission.xml import MAX_FILE_BYTES, read_mission
+from mcpn.errors import InputError, LimitError, Problem
+from mcpn.mission.flatten import MAX_NESTING, flatten
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Block,
+    Mission,
+    Objective,
+    Parallel,
+    Protocol,
+    Recursive,
+    Robot,
+)
+from mcpn.mission.validate import find_errors, find_warnings
+from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission, write_mission
+from tests.conftest import ULYSSE
 
 NS = 'xmlns="urn:mcpn:mission:1"'
 ROBOT = """<robot name="r">
@@ -73,12 +90,12 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         "mandatory",
     ),
     "faulty is no truth value": (robot("<hardware name='G' faulty='often'/>"), 7, "faulty"),
-    "no blocks": (body(""), 1, "mission"),
-    "objective without activities": (body("<objective name='o'/>"), 8, "objective"),
+    "no blocks": (body(""), 1, "<mission> has no blocks"),
+    "objective without activities": (body("<objective name='o'/>"), 8, "neither activities nor blocks"),
     "objective with activities and blocks": (
         body("<objective name='o' activities='go'>\n<objective name='x' activities='go'/></objective>"),
         8,
-        "",
+        "both activities and blocks",
     ),
     "objective with no activity named": (body("<objective name='o' activities=' '/>"), 8, "no activity"),
     "parallel in parallel": (
@@ -96,6 +113,11 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "product unknown": (robot("<activity name='a' produces='X'/>"), 7, "X, which is not declared"),
     "product is hardware": (robot("<activity name='a' produces='H'/>"), 7, "hardware"),
     "software without producer": (robot("<software name='T'/>"), 7, "found none"),
+    "product named twice": (
+        robot("<software name='T'/><activity name='a' produces='T T'/>"),
+        7,
+        "produces of a names T 2 times",
+    ),
     "software with two producers": (robot("<activity name='a' produces='S'/>"), 3, "found driver, a"),
     "resource declared twice": (robot("<hardware name='S'/>"), 3, "resource S is declared twice"),
     "activity declared twice": (robot("<activity name='go'/>"), 7, "activity go is declared twice"),
@@ -138,7 +160,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         8,
         "no mandatory child",
     ),
-    "parallel without children": (body("<parallel name='p'/>"), 8, "parallel"),
+    "parallel without children": (body("<parallel name='p'/>"), 8, "<parallel> has no blocks"),
     "activities need each other": (
         robot(
             "<software name='A'/><software name='B'/>"
@@ -189,6 +211,62 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         "leaves the mission's directory",
     ),
     "import of itself": (body('<import href="m.xml"/>\n' + OK), 8, "cycle of imports"),
+    "name of 256 characters": (body(f"<objective name='{'n' * 256}' activities='go'/>"), 8, "at most 255"),
+    "name with a line break": (body("<objective name='o&#10;' activities='go'/>"), 8, "letters, digits"),
+    "names with a space that XML does not know": (
+        robot("<activity name='a' consumes='H\u00a0S'/>"),
+        7,
+        "consumes of <activity>",
+    ),
+    "attribute of another namespace": (
+        body("<objective xmlns:x='urn:x' x:name='o' name='o' activities='go'/>"),
+        8,
+        "{urn:x}name",
+    ),
+    "element of another namespace": (body("<objective xmlns='urn:x' name='o'/>"), 8, "found <objective>"),
+    "text between blocks": (body(f"{OK}\nand then"), 8, "found the text 'and then'"),
+    "text in a block": (body("<objective name='o' activities='go'>now</objective>"), 8, "the text 'now'"),
+    "import after a block": (body(f"{OK}\n<import href='r.xml'/>"), 9, "expected before its first block"),
+    "parameter after a block of a protocol": (
+        body(PROTOCOLS.format(OK, f"{OK}\n<parameter name='d' value='1'/>") + OK),
+        11,
+        "expected before its first block",
+    ),
+    "protocol without blocks": (body(PROTOCOLS.format(OK, "") + OK), 10, "<protocol> has no blocks"),
+    "activity with two forms": (
+        robot("<activity name='a' consumes='H'><alternative name='b'/></activity>"),
+        7,
+        "both consumes and <alternative>",
+    ),
+    "robot declared twice": (
+        body(f"<robot name='s'/>\n<robot name='s'/>{OK}"),
+        9,
+        "robot s is declared twice",
+    ),
+    "block declared twice at two depths": (
+        body(f"<objective name='r'>{OK}</objective>\n{OK}"),
+        9,
+        "block o is declared twice",
+    ),
+    "route with a near name": (
+        body(f"<objective name='first' activities='go' failure='frist'/>\n{OK}"),
+        8,
+        "did you mean first?",
+    ),
+    "override of what only an inner protocol has": (
+        body(
+            PROTOCOLS.format('<use name="v" protocol="q"/>', '<parameter name="depth" value="1"/>' + OK)
+            + '<use name="u" protocol="p">\n<parameter name="depth" value="1"/></use>'
+        ),
+        12,
+        "does not have",
+    ),
+    "entity in an attribute": (
+        '<!DOCTYPE m [<!ENTITY a "' + "a" * 100_000 + '">]>' + body(f'<use name="{"&a;" * 100_000}"/>'),
+        8,
+        "not well-formed",
+    ),
+    "import of a directory": (body('<import href="."/>\n' + OK), 8, "a directory"),
     "nested too deep": (
         body("<objective name='r'>" * 100 + OK + "</objective>" * 100),
         8,
@@ -288,13 +366,222 @@ def test_all_problems_of_all_files_are_told_in_one_go(tmp_path: Path) -> None:
     assert files == sorted(files)
 
 
-def test_protocols_that_double_forever_hit_a_limit(tmp_path: Path) -> None:
-    levels = [
-        f'<protocol name="p{i}">'
-        f'<use name="a" protocol="p{i + 1}"/><use name="b" protocol="p{i + 1}"/></protocol>'
-        for i in range(40)
-    ]
-    protocols = f'<protocols>{"".join(levels)}<protocol name="p40">{OK}</protocol></protocols>'
-    (tmp_path / "m.xml").write_text(body(protocols + '<use name="u" protocol="p0"/>'))
-    with pytest.raises(LimitError, match="100000 objectives"):
-        flatten(read_mission(tmp_path / "m.xml"))
+def test_references_are_told_beside_misplaced_routes(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(
+        body("<objective name='o' activities='goo' mandatory='true'/>\n<use name='u' protocol='p'/>")
+    )
+    with pytest.raises(InputError) as caught:
+        read_mission(tmp_path / "m.xml")
+    assert [p.source.line for p in caught.value.problems if p.source] == [8, 8, 9]
+
+
+def test_references_are_not_judged_by_half_of_the_files(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(body(f'<import href="no.xml"/>{OK}', robot=""))
+    with pytest.raises(InputError) as caught:
+        read_mission(tmp_path / "m.xml")
+    assert [p.message for p in caught.value.problems] == ["import of no.xml: no such file"]
+
+
+def test_elements_are_bounded(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(body("<i/>" * MAX_ELEMENTS))
+    with pytest.raises(InputError, match="more than 200000 elements"):
+        read_mission(tmp_path / "m.xml")
+
+
+def test_chains_of_imports_are_bounded(tmp_path: Path) -> None:
+    for i in range(500):
+        text = f'<robot name="r{i}" {NS}><import href="r{i + 1}.xml"/></robot>'
+        (tmp_path / f"r{i}.xml").write_text(text)
+    (tmp_path / "m.xml").write_text(body(f'<import href="r0.xml"/>{OK}'))
+    with pytest.raises(InputError, match=r"r63\.xml:1: .*more than 64 files deep"):
+        read_mission(tmp_path / "m.xml")
+
+
+def protocols(number: int, level: str, bottom: str = OK) -> str:
+    """Protocols of which each holds the level, with the following one for NEXT, and a use of the first."""
+    inner = "".join(
+        f'<protocol name="p{i}">{level.replace("NEXT", f"p{i + 1}")}</protocol>' for i in range(number)
+    )
+    last = f'<protocol name="p{number}">{bottom}</protocol>'
+    return f'<protocols>{inner}{last}</protocols><use name="u" protocol="p0"/>'
+
+
+USE = '<use name="a" protocol="NEXT"/>'
+EXPANSIONS = {
+    "doubled 40 times": (protocols(40, USE + USE.replace('"a"', '"b"')), "100000 objectives"),
+    "a chain": (protocols(3000, USE), "128 deep"),
+    "a chain at the second place": (protocols(3000, OK + USE), "128 deep"),
+    "a chain through parallel blocks": (
+        protocols(3000, f'<parallel name="p"><objective name="r">{USE}</objective></parallel>'),
+        "128 deep",
+    ),
+    "parameters times objectives": (
+        protocols(
+            14,
+            USE + USE.replace('"a"', '"b"'),
+            "".join(f'<parameter name="d{i}" value="1"/>' for i in range(100)) + OK,
+        ),
+        "1000000 parameters",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", EXPANSIONS)
+def test_expansions_hit_a_limit(name: str, tmp_path: Path) -> None:
+    blocks, limit = EXPANSIONS[name]
+    (tmp_path / "m.xml").write_text(body(blocks))
+    found = read_mission(tmp_path / "m.xml")
+    with pytest.raises(LimitError, match=limit):
+        flatten(found)
+
+
+def test_nesting_up_to_the_limit_is_flattened(tmp_path: Path) -> None:
+    level = f'<parallel name="p"><objective name="r">{USE}</objective></parallel>'
+    (tmp_path / "m.xml").write_text(body(protocols(MAX_NESTING // 3, level)))
+    graph = flatten(read_mission(tmp_path / "m.xml"))
+    assert [s.name for s in graph.walk()] == ["u." + "a." * (MAX_NESTING // 3) + "o"]
+    assert graph.to_networkx().number_of_nodes() > MAX_NESTING // 3
+
+
+# Seconds of one core: linear checks need less than two, quadratic ones more than fifteen.
+LARGE = {
+    "activities in a chain": (
+        robot(
+            "".join(
+                f'<software name="s{i}"/><activity name="a{i}" produces="s{i}" consumes="s{i + 1}"/>'
+                for i in range(30_000)
+            )
+            + '<software name="s30000"/><activity name="b" produces="s30000" consumes="s0"/>'
+        ),
+        "activities need each other's resources: a0 -> a1",
+    ),
+    "routes to nowhere": (
+        body("".join(f'<objective name="o{i}" activities="go" failure="x{i}"/>' for i in range(30_000))),
+        "its 30000 siblings",
+    ),
+    "unknown activities": (
+        body("".join(f'<objective name="o{i}" activities="x{i}"/>' for i in range(30_000))),
+        "runs x29999",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LARGE)
+def test_large_files_are_told_soon(name: str, tmp_path: Path) -> None:
+    text, message = LARGE[name]
+    (tmp_path / "m.xml").write_text(text)
+    started = time.process_time()
+    with pytest.raises(InputError) as caught:
+        read_mission(tmp_path / "m.xml")
+    assert message in str(caught.value)
+    assert time.process_time() - started < 8
+
+
+def elementary(name: str = "o", **more: Any) -> Objective:
+    return Objective(name=name, activities=("a",), **more)
+
+
+def built(*blocks: Block, **more: Any) -> Mission:
+    activities = (Activity(name="a", alternatives=(Alternative(name="a"),)),)
+    return Mission(name="m", blocks=blocks, robots=(Robot(name="r", activities=activities),), **more)
+
+
+# What files cannot say, the schema sees to that, but Python can.
+BUILT: dict[str, tuple[Mission, str]] = {
+    "no blocks": (built(), "m has no blocks"),
+    "recursive without blocks": (built(Recursive(name="r", blocks=())), "r has no blocks"),
+    "parallel without blocks": (built(Parallel(name="p", blocks=())), "p has no blocks"),
+    "protocol without blocks": (
+        built(elementary(), protocols=(Protocol(name="p", blocks=()),)),
+        "p has no blocks",
+    ),
+    "bad name": (built(elementary("a.b")), "the name 'a.b' is not allowed"),
+    "route inside a parallel block": (
+        built(Parallel(name="p", blocks=(elementary(success="fail"),))),
+        "o has a route",
+    ),
+    "optional outside a parallel block": (built(elementary(mandatory=False)), "o is not mandatory"),
+    "activity without alternatives": (
+        Mission(
+            name="m",
+            blocks=(elementary(),),
+            robots=(Robot(name="r", activities=(Activity(name="a", alternatives=()),)),),
+        ),
+        "activity a has no alternative",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BUILT)
+def test_missions_built_in_python_are_checked_too(name: str) -> None:
+    mission, message = BUILT[name]
+    assert [p for p in find_errors(mission) if message in p.message], find_errors(mission)
+    assert find_errors(built(elementary())) == []
+
+
+def test_what_xml_cannot_hold_is_told() -> None:
+    for text in ("\0", "\ud800", "\ufffe"):
+        with pytest.raises(InputError, match="mission m cannot be written"):
+            write_mission(built(elementary(), description=text))
+
+
+# --- whatever is in the files ----------------------------------------------------------------------------
+
+NAMES = st.sampled_from(["a", "b", "go", "H", "S", "p", "succeed", "fail", "m", "x y", "1", ""])
+TAGS = ["mission", "robot", "protocols", "protocol", "objective", "parallel", "use", "parameter", "import"]
+TAGS += ["hardware", "software", "activity", "alternative", "unknown"]
+ATTRIBUTES = ["name", "activities", "success", "failure", "mandatory", "protocol", "consumes", "produces"]
+ATTRIBUTES += ["value", "unit", "href", "faulty", "description", "unknown"]
+
+
+@st.composite
+def trees(draw: st.DrawFn, depth: int = 3) -> str:
+    """Any tree of the language's words."""
+    tag = draw(st.sampled_from(TAGS))
+    attributes = draw(st.dictionaries(st.sampled_from(ATTRIBUTES), NAMES, max_size=4))
+    children = draw(st.lists(trees(depth - 1), max_size=3)) if depth else []
+    said = "".join(f' {key}="{value}"' for key, value in attributes.items())
+    return f"<{tag}{said}>{''.join(children)}</{tag}>"
+
+
+def reads_or_tells(path: Path) -> None:
+    """A file gives a valid mission that survives writing, or located problems in order."""
+    problems: tuple[Problem, ...] = ()
+    try:
+        mission: Mission | None = read_mission(path)
+    except InputError as error:
+        problems = error.problems
+        mission = None
+    if mission is None:
+        places = [(p.source.file, p.source.line or 0) for p in problems if p.source]
+        assert places == sorted(places)
+        assert len(places) == len(problems) > 0
+        return
+    assert find_errors(mission) == []
+    flatten(mission)
+    find_warnings(mission)
+    path.write_bytes(write_mission(mission))
+    assert read_mission(path) == mission
+
+
+@given(st.lists(trees(), max_size=3), st.booleans())
+def test_any_tree_is_read_or_told(
+    tmp_path_factory: pytest.TempPathFactory, parts: list[str], sound: bool
+) -> None:
+    path = tmp_path_factory.mktemp("tree") / "m.xml"
+    path.write_text(body("".join(parts) + OK * sound))
+    reads_or_tells(path)
+
+
+@given(st.data())
+def test_any_damage_is_read_or_told(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
+    folder = tmp_path_factory.mktemp("damage")
+    for source in ULYSSE.parent.glob("*.xml"):
+        (folder / source.name).write_bytes(source.read_bytes())
+    path = folder / data.draw(st.sampled_from(["mission.xml", "robot.xml", "protocols.xml"]))
+    content = path.read_bytes()
+    start = data.draw(st.integers(0, len(content) - 1))
+    length = data.draw(st.integers(0, 60))
+    insert = data.draw(st.binary(max_size=4) | st.sampled_from([b"<", b'"', b"&x;", b"a", b"</robot>"]))
+    path.write_bytes(content[:start] + insert + content[start + length :])
+    reads_or_tells(folder / "mission.xml")

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import find, given
 from hypothesis import strategies as st
 
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import FAIL, SUCCEED, Mission, Recursive
+from mcpn.mission.usage import Usage
 from mcpn.mission.validate import find_errors, find_warnings
 from mcpn.mission.xml import read_mission, save_mission
 from mcpn.testing import missions
@@ -38,6 +39,31 @@ def test_reading_what_was_written_gives_the_same_mission(
 
 @given(missions(text=True))
 def test_generated_missions_are_valid(generated: Mission) -> None:
+    assert find_errors(generated) == []
+
+
+@given(missions(max_hardware=4, max_sections=5, disjoint_branches=True))
+def test_disjoint_branches_do_not_contend(generated: Mission) -> None:
+    graph = flatten(generated)
+    assert Usage(generated, graph).contentions == ()
+    assert len(list(graph.walk())) <= 5
+    assert find_errors(generated) == []
+
+
+def test_disjoint_missions_still_run_things_together() -> None:
+    def together(mission: Mission) -> bool:
+        sections = flatten(mission).sections
+        return any(isinstance(s, ParallelSection) and len(s.branches) > 1 for s in sections) and any(
+            alternative.consumes for activity in mission.activities for alternative in activity.alternatives
+        )
+
+    assert together(find(missions(disjoint_branches=True), together))
+
+
+@given(missions(allow_shared_activities=False))
+def test_unshared_activities_are_started_by_one_objective(generated: Mission) -> None:
+    started = [activity for section in flatten(generated).walk() for activity in section.activities]
+    assert len(started) == len(set(started))
     assert find_errors(generated) == []
 
 
@@ -75,6 +101,42 @@ def test_parameters_of_a_use_override_those_of_its_protocol(ulysse: Mission) -> 
     assert {(p.name, p.value, p.unit) for p in diving.parameters} == {
         ("depth", "10", "m"),
         ("length", "50", "m"),
+    }
+
+
+def test_inner_parameters_win_and_uses_override_what_is_written(tmp_path: Path) -> None:
+    inner = (
+        '<protocol name="inner"><parameter name="d" value="inner"/>'
+        '<objective name="x" activities="go"><parameter name="own" value="x"/></objective></protocol>'
+    )
+    outer = (
+        '<protocol name="outer"><parameter name="d" value="outer"/><parameter name="e" value="outer"/>'
+        '<objective name="r"><parameter name="d" value="r"/>'
+        '<objective name="y" activities="go"><parameter name="d" value="y"/></objective>'
+        '<objective name="z" activities="go"/></objective>'
+        '<objective name="w" activities="go"/><use name="i" protocol="inner"/>'
+        '<use name="j" protocol="inner"><parameter name="d" value="j"/></use></protocol>'
+    )
+    uses = (
+        '<objective name="all"><parameter name="d" value="all"/><parameter name="f" value="all"/>'
+        '<use name="u" protocol="outer"/>'
+        '<use name="v" protocol="outer"><parameter name="d" value="v"/></use></objective>'
+    )
+    found = mission(tmp_path, f"<protocols>{inner}{outer}</protocols>{uses}")
+    told = {s.name: {p.name: p.value for p in s.parameters} for s in flatten(found).walk()}
+    everywhere = {"e": "outer", "f": "all"}
+    assert told == {
+        "u.y": {"d": "y", **everywhere},
+        "u.z": {"d": "r", **everywhere},
+        "u.w": {"d": "outer", **everywhere},
+        "u.i.x": {"d": "inner", "own": "x", **everywhere},
+        "u.j.x": {"d": "j", "own": "x", **everywhere},
+        "v.y": {"d": "v", **everywhere},
+        "v.z": {"d": "v", **everywhere},
+        "v.w": {"d": "v", **everywhere},
+        # The text of inner is its own; what outer says of it is in its uses.
+        "v.i.x": {"d": "inner", "own": "x", **everywhere},
+        "v.j.x": {"d": "v", "own": "x", **everywhere},
     }
 
 
