@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 
-from mcpn.errors import LimitError, McpnError
+from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
 from mcpn.space.summary import ENGINES, SpaceSummary, summarise
 
@@ -64,7 +64,7 @@ def _run(net: PetriNet, engine: str, max_states: int | None) -> Measurement:
     return Measurement(engine, summary, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10, reason)
 
 
-def disagreement(found: list[Measurement]) -> McpnError | None:
+def disagreement(found: list[Measurement]) -> SemanticsError | None:
     """The error that says how engines disagree, or ``None`` where all agree."""
     sizes = {m.engine: replace(m.summary, nodes=None, engine="", seconds=0) for m in found if m.summary}
     if len(set(sizes.values())) < 2:
@@ -74,4 +74,4 @@ def disagreement(found: list[Measurement]) -> McpnError | None:
         f"{s.max_tokens} tokens"
         for engine, s in sizes.items()
     )
-    return McpnError(f"the engines disagree, one of them is wrong: {told}")
+    return SemanticsError(f"the engines disagree, one of them is wrong: {told}")
