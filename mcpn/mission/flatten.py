@@ -202,6 +202,10 @@ class _Scope:
         """The parameters in force where these are written."""
         return {**self.defaults, **self.written(parameters)}
 
+    def entered(self, depth: int, parameters: tuple[Parameter, ...]) -> _Scope:
+        """The scope of what stands deeper in the same text, under these parameters."""
+        return _Scope(self.prefix, depth, self.with_defaults(parameters), self.overrides)
+
 
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
@@ -230,16 +234,13 @@ class _Flattening:
         if scope.depth >= MAX_NESTING:
             message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
             raise LimitError(f"{block.source}: {message}" if block.source else message)
-        inner = replace(scope, depth=scope.depth + 1)
-        if isinstance(block, Parallel):
-            return block.blocks, inner
-        if isinstance(block, Recursive):
-            return block.blocks, replace(inner, defaults=scope.with_defaults(block.parameters))
-        protocol = self.protocols[block.protocol]
-        inner = replace(
-            inner, prefix=f"{scope.prefix}{block.name}.", overrides=scope.written(block.parameters)
-        )
-        return protocol.blocks, replace(inner, defaults=inner.with_defaults(protocol.parameters))
+        depth = scope.depth + 1
+        if isinstance(block, Use):
+            protocol = self.protocols[block.protocol]
+            overrides = scope.written(block.parameters)
+            text = _Scope(f"{scope.prefix}{block.name}.", depth, scope.defaults, overrides)
+            return protocol.blocks, text.entered(depth, protocol.parameters)
+        return block.blocks, scope.entered(depth, block.parameters if isinstance(block, Recursive) else ())
 
     def entry(self, block: Block, scope: _Scope) -> str:
         """The name of the section that is entered when the block is."""

@@ -375,6 +375,13 @@ def test_references_are_told_beside_misplaced_routes(tmp_path: Path) -> None:
     assert [p.source.line for p in caught.value.problems if p.source] == [8, 8, 9]
 
 
+def test_a_product_named_twice_is_one_problem(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(robot("<software name='T'/><activity name='a' produces='T T'/>"))
+    with pytest.raises(InputError) as caught:
+        read_mission(tmp_path / "m.xml")
+    assert [p.message for p in caught.value.problems] == ["produces of a names T 2 times"]
+
+
 def test_references_are_not_judged_by_half_of_the_files(tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(body(f'<import href="no.xml"/>{OK}', robot=""))
     with pytest.raises(InputError) as caught:
