@@ -66,6 +66,12 @@ class Usage:
         self._hardware_under: dict[str, frozenset[str]] = {}
         self._needs: dict[str, Needs] = {}
         self._inner: dict[str, frozenset[tuple[str, Demand, Demand]]] = {}
+        # Suppliers first: what follows asks only one step down a chain of activities, however long it is.
+        for name in self._suppliers_first():
+            self.closure(name)
+            for resource in self.activities[name].produces:
+                self.hardware_under(resource)
+            self._inside(name)
 
     # --- what stands on what ---------------------------------------------------------------------------
 
@@ -73,6 +79,22 @@ class Usage:
         """The activities that produce what an alternative consumes, each once, in order of consumption."""
         consumed = self.activities[activity].alternatives[alternative].consumes
         return list(dict.fromkeys(self.producer[k] for k in consumed if k in self.producer))
+
+    def _suppliers_first(self) -> Iterator[str]:
+        """Every activity after those that it may start through resources."""
+        done: set[str] = set()
+        for root in self.activities:
+            stack = [root]
+            while stack:
+                name = stack[-1]
+                alternatives = range(len(self.activities[name].alternatives))
+                below = [p for i in alternatives for p in self.suppliers(name, i) if p not in done]
+                stack.extend(below)
+                if not below:
+                    stack.pop()
+                    if name not in done:
+                        done.add(name)
+                        yield name
 
     def closure(self, activity: str) -> frozenset[str]:
         """The activity with all that it may start, at any depth, through the resources that it consumes."""
@@ -188,10 +210,17 @@ class Usage:
 
     def may_wait(self, activity: str) -> bool:
         """Whether the activity may be neither running nor refused in a stable marking."""
-        return any(
-            self.waits_for_release(activity, i) or self.waits_for_answer(activity, i)
-            for i in range(len(self.activities[activity].alternatives))
-        )
+        return activity in self._waiting
+
+    @cached_property
+    def _waiting(self) -> frozenset[str]:
+        waiting: set[str] = set()
+        for name in self._suppliers_first():
+            for i in range(len(self.activities[name].alternatives)):
+                below = self.suppliers(name, i)
+                if self.waits_for_release(name, i) or not waiting.isdisjoint(below):
+                    waiting.add(name)
+        return frozenset(waiting)
 
     def _concurrent_demands(self) -> Iterator[tuple[str, Demand, Demand, str, Source | None]]:
         yield from self._graph_demands(self.graph)

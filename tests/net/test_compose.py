@@ -404,3 +404,20 @@ def test_unused_hardware_stays_and_unstarted_activities_go() -> None:
     assert "H_OOS" in places
     assert "S_free" not in places
     assert "driver_StartByRes" not in places
+
+
+def test_long_chains_of_activities_are_composed() -> None:
+    names = [f"S{i}" for i in range(400)]
+    chain = [
+        activity(f"make{i}", (names[i - 1] if i else "H",), produces=(name,)) for i, name in enumerate(names)
+    ]
+    mission = Mission(
+        name="m",
+        robots=robot(hw("H"), *chain, activity("a", (names[-1],))),
+        blocks=(objective("x", "a"),),
+    )
+    found = compose(mission)
+    assert found.usage.hardware_under(names[-1]) == {"H"}
+    assert not found.usage.may_wait("a")
+    # Hardware 9, each resource 11 and its producer 3, the activity 5, the mission 3 and its objective 1.
+    assert len(found.net.places) == 9 + 400 * (11 + 3) + 5 + 3 + 1
