@@ -24,36 +24,33 @@ class Step:
     words: str
 
 
-def run_in_words(
-    mission_net: MissionNet, graph: StateGraph, run: Sequence[int], start: int = 0
-) -> list[Step]:
+def run_in_words(mission_net: MissionNet, graph: StateGraph, run: Sequence[int]) -> list[Step]:
     """Tells a run of a graph.
 
     Args:
         mission_net: The mission's net.
         graph: Its alternatives graph, or its markings graph (then only the events are told).
-        run: Indices of edges.
-        start: The state that the run starts in.
+        run: Indices of edges, from the initial state on.
 
     Returns:
         A step for each event.
     """
-    return replay(mission_net, [graph.net.transitions[int(graph.labels[e])].name for e in run], start=None)
+    return replay(mission_net, [graph.net.transitions[int(graph.labels[e])].name for e in run])
 
 
-def replay(mission_net: MissionNet, firings: Sequence[str], start: Sequence[int] | None = None) -> list[Step]:
+def replay(mission_net: MissionNet, firings: Sequence[str]) -> list[Step]:
     """Tells a sequence of firings; internal evolution left out of it is completed along one interleaving.
 
     Args:
         mission_net: The mission's net.
-        firings: Names of transitions, events with or without the internal ones between them.
-        start: The marking to start from; the initial one by default.
+        firings: Names of transitions from the initial marking on, events with or without the internal ones
+            between them.
 
     Returns:
         A step for each event, with the changes up to the next one.
     """
     net = mission_net.net
-    marking = tuple(start or net.initial)
+    marking = net.initial
     steps: list[Step] = []
     pending: tuple[Transition, Situation] | None = None
     for name in firings:

@@ -16,7 +16,7 @@ import numpy as np
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.firing import MaskedNet
-from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack
+from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
 
 DEFAULT_MAX_STATES = 5_000_000
 MAX_UNRECORDED = 100_000
@@ -86,11 +86,9 @@ def _stable_ends(graph: StateGraph) -> Ints:
     open_states = np.flatnonzero(transient)
     while len(open_states):
         # Priorities leave a transient state internal edges only, so each of its edges counts.
-        starts = graph.offsets[open_states]
-        lengths = graph.offsets[open_states + 1] - starts
+        lengths = graph.offsets[open_states + 1] - graph.offsets[open_states]
         bounds = np.concatenate(([0], np.cumsum(lengths)[:-1]))
-        edges = np.repeat(starts - bounds, lengths) + np.arange(int(lengths.sum()))
-        reached = ends[graph.targets[edges]]
+        reached = ends[graph.targets[rows(graph.offsets, open_states)]]
         least, most = np.minimum.reduceat(reached, bounds), np.maximum.reduceat(reached, bounds)
         known = np.where(reached >= 0, reached, np.iinfo(np.int64).max)
         least_known = np.minimum.reduceat(known, bounds)
@@ -340,5 +338,5 @@ def _graph(
     method: str,
     proof: str | None,
 ) -> AlternativesGraph:
-    rows, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    return AlternativesGraph(net, markings, rows, ends, events, method, proof)
+    starts, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
+    return AlternativesGraph(net, markings, starts, ends, events, method, proof)

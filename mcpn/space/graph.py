@@ -95,7 +95,7 @@ class StateGraph:
         found = goal.copy()
         frontier = np.flatnonzero(goal)
         while len(frontier):
-            edges = order[_ranges(offsets, frontier)]
+            edges = order[rows(offsets, frontier)]
             if along is not None:
                 edges = edges[along[edges]]
             before = np.unique(self.sources[edges])
@@ -122,7 +122,7 @@ class StateGraph:
         seen = np.zeros(self.states, np.bool_)
         seen[start] = True
         while len(frontier):
-            edges = _ranges(self.offsets, frontier)
+            edges = rows(self.offsets, frontier)
             if along is not None:
                 edges = edges[along[edges]]
             edges = edges[~seen[self.targets[edges]]]
@@ -143,8 +143,13 @@ class StateGraph:
         return run[::-1]
 
 
-def _ranges(offsets: Ints, states: Ints) -> Ints:
-    """The edges of the given states, concatenated in their order."""
+def rows(offsets: Ints, states: Ints) -> Ints:
+    """The edges of some states, or what else rows hold, concatenated in the order of the states.
+
+    Args:
+        offsets: Where each row begins, shape (rows + 1,).
+        states: The rows wanted.
+    """
     lengths = offsets[states + 1] - offsets[states]
     total = int(lengths.sum())
     starts = np.repeat(offsets[states] - np.concatenate(([0], np.cumsum(lengths)[:-1])), lengths)
