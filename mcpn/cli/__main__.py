@@ -1,0 +1,5 @@
+"""``python -m mcpn.cli``."""
+
+from mcpn.cli import main
+
+main()

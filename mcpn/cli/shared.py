@@ -1,0 +1,73 @@
+"""Options and small habits that commands share."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+    from mcpn.net.petri import PetriNet
+
+EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
+
+FILE = click.Path(path_type=Path)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+limit_option = click.option(
+    "--max-states", type=click.IntRange(min=1), help="Give up with an error beyond this number of states."
+)
+import_option = click.option(
+    "--import-root",
+    type=FILE,
+    help="Directory that imports of the mission must stay in (default: the mission's own).",
+)
+
+
+def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
+    """The net of a mission file."""
+    from mcpn.mission.xml import read_mission
+    from mcpn.net.compose import compose
+
+    return compose(read_mission(path, import_root=import_root))
+
+
+def net_of(path: Path, import_root: Path | None) -> PetriNet:
+    """A net by its file's suffix; anything else is a mission, which its root element must confirm."""
+    from mcpn.net.formats import READABLE, read_net
+
+    if path.suffix.lower() in READABLE:
+        return read_net(path)
+    return mission_net_of(path, import_root).net
+
+
+def emit_json(document: dict[str, Any]) -> None:
+    """Prints one JSON object on standard output."""
+    click.echo(json.dumps(document, ensure_ascii=False))
+
+
+def emit_counts(counts: dict[str, Any], as_json: bool) -> None:
+    """Prints named numbers, as JSON or as a table."""
+    if as_json:
+        emit_json(counts)
+    else:
+        from mcpn.report.text import print_counts
+
+        print_counts(counts)
+
+
+@contextmanager
+def progress_line(quiet: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """A line on standard error that tells states and edges, where a person watches."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("exploring") as status:
+        yield lambda found, fired: status.update(f"exploring: {found:,} states, {fired:,} edges")

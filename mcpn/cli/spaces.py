@@ -1,0 +1,119 @@
+"""State spaces: sizes, the alternatives graph, engines side by side."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from mcpn.cli.shared import (
+    FILE,
+    emit_counts,
+    import_option,
+    json_option,
+    limit_option,
+    mission_net_of,
+    net_of,
+    progress_line,
+)
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+    from mcpn.space.alternatives import AlternativesGraph
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.option(
+    "--engine", type=click.Choice(["explicit", "symbolic", "pyeda"]), default="explicit", show_default=True
+)
+@limit_option
+@import_option
+@json_option
+def states(file: Path, engine: str, max_states: int | None, import_root: Path | None, as_json: bool) -> None:
+    """Count the reachable markings of FILE, a mission or a net."""
+    from dataclasses import asdict
+
+    from mcpn.space.summary import summarise
+
+    net = net_of(file, import_root)
+    with progress_line(as_json) as progress:
+        counts = asdict(summarise(net, engine, max_states=max_states, progress=progress))
+    emit_counts(counts, as_json)
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option("--method", type=click.Choice(["direct", "reduction"]), default="direct", show_default=True)
+@click.option("--proof/--no-proof", default=True, help="Prove that internal evolution is confluent and ends.")
+@click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut or .dot.")
+@limit_option
+@import_option
+@json_option
+def alternatives(
+    mission: Path,
+    method: str,
+    proof: bool,
+    output: Path | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Build the alternatives graph of MISSION: its stable markings and events."""
+    mission_net = mission_net_of(mission, import_root)
+    started = time.perf_counter()
+    with progress_line(as_json) as progress:
+        graph = _alternatives(mission_net, method, proof, max_states, progress)
+    seconds = time.perf_counter() - started
+    if output is not None:
+        from mcpn.report.graphs import save_graph
+
+        save_graph(graph, mission_net, output)
+    counts = {
+        "states": graph.states,
+        "edges": graph.edges,
+        "events": len({graph.event(edge) for edge in range(graph.edges)}),
+        "method": graph.method,
+        "seconds": seconds,
+    }
+    if not as_json:
+        counts["proof"] = graph.proof or "none asked for"
+    emit_counts(counts, as_json)
+
+
+def _alternatives(
+    mission_net: MissionNet,
+    method: str,
+    proof: bool,
+    max_states: int | None,
+    progress: Callable[[int, int], None] | None,
+) -> AlternativesGraph:
+    from mcpn.space.alternatives import by_reduction, direct
+    from mcpn.space.confluence import direct_with_proof
+    from mcpn.space.explicit import explore
+
+    limits = {} if max_states is None else {"max_states": max_states}
+    if method == "direct" and proof:
+        return direct_with_proof(mission_net.net, progress=progress, **limits)
+    if method == "direct":
+        return direct(mission_net.net, proof=False, progress=progress, **limits)
+    return by_reduction(explore(mission_net.net, progress=progress, **limits))
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@limit_option
+@import_option
+def compare(file: Path, max_states: int | None, import_root: Path | None) -> None:
+    """Run every engine on FILE, a mission or a net, side by side; disagreement is an error."""
+    from mcpn.report.text import print_comparison
+    from mcpn.space.compare import disagreement, measure
+
+    found = measure(net_of(file, import_root), max_states=max_states)
+    print_comparison(found)
+    error = disagreement(found)
+    if error is not None:
+        raise error
