@@ -1,6 +1,6 @@
 """Zero-suppressed decision diagrams with saturation, for 1-safe Petri nets."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 class BudgetExceeded(RuntimeError):
     """An operation needed more new nodes than its budget; the store remains usable."""
@@ -43,11 +43,27 @@ class Zdd:
     def images(self, events: Sequence[int]) -> Zdd:
         """The markings after one firing of any of some events."""
 
-    def saturate(self, events: Sequence[int], max_nodes: int = ...) -> Zdd:
-        """The markings reachable by any number of firings; ``max_nodes`` (0: none) bounds new nodes."""
+    def saturate(self, events: Sequence[int], max_nodes: int = ..., within: Zdd | None = ...) -> Zdd:
+        """The markings reachable by any number of firings.
+
+        Args:
+            events: What may fire.
+            max_nodes: Bounds the nodes made; 0 for no bound.
+            within: Where given, only markings of this set are begun from and passed through.
+        """
+
+    def weighing(self, weights: Sequence[int], least: int, most: int) -> Zdd:
+        """The markings whose marked levels weigh at least and at most so much."""
+
+    def __iter__(self) -> Iterator[list[int]]:
+        """Each marking as its marked levels, in a fixed order."""
 
 class Store:
-    """Owns nodes, their unique table and a bounded operation cache; sets of two stores do not mix."""
+    """Owns nodes, their unique table and a bounded operation cache; sets of two stores do not mix.
+
+    Garbage is collected when there is much of it and before memory runs out. Operations release the GIL;
+    a store does one at a time, and another thread that asks meanwhile gets a RuntimeError.
+    """
 
     def __new__(cls, levels: int, memory_limit: int = ...) -> Store: ...
     def empty(self) -> Zdd: ...
@@ -66,6 +82,9 @@ class Store:
 
     def collect(self) -> None:
         """Frees every node that no handle reaches."""
+
+    progress: Callable[[int], object] | None
+    """Called about once a second of a long operation with the number of nodes, garbage included."""
 
     @property
     def levels(self) -> int: ...

@@ -27,6 +27,7 @@ using namespace mcpn;
 namespace {
 
 constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
+constexpr const char* kBusy = "the store is at work for another thread";
 constexpr Level kMostLevels = 1u << 20, kShallow = 400;
 
 struct Job {
@@ -50,13 +51,29 @@ void* run_job(void* pointer) {
   return nullptr;
 }
 
-bool signal_arrived() {
-  const nb::gil_scoped_acquire acquire;
-  return PyErr_CheckSignals() != 0;
-}
+// Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
+class Watch {
+ public:
+  Watch(const Store& store, const nb::object& progress) : store_(store), progress_(progress) {}
+  bool must_stop() {
+    if (PyErr_CheckSignals() != 0) return true;
+    const auto now = std::chrono::steady_clock::now();
+    if (progress_.is_none() || now < due_) return false;
+    due_ = now + std::chrono::seconds(1);
+    return PyObject_CallFunction(progress_.ptr(), "K", static_cast<unsigned long long>(store_.live())) == nullptr;
+  }
 
-void run_here(Store& store, const std::function<void()>& body) {
-  store.asked_to_stop = signal_arrived;
+ private:
+  const Store& store_;
+  const nb::object& progress_;
+  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+};
+
+void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
+  store.asked_to_stop = [&watch] {
+    const nb::gil_scoped_acquire acquire;
+    return watch.must_stop();
+  };
   try {
     const nb::gil_scoped_release release;
     body();
@@ -65,8 +82,7 @@ void run_here(Store& store, const std::function<void()>& body) {
   }
 }
 
-void run(Store& store, std::function<void()> body) {
-  if (store.levels <= kShallow) return run_here(store, body);
+void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
   Job job;
   job.body = std::move(body);
   pthread_attr_t attributes;
@@ -83,7 +99,7 @@ void run(Store& store, std::function<void()> body) {
       std::unique_lock lock(job.mutex);
       done = job.done_signal.wait_for(lock, std::chrono::milliseconds(100), [&] { return job.done; });
     }
-    if (!done && !signalled && PyErr_CheckSignals() != 0) {
+    if (!done && !signalled && watch.must_stop()) {
       signalled = true;
       store.stop.store(true);
     }
@@ -93,12 +109,27 @@ void run(Store& store, std::function<void()> body) {
   if (job.error) std::rethrow_exception(job.error);
 }
 
-class Handle;
-
 class PyStore : public std::enable_shared_from_this<PyStore> {
  public:
   PyStore(std::uint64_t levels, std::uint64_t memory_limit) : store(checked(levels), memory_limit) {}
   Store store;
+  nb::object progress = nb::none();
+
+  // One operation at a time: the GIL is free meanwhile, so that another thread could ask for one.
+  void run(std::function<void()> body) {
+    if (busy_.exchange(true)) throw std::runtime_error(kBusy);
+    const struct Done {
+      std::atomic<bool>& busy;
+      ~Done() { busy.store(false); }
+    } done{busy_};
+    Watch watch(store, progress);
+    store.levels <= kShallow ? run_here(store, body, watch) : run_on_deep_stack(store, std::move(body), watch);
+  }
+
+  Store& at_rest() {
+    if (busy_) throw std::runtime_error(kBusy);
+    return store;
+  }
 
   static Level checked(std::uint64_t levels) {
     if (levels > kMostLevels) throw std::invalid_argument("a store has at most 2^20 levels");
@@ -123,9 +154,12 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
     sorted(all);  // checks range and repeats
     std::sort(each.begin(), each.end());
     std::uint32_t suffix = 0;
-    for (auto at = each.rbegin(); at != each.rend(); ++at) suffix = store.suffix(Level(at->first), at->second, suffix);
+    for (auto at = each.rbegin(); at != each.rend(); ++at) suffix = at_rest().suffix(Level(at->first), at->second, suffix);
     return suffix;
   }
+
+ private:
+  std::atomic<bool> busy_ = false;
 };
 
 class Handle {
@@ -143,18 +177,64 @@ class Handle {
 };
 
 template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, std::uint64_t budget, F body) {
-  owner->store.begin(budget);
   Node result = 0;
-  run(owner->store, [&] { result = body(owner->store); });
+  owner->run([&] {
+    owner->store.begin(budget);
+    result = body(owner->store);
+  });
   return {owner, result};
 }
 
 template <class F> auto measured(const Handle& set, F body) {
   decltype(body(set.store())) result{};
-  set.store().stop.store(false);
-  run(set.store(), [&] { result = body(set.store()); });
+  set.owner->run([&] {
+    set.store().stop.store(false);
+    result = body(set.store());
+  });
   return result;
 }
+
+// The markings of a set one by one, depth first: those without a level before those with it.
+class Markings {
+ public:
+  explicit Markings(const Handle& set) : set_(set) { descend(set.node); }
+  std::vector<Level> next() {
+    if (!more_) throw nb::stop_iteration();
+    const std::vector<Level> found = marked_;
+    more_ = false;
+    while (!path_.empty() && !more_) {
+      const Step step = path_.back();
+      path_.pop_back();
+      marked_.resize(step.marked);
+      marked_.push_back(set_.store().level(step.node));
+      descend(set_.store().hi(step.node));
+    }
+    return found;
+  }
+
+ private:
+  struct Step {
+    Node node;           // whose marked side is still to be walked
+    std::size_t marked;  // levels marked above it
+  };
+  void descend(Node node) {
+    const Store& store = set_.owner->at_rest();
+    while (node > 1) {
+      if (store.lo(node) != 0) {
+        path_.push_back({node, marked_.size()});
+        node = store.lo(node);
+      } else {
+        marked_.push_back(store.level(node));
+        node = store.hi(node);
+      }
+    }
+    more_ = node == 1;
+  }
+  Handle set_;
+  std::vector<Step> path_;
+  std::vector<Level> marked_;
+  bool more_ = false;
+};
 
 nb::object to_int(const std::vector<std::uint64_t>& limbs) {
   const nb::bytes data(reinterpret_cast<const char*>(limbs.data()), limbs.size() * sizeof(std::uint64_t));
@@ -199,18 +279,14 @@ NB_MODULE(mcpn_kernel, module) {
         if (a.node == 0) throw std::invalid_argument("the empty set has no largest marking");
         return measured(a, [&](Store& s) { return s.largest(a.node, weights); });
       }, nb::arg("weights"))
-      .def("nodes", [](const Handle& a) { return a.store().size(a.node); })
+      .def("nodes", [](const Handle& a) { return a.owner->at_rest().size(a.node); })
       .def("pick", [](const Handle& a) -> std::optional<std::vector<Level>> {
         std::vector<Level> marking;
-        if (!a.store().pick(a.node, marking)) return std::nullopt;
+        if (!a.owner->at_rest().pick(a.node, marking)) return std::nullopt;
         return marking;
       })
       .def("without", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
-        return computed(a.owner, 0, [&](Store& s) {
-          Node left = a.node;
-          for (const std::uint32_t condition : conditions) left = s.minus(left, s.filter(left, condition));
-          return left;
-        });
+        return computed(a.owner, 0, [&](Store& s) { return s.without(a.node, conditions); });
       }, nb::arg("conditions"))
       .def("counts", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
         const auto limbs = measured(a, [&](Store& s) { return s.counts(a.node, conditions); });
@@ -227,16 +303,26 @@ NB_MODULE(mcpn_kernel, module) {
         });
       }, nb::arg("conditions"))
       .def("images", [](const Handle& a, const std::vector<std::uint32_t>& events) {
-        return computed(a.owner, 0, [&](Store& s) {
-          Node all = 0;
-          for (const std::uint32_t event : events) all = s.join(all, s.image(a.node, event));
-          return all;
-        });
+        return computed(a.owner, 0, [&](Store& s) { return s.images(a.node, events); });
       }, nb::arg("events"))
-      .def("saturate", [](const Handle& a, const std::vector<std::uint32_t>& events, std::uint64_t max_nodes) {
-        a.store().declare(events);
-        return computed(a.owner, max_nodes, [&](Store& s) { return s.saturate(a.node); });
-      }, nb::arg("events"), nb::arg("max_nodes") = 0);
+      .def("saturate", [](const Handle& a, const std::vector<std::uint32_t>& events, std::uint64_t max_nodes,
+                          const Handle* within) {
+        if (within) a.same_store(*within);
+        return computed(a.owner, max_nodes, [&](Store& s) {
+          s.declare(events);
+          return s.saturate(a.node, within ? within->node : kAnything);
+        });
+      }, nb::arg("events"), nb::arg("max_nodes") = 0, nb::arg("within").none() = nb::none())
+      .def("weighing", [](const Handle& a, const std::vector<std::int32_t>& weights, std::int64_t least,
+                          std::int64_t most) {
+        if (weights.size() != a.store().levels) throw std::invalid_argument("one weight for each level");
+        return computed(a.owner, 0, [&](Store& s) { return s.weighing(a.node, weights, least, most); });
+      }, nb::arg("weights"), nb::arg("least"), nb::arg("most"))
+      .def("__iter__", [](const Handle& a) { return Markings(a); });
+
+  nb::class_<Markings>(module, "Markings")
+      .def("__iter__", [](nb::handle self) { return nb::borrow(self); })
+      .def("__next__", [](Markings& markings) { return markings.next(); });
 
   nb::class_<PyStore>(module, "Store")
       .def(nb::new_([](std::uint64_t levels, std::uint64_t memory_limit) {
@@ -253,7 +339,8 @@ NB_MODULE(mcpn_kernel, module) {
       .def("condition", [](PyStore& s, const Levels& marked, const Levels& unmarked) {
         return s.touches({{Touch::read, marked}, {Touch::zero, unmarked}});
       }, nb::arg("marked"), nb::arg("unmarked") = Levels{})
-      .def("collect", [](PyStore& s) { s.store.collect(); })
+      .def("collect", [](PyStore& s) { s.run([&] { s.store.collect(); }); })
+      .def_rw("progress", &PyStore::progress, nb::arg().none())
       .def_prop_ro("levels", [](const PyStore& s) { return s.store.levels; })
       .def_prop_ro("live_nodes", [](const PyStore& s) { return s.store.live(); })
       .def_prop_ro("peak_nodes", [](const PyStore& s) { return s.store.peak(); })

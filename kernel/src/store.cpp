@@ -7,7 +7,7 @@ namespace mcpn {
 namespace {
 
 constexpr std::uint64_t kFirstBuckets = 1u << 14, kFirstCache = 1u << 16, kMostCache = 1u << 23;
-constexpr std::uint64_t kFirstCollection = 1u << 20;
+constexpr std::uint64_t kFirstCollection = 1u << 22;
 constexpr Node kNone = 0;
 
 std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
@@ -48,18 +48,15 @@ Node Store::make(Level level, Node lo, Node hi) {
   for (Node n = buckets_[key & (buckets_.size() - 1)]; n != kNone; n = nodes_[n].next)
     if (nodes_[n].lo == lo && nodes_[n].hi == hi && nodes_[n].level == level) return n;
   if ((++steps_ & 0xFFFF) == 0) check();
-  if (budget_ && used_ >= budget_end_)
+  if (budget_ && made_ >= budget_)
     throw BudgetExceeded("the budget of " + std::to_string(budget_) + " nodes was exceeded");
+  ++made_;
+  make_room(lo, hi);
   Node fresh;
   if (free_ != kNone) {
     fresh = free_;
     free_ = nodes_[fresh].next;
   } else {
-    if (nodes_.size() >= 0xFFFFFFF0u) throw MemoryLimit("more nodes than 32 bits can name");
-    if (nodes_.size() == nodes_.capacity()) {
-      require(nodes_.capacity() * sizeof(Cell) * 3 / 2);  // both copies live while a vector moves
-      nodes_.reserve(nodes_.capacity() + nodes_.capacity() / 2 + 1024);
-    }
     fresh = Node(nodes_.size());
     nodes_.push_back({});
   }
@@ -71,8 +68,27 @@ Node Store::make(Level level, Node lo, Node hi) {
   return fresh;
 }
 
+// Sees to it that one more node fits: by collecting garbage when there is much of it or when memory runs out.
+void Store::make_room(Node lo, Node hi) {
+  if (used_ > collect_at_) {
+    collect({lo, hi});
+    collect_at_ = std::max(kFirstCollection, used_ * 2);
+  }
+  if (free_ != kNone || nodes_.size() < nodes_.capacity()) return;
+  const std::uint64_t wanted = nodes_.capacity() + nodes_.capacity() / 2 + 1024;
+  const bool fits = bytes() + wanted * sizeof(Cell) <= memory_limit_;  // both copies live while a vector moves
+  if (!fits || wanted >= kAnything) {
+    collect({lo, hi});
+    if (used_ > nodes_.size() / 3 * 2)  // hardly any garbage: collecting again and again would be no progress
+      wanted >= kAnything ? throw MemoryLimit("more nodes than 32 bits can name") : require(wanted * sizeof(Cell));
+    if (free_ != kNone) return;
+  }
+  nodes_.reserve(wanted);
+}
+
 void Store::grow_table() {
-  require(buckets_.size() * 2 * sizeof(Node));
+  // A table that cannot grow is slower, not wrong.
+  if (bytes() + buckets_.size() * 2 * sizeof(Node) > memory_limit_) return;
   std::vector<Node> wider(buckets_.size() * 2, kNone);
   for (Node bucket : buckets_)
     for (Node n = bucket; n != kNone;) {
@@ -95,44 +111,45 @@ void Store::grow_cache() {
   cache_.swap(wider);
 }
 
-bool Store::recall(Op op, std::uint32_t x, std::uint32_t y, std::uint32_t z, Node& result) {
-  const std::uint64_t a = std::uint64_t(op) << 32 | x, b = std::uint64_t(y) << 32 | z;
+bool Store::recall(Op op, Level at, std::uint32_t x, Node y, Node z, Node& result) {
+  const std::uint64_t a = (std::uint64_t(op) << 20 | at) << 32 | x, b = std::uint64_t(y) << 32 | z;
   const Cached& entry = cache_[mix(a, b) & (cache_.size() - 1)];
   if (entry.a != a || entry.b != b) return false;
   result = entry.result;
   return true;
 }
 
-void Store::remember(Op op, std::uint32_t x, std::uint32_t y, std::uint32_t z, Node result) {
-  const std::uint64_t a = std::uint64_t(op) << 32 | x, b = std::uint64_t(y) << 32 | z;
-  Cached& entry = cache_[mix(a, b) & (cache_.size() - 1)];
-  if (entry.a != ~0ull && ++overwritten_ > cache_.size()) {
+void Store::remember(Op op, Level at, std::uint32_t x, Node y, Node z, Node result) {
+  const std::uint64_t a = (std::uint64_t(op) << 20 | at) << 32 | x, b = std::uint64_t(y) << 32 | z;
+  Cached* entry = &cache_[mix(a, b) & (cache_.size() - 1)];
+  if (entry->a != ~0ull && ++overwritten_ > cache_.size()) {
     grow_cache();
-    return remember(op, x, y, z, result);
+    entry = &cache_[mix(a, b) & (cache_.size() - 1)];
   }
-  entry = {a, b, result};
+  *entry = {a, b, result};
 }
 
-// Garbage is collected between operations only: within one, every node made may still be needed.
 void Store::begin(std::uint64_t budget) {
   stop.store(false);
-  if (used_ > collect_at_) {
-    collect();
-    collect_at_ = std::max(kFirstCollection, used_ * 2);
-  }
+  held_.clear();
   peak_ = used_;
+  made_ = 0;
   budget_ = budget;
-  budget_end_ = used_ + budget;
 }
 
-void Store::collect() {
+void Store::collect(std::initializer_list<Node> also) {
   std::vector<bool> marked(nodes_.size());
-  std::vector<Node> stack;
-  for (const auto& [node, count] : kept_) stack.push_back(node);
+  marked[0] = marked[1] = true;
+  std::vector<Node> stack(held_);
+  stack.insert(stack.end(), also);
+  {
+    const std::lock_guard lock(kept_mutex_);
+    for (const auto& [node, count] : kept_) stack.push_back(node);
+  }
   while (!stack.empty()) {
     const Node n = stack.back();
     stack.pop_back();
-    if (n < 2 || marked[n]) continue;
+    if (marked[n]) continue;
     marked[n] = true;
     stack.push_back(nodes_[n].lo);
     stack.push_back(nodes_[n].hi);
@@ -152,7 +169,9 @@ void Store::collect() {
       free_ = n;
     }
   }
-  std::fill(cache_.begin(), cache_.end(), Cached{});
+  const auto lives = [&](Node n) { return n == kAnything || marked[n]; };
+  for (Cached& entry : cache_)
+    if (entry.a != ~0ull && !(lives(Node(entry.b >> 32)) && lives(Node(entry.b)) && lives(entry.result))) entry = {};
   ++collections_;
 }
 
@@ -161,12 +180,12 @@ Node Store::join(Node a, Node b) {
   if (a == 0) return b;
   if (a > b) std::swap(a, b);
   Node result;
-  if (recall(op_join, 0, a, b, result)) return result;
+  if (recall(op_join, 0, 0, a, b, result)) return result;
   const Level at = std::min(level(a), level(b));
   const Branches x = split(a, at), y = split(b, at);
-  const Node low = join(x.lo, y.lo);
+  const Held low(*this, join(x.lo, y.lo));
   result = make(at, low, join(x.hi, y.hi));
-  remember(op_join, 0, a, b, result);
+  remember(op_join, 0, 0, a, b, result);
   return result;
 }
 
@@ -175,13 +194,13 @@ Node Store::meet(Node a, Node b) {
   if (a == 0 || b == 0) return 0;
   if (a > b) std::swap(a, b);
   Node result;
-  if (recall(op_meet, 0, a, b, result)) return result;
+  if (recall(op_meet, 0, 0, a, b, result)) return result;
   const Level at = std::min(level(a), level(b));
   if (at == levels) return 0;  // two different terminals: one is empty
   const Branches x = split(a, at), y = split(b, at);
-  const Node low = meet(x.lo, y.lo);
+  const Held low(*this, meet(x.lo, y.lo));
   result = make(at, low, meet(x.hi, y.hi));
-  remember(op_meet, 0, a, b, result);
+  remember(op_meet, 0, 0, a, b, result);
   return result;
 }
 
@@ -189,12 +208,12 @@ Node Store::minus(Node a, Node b) {
   if (a == 0 || a == b) return 0;
   if (b == 0) return a;
   Node result;
-  if (recall(op_minus, 0, a, b, result)) return result;
+  if (recall(op_minus, 0, 0, a, b, result)) return result;
   const Level at = std::min(level(a), level(b));
   const Branches x = split(a, at), y = split(b, at);
-  const Node low = minus(x.lo, y.lo);
+  const Held low(*this, minus(x.lo, y.lo));
   result = make(at, low, minus(x.hi, y.hi));
-  remember(op_minus, 0, a, b, result);
+  remember(op_minus, 0, 0, a, b, result);
   return result;
 }
 
@@ -204,16 +223,16 @@ Node Store::filter(Node a, std::uint32_t literals) {
   Node result;
   if (level(a) > wanted.level)  // skipped, so unmarked
     return wanted.touch == Touch::zero ? filter(a, wanted.next) : 0;
-  if (recall(op_filter, literals, a, 0, result)) return result;
+  if (recall(op_filter, 0, literals, a, 0, result)) return result;
   if (level(a) < wanted.level) {
-    const Node low = filter(lo(a), literals);
+    const Held low(*this, filter(lo(a), literals));
     result = make(level(a), low, filter(hi(a), literals));
   } else if (wanted.touch == Touch::zero) {
     result = filter(lo(a), wanted.next);
   } else {
     result = make(level(a), 0, filter(hi(a), wanted.next));
   }
-  remember(op_filter, literals, a, 0, result);
+  remember(op_filter, 0, literals, a, 0, result);
   return result;
 }
 
@@ -222,10 +241,10 @@ Node Store::image(Node a, std::uint32_t event) {
   const Suffix head = suffixes_[event];
   const Level at = std::min(level(a), head.level);
   Node result;
-  if (recall(op_image, event, a, 0, result)) return result;
+  if (recall(op_image, 0, event, a, 0, result)) return result;
   const Branches x = split(a, at);
   if (at < head.level) {
-    const Node low = image(x.lo, event);
+    const Held low(*this, image(x.lo, event));
     result = make(at, low, image(x.hi, event));
   } else {
     switch (head.touch) {
@@ -235,8 +254,27 @@ Node Store::image(Node a, std::uint32_t event) {
       default: result = image(x.lo, head.next);
     }
   }
-  remember(op_image, event, a, 0, result);
+  remember(op_image, 0, event, a, 0, result);
   return result;
+}
+
+// Conditions are taken out one after the other: what is left only shrinks.
+Node Store::without(Node a, const std::vector<std::uint32_t>& conditions) {
+  Held left(*this, a);
+  for (const std::uint32_t condition : conditions) {
+    const Held met(*this, filter(left, condition));
+    left = minus(left, met);
+  }
+  return left;
+}
+
+Node Store::images(Node a, const std::vector<std::uint32_t>& events) {
+  Held all(*this, 0);
+  for (const std::uint32_t event : events) {
+    const Held after(*this, image(a, event));
+    all = join(all, after);
+  }
+  return all;
 }
 
 Node Store::singleton(const std::vector<Level>& marked) {

@@ -2,10 +2,16 @@
 //
 // A store owns nodes, their unique table and one bounded operation cache. Node 0 is the empty set, node 1 the set
 // that holds the empty marking. A level that a diagram skips is unmarked in all its markings.
+//
+// Garbage may be collected whenever a node is made. What an operation still needs is reachable from handles, from
+// the arguments of its callers, or held (class Held).
 #pragma once
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -15,6 +21,8 @@ namespace mcpn {
 
 using Node = std::uint32_t;
 using Level = std::uint32_t;
+
+constexpr Node kAnything = ~Node(0);  // no diagram: the limit of a saturation that has none
 
 struct BudgetExceeded : std::runtime_error { using std::runtime_error::runtime_error; };
 struct MemoryLimit : std::runtime_error { using std::runtime_error::runtime_error; };
@@ -39,13 +47,16 @@ class Store {
   Node meet(Node a, Node b);
   Node minus(Node a, Node b);
   Node filter(Node a, std::uint32_t literals);     // literals: a suffix of read (marked) and zero (unmarked)
+  Node without(Node a, const std::vector<std::uint32_t>& conditions);
   Node image(Node a, std::uint32_t event);         // one firing, without closure
+  Node images(Node a, const std::vector<std::uint32_t>& events);
   Node singleton(const std::vector<Level>& marked);
+  Node weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most);
 
   // --- events ---
   std::uint32_t suffix(Level level, Touch touch, std::uint32_t next);
   void declare(const std::vector<std::uint32_t>& events);  // what saturate() closes under
-  Node saturate(Node a);
+  Node saturate(Node a, Node within = kAnything);          // firings that leave `within` do not happen
 
   // --- counting: exact, numbers as little-endian limbs ---
   std::vector<std::vector<std::uint64_t>> counts(Node a, const std::vector<std::uint32_t>& conditions);
@@ -55,18 +66,24 @@ class Store {
   bool pick(Node a, std::vector<Level>& marking);
 
   // --- life ---
-  void keep(Node a) { ++kept_[a]; }
-  void drop(Node a) { if (--kept_.at(a) == 0) kept_.erase(a); }
-  void collect();
-  void begin(std::uint64_t budget);  // before each operation: budgets, garbage, the stop flag
+  void keep(Node a) {
+    const std::lock_guard lock(kept_mutex_);
+    ++kept_[a];
+  }
+  void drop(Node a) {
+    const std::lock_guard lock(kept_mutex_);
+    if (--kept_.at(a) == 0) kept_.erase(a);
+  }
+  void collect(std::initializer_list<Node> also = {});
+  void begin(std::uint64_t budget);  // before each operation: its budget of new nodes, the stop flag
   std::atomic<bool> stop{false};
-  bool (*asked_to_stop)() = nullptr;  // looked at now and then, for operations that run on the calling thread
+  std::function<bool()> asked_to_stop;  // looked at now and then, for operations that run on the calling thread
 
   const Level levels;
   Level level(Node a) const { return nodes_[a].level; }
   Node lo(Node a) const { return nodes_[a].lo; }
   Node hi(Node a) const { return nodes_[a].hi; }
-  std::uint64_t live() const { return used_; }
+  std::uint64_t live() const { return used_; }  // a hint only, while an operation runs on another thread
   std::uint64_t peak() const { return peak_; }
   std::uint64_t collections() const { return collections_; }
   std::uint64_t bytes() const;
@@ -80,30 +97,62 @@ class Store {
   Branches split(Node a, Level at) const {
     return level(a) == at ? Branches{lo(a), hi(a)} : Branches{a, 0};
   }
-  bool recall(Op op, std::uint32_t x, std::uint32_t y, std::uint32_t z, Node& result);
-  void remember(Op op, std::uint32_t x, std::uint32_t y, std::uint32_t z, Node result);
+  // Results of operations on two nodes y and z (0: none) and what else tells them apart.
+  bool recall(Op op, Level at, std::uint32_t x, Node y, Node z, Node& result);
+  void remember(Op op, Level at, std::uint32_t x, Node y, Node z, Node result);
   void check();
+  void make_room(Node lo, Node hi);
   void grow_table();
   void grow_cache();
   std::uint64_t overwritten_ = 0;  // cache entries lost to others since it last grew
   void require(std::uint64_t bytes);
 
   // --- saturation ---
-  Node saturate_from(Level from, Node a);
-  Node fire(std::uint32_t event, Level from, Node a);
-  Node close(Level at, Node lo, Node hi);
+  Node saturate_from(Level from, Node a, Node within);
+  Node fire(std::uint32_t event, Level from, Node a, Node within);
+  Node close(Level at, Node lo, Node hi, Branches within);
+  Node below(Node within, Level at) const {  // the part whose levels above `at` are unmarked
+    while (within != kAnything && level(within) < at) within = lo(within);
+    return within;
+  }
+  Branches limits(Node within, Level at) const {
+    return within == kAnything ? Branches{kAnything, kAnything} : split(within, at);
+  }
+
+  friend class Held;
 
   std::vector<Cell> nodes_;
   std::vector<Node> buckets_;
   std::vector<Cached> cache_;
   Node free_ = 0;
-  std::uint64_t used_ = 0, peak_ = 0, budget_ = 0, budget_end_ = 0, collect_at_ = 0, collections_ = 0, steps_ = 0;
+  std::uint64_t used_ = 0, peak_ = 0, made_ = 0, budget_ = 0, collect_at_ = 0, collections_ = 0, steps_ = 0;
   std::uint64_t memory_limit_;
+  std::mutex kept_mutex_;  // handles may die while an operation runs on another thread
   std::unordered_map<Node, std::uint32_t> kept_;
+  std::vector<Node> held_;
   std::vector<Suffix> suffixes_;
   std::unordered_map<std::uint64_t, std::uint32_t> suffix_index_;
+  std::vector<std::uint32_t> declared_;
   std::vector<std::vector<std::uint32_t>> tops_;  // declared events by their first level
   std::vector<Level> wakes_;  // from each level on, the first at which an event can fire on an unmarked place
+};
+
+// A node that garbage collection must leave alone while this lives.
+class Held {
+ public:
+  Held(Store& store, Node node) : store_(store), at_(store.held_.size()) { store.held_.push_back(node); }
+  ~Held() { store_.held_.pop_back(); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  Held& operator=(Node node) {
+    store_.held_[at_] = node;
+    return *this;
+  }
+  operator Node() const { return store_.held_[at_]; }
+
+ private:
+  Store& store_;
+  std::size_t at_;
 };
 
 }  // namespace mcpn

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterable
 from itertools import combinations, product
@@ -51,6 +53,9 @@ def test_algebra_on_every_pair_of_sets_over_three_levels() -> None:
         picked = a.pick()
         assert (picked is None) == (not x)
         assert picked is None or frozenset(picked) in x
+        listed = [frozenset(marking) for marking in a]
+        assert len(listed) == len(x)
+        assert set(listed) == x
 
 
 def test_conditions_on_every_set_over_three_levels() -> None:
@@ -83,10 +88,11 @@ def event(store: Store, touches: Touches) -> int:
     return store.event(*sides)
 
 
-def closure(markings: Sets, events: list[Touches]) -> Sets:
-    found = markings
+def closure(markings: Sets, events: list[Touches], within: Sets | None = None) -> Sets:
+    found = markings if within is None else markings & within
     while True:
         wider = found.union(*(fire(found, touches) for touches in events))
+        wider = wider if within is None else wider & within
         if wider == found:
             return found
         found = wider
@@ -121,6 +127,40 @@ def test_saturation_is_the_closure(system: tuple[int, Sets, list[Touches]]) -> N
     assert read(store, start.images(numbers)) == frozenset().union(*(fire(markings, e) for e in events))
     # A second set of events in the same store must not meet what was remembered for the first.
     assert read(store, start.saturate(numbers[:1])) == closure(markings, events[:1])
+
+
+def test_saturation_inside_every_set_over_three_levels() -> None:
+    store = Store(3)
+    zdds = [build(store, markings) for markings in SETS_3]
+    events: list[Touches] = [(1, 2, 0), (0, 1, 2), (2, 0, 1), (3, 4, 2), (4, 0, 0), (0, 0, 1)]
+    numbers = [event(store, touches) for touches in events]
+    for start, within in product(range(0, 256, 5), range(256)):
+        expected = SETS_3.index(closure(SETS_3[start], events, SETS_3[within]))
+        assert zdds[start].saturate(numbers, within=zdds[within]) == zdds[expected]
+
+
+@given(systems(), st.frozensets(st.frozensets(st.integers(0, 6)), max_size=40))
+def test_saturation_stays_within_its_limit(system: tuple[int, Sets, list[Touches]], drawn: Sets) -> None:
+    levels, markings, events = system
+    within = frozenset(m for m in drawn if all(p < levels for p in m)) | frozenset(list(markings)[:2])
+    store = Store(levels)
+    numbers = [event(store, touches) for touches in events]
+    limit = build(store, within)
+    found = build(store, markings).saturate(numbers, within=limit)
+    assert read(store, found) == closure(markings, events, within)
+    back = [tuple({1: 2, 2: 1}.get(kind, kind) for kind in touches) for touches in events]
+    before = found.saturate([event(store, touches) for touches in back], within=limit)
+    assert read(store, before) == closure(closure(markings, events, within), back, within)
+
+
+@given(systems(), st.lists(st.integers(-3, 3), min_size=7, max_size=7), st.integers(-5, 5), st.integers(0, 5))
+def test_weighing_keeps_the_sums_between_its_bounds(
+    system: tuple[int, Sets, list[Touches]], drawn: list[int], least: int, span: int
+) -> None:
+    levels, markings, _ = system
+    store, weights = Store(levels), drawn[:levels]
+    found = build(store, markings).weighing(weights, least, least + span)
+    assert read(store, found) == {m for m in markings if least <= sum(weights[p] for p in m) <= least + span}
 
 
 @given(systems(), st.lists(st.integers(-9, 9), min_size=7, max_size=7))
@@ -203,6 +243,63 @@ def test_garbage_is_collected_under_what_is_held() -> None:
     del result
     store.collect()
     assert store.live_nodes == start.nodes()
+
+
+def test_garbage_is_collected_within_an_operation_when_memory_runs_out() -> None:
+    roomy, start, events = permutations(7)
+    start.saturate(events)
+    limit = roomy.bytes * 2 // 3
+    tight, again, same_events = permutations(7, memory_limit=limit)
+    assert again.saturate(same_events).count() == 130_922  # as above
+    assert tight.collections > 0
+    assert tight.bytes <= limit
+
+
+def test_progress_is_told_and_its_errors_stop_the_operation() -> None:
+    store, start, events = permutations(30, memory_limit=1 << 36)
+
+    class Enough(Exception):
+        pass
+
+    told = []
+
+    def progress(nodes: int) -> None:
+        told.append(nodes)
+        raise Enough
+
+    store.progress = progress
+    with pytest.raises(Enough):
+        start.saturate(events)
+    assert told
+    assert told[0] > 0
+    store.progress = None
+    assert start.count() == 1
+
+
+def test_a_store_does_one_thing_at_a_time() -> None:
+    store, start, events = permutations(30, memory_limit=1 << 36)
+    begun = threading.Event()
+    outcome: list[str] = []
+
+    def stop(_: int) -> None:
+        begun.set()
+        if outcome:
+            raise InterruptedError
+
+    def work() -> None:
+        with contextlib.suppress(InterruptedError):
+            start.saturate(events)
+
+    store.progress = stop
+    worker = threading.Thread(target=work)
+    worker.start()
+    assert begun.wait(30)
+    with pytest.raises(RuntimeError, match="at work"):
+        start | start
+    outcome.append("seen")
+    worker.join(30)
+    assert not worker.is_alive()
+    assert (start | start) == start
 
 
 def test_stores_stand_side_by_side_and_do_not_mix() -> None:

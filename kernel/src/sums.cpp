@@ -1,0 +1,43 @@
+// The markings of a set whose weighted tokens add up to something between two bounds.
+#include "store.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace mcpn {
+
+Node Store::weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most) {
+  // What the levels from each one on can add at least and at most.
+  std::vector<std::int64_t> lowest(levels + 1, 0), highest(levels + 1, 0);
+  for (Level at = levels; at-- > 0;) {
+    lowest[at] = lowest[at + 1] + std::min<std::int64_t>(0, weights[at]);
+    highest[at] = highest[at + 1] + std::max<std::int64_t>(0, weights[at]);
+  }
+  std::map<std::pair<Node, std::int64_t>, Node> memo;
+  std::vector<Node> made;  // what the memo names must outlive any collection of garbage
+  auto visit = [&](auto&& self, Node n, std::int64_t so_far) -> Node {
+    const Level at = level(n);
+    if (n == 0 || so_far + lowest[at] > most || so_far + highest[at] < least) return 0;
+    if (so_far + lowest[at] >= least && so_far + highest[at] <= most) return n;
+    const std::pair key(n, so_far);
+    if (const auto found = memo.find(key); found != memo.end()) return found->second;
+    const Held low(*this, self(self, lo(n), so_far));
+    const Node result = make(at, low, self(self, hi(n), so_far + weights[at]));
+    keep(result);
+    made.push_back(result);
+    return memo[key] = result;
+  };
+  const auto release = [&] {
+    for (const Node n : made) drop(n);
+  };
+  try {
+    const Node result = visit(visit, a, 0);
+    release();
+    return result;
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+}  // namespace mcpn
