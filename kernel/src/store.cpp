@@ -26,6 +26,7 @@ Store::Store(Level levels, std::uint64_t memory_limit) : levels(levels), memory_
   suffixes_.push_back({levels, Touch::read, 0});
   collect_at_ = kFirstCollection;
   declare({});
+  require(0);
 }
 
 std::uint64_t Store::bytes() const {
