@@ -8,7 +8,7 @@ is new.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -80,12 +80,20 @@ class Encoding:
         marked = [p for p, tokens in enumerate(self.net.initial) if tokens]
         return self.store.singleton(self.levels(marked))
 
-    def weights(self) -> tuple[list[int], int]:
-        """Tokens that each marked level stands for, and tokens that are always there."""
-        weights = [1] * len(self.places)
-        for kept in self.partner.values():
-            weights[self.level[kept]] -= 1  # the token is on one of the two
-        return weights, len(self.partner)
+    def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
+        """A weighted sum of tokens by what each marked level adds to it, and what is always there.
+
+        Args:
+            weights: By place; 0 for those not named.
+        """
+        levels, always = [0] * len(self.places), 0
+        for place, weight in weights.items():
+            if place in self.level:
+                levels[self.level[place]] += weight
+            else:  # marked where its partner is not
+                levels[self.level[self.partner[place]]] -= weight
+                always += weight
+        return levels, always
 
 
 @dataclass(frozen=True)
@@ -138,7 +146,7 @@ class SymbolicSpace:
     @cached_property
     def max_tokens(self) -> int:
         """Most tokens in a marking."""
-        weights, always = self.encoding.weights()
+        weights, always = self.encoding.weigh(dict.fromkeys(range(len(self.encoding.net.places)), 1))
         return self.reachable.largest(weights) + always
 
 

@@ -1,0 +1,281 @@
+"""CTL on decision diagrams: the states of a graph that satisfy a formula, as a set.
+
+Everything is evaluated inside the reachable markings. ``E[f U g]`` is backward saturation inside ``f | g``
+where the net has no priorities (constrained saturation: Zhao, Ciardo, *Symbolic CTL model checking of
+asynchronous systems using constrained saturation*, ATVA 2009); with priorities it alternates with single
+steps back over events, which leave stable markings only. Fair states are found as Emerson and Lei do
+(*Efficient model checking in fragments of the propositional mu-calculus*, LICS 1986).
+
+Paths are maximal: infinite, or ending in a state without successors, as in the Model Checking Contest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from functools import cached_property
+from typing import Protocol
+
+from mcpn_kernel import Zdd
+
+from mcpn.check.formula import (
+    EG,
+    EU,
+    EX,
+    And,
+    Const,
+    Core,
+    Deadlock,
+    Fires,
+    Justice,
+    Not,
+    Or,
+    Stable,
+    TokenBound,
+)
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.symbolic import SymbolicSpace
+
+LEAST = -(2**62)
+
+
+class SymbolicGraph(Protocol):
+    """A graph whose states are markings, as far as evaluation needs to know it."""
+
+    space: SymbolicSpace
+    states: Zdd
+    initial: Zdd
+
+    def before(self, after: Zdd, transitions: Iterable[int] | None = None) -> Zdd:
+        """States with an edge into a set, of some transitions if so asked."""
+
+    def until(self, along: Zdd, goal: Zdd) -> Zdd:
+        """States from which some path through ``along`` leads into ``goal``, the goal's own included."""
+
+    def enabling(self, transitions: Collection[int]) -> Zdd:
+        """States with an edge of some of these transitions."""
+
+    def successors(self, marking: Marking) -> list[tuple[tuple[int, ...], Marking]]:
+        """Edges of a state: the transitions fired, and the state after them."""
+
+
+class SymbolicMarkings:
+    """The markings graph of a net.
+
+    Args:
+        space: Its reachable markings.
+
+    Attributes:
+        anywhere: Transitions that fire wherever they have their tokens.
+        stable_only: Transitions that priorities let fire in stable markings only.
+        back: By transition, the event that undoes it.
+    """
+
+    def __init__(self, space: SymbolicSpace) -> None:
+        self.space = space
+        self.net: PetriNet = space.encoding.net
+        self.states = space.reachable
+        self.initial = space.encoding.initial()
+        encoding = space.encoding
+        safe = self.net.safe_transitions
+        self.back = {
+            t: encoding.event(safe[t].produce, safe[t].consume, safe[t].read) for t in encoding.events
+        }
+        first = {t for t in self.back if self.net.transitions[t].internal or not self.net.priorities}
+        self.anywhere = [t for t in self.back if t in first]
+        self.stable_only = [t for t in self.back if t not in first]
+
+    def before(self, after: Zdd, transitions: Iterable[int] | None = None) -> Zdd:
+        """States with an edge into a set, of some transitions if so asked."""
+        wanted = None if transitions is None else set(transitions)
+        anywhere, stable_only = (
+            [self.back[t] for t in part if wanted is None or t in wanted]
+            for part in (self.anywhere, self.stable_only)
+        )
+        found = after.images(anywhere) & self.states
+        if stable_only and self.space.stable is not None:
+            found |= after.images(stable_only) & self.space.stable
+        return found
+
+    def until(self, along: Zdd, goal: Zdd) -> Zdd:
+        """States from which some path through ``along`` leads into ``goal``, the goal's own included."""
+        within = along | goal
+        free = [self.back[t] for t in self.anywhere]
+        found = goal.saturate(free, within=within)
+        if self.space.stable is None:
+            return found
+        events = [self.back[t] for t in self.stable_only]
+        settled = within & self.space.stable
+        new = found
+        while new:
+            new = (new.images(events) & settled) - found
+            if new:
+                new = new.saturate(free, within=within) - found
+                found |= new
+        return found
+
+    def enabling(self, transitions: Collection[int]) -> Zdd:
+        """States with an edge of some of these transitions."""
+        encoding, space = self.space.encoding, self.space
+        found = encoding.store.empty()
+        for markings, only in ((self.states, self.anywhere), (space.stable, self.stable_only)):
+            conditions = [c for t in transitions if t in only and (c := encoding.enabling[t]) is not None]
+            if markings is not None and conditions:
+                found |= markings - markings.without(conditions)
+        return found
+
+    def successors(self, marking: Marking) -> list[tuple[tuple[int, ...], Marking]]:
+        """Edges of a state: the transitions fired, and the state after them."""
+        return [((t,), self.net.fire(marking, t)) for t in self.net.enabled(marking)]
+
+
+class SymbolicAlternatives:
+    """The alternatives graph of a net with priorities whose internal evolution is confluent and ends.
+
+    Args:
+        space: The reachable markings of the net.
+    """
+
+    def __init__(self, space: SymbolicSpace) -> None:
+        assert space.stable is not None, "the alternatives graph is of nets with priorities"
+        self.space = space
+        self.markings = SymbolicMarkings(space)
+        self.net = self.markings.net
+        self.states = space.stable
+        encoding = space.encoding
+        self._internal_back = [self.markings.back[t] for t in self.markings.anywhere]
+        internal = [encoding.events[t] for t in self.markings.anywhere]
+        self.initial = encoding.initial().saturate(internal) & space.stable
+
+    def before(self, after: Zdd, transitions: Iterable[int] | None = None) -> Zdd:
+        """States with an edge into a set, of some transitions if so asked."""
+        ending = after.saturate(self._internal_back, within=self.space.reachable)
+        events = self.markings.stable_only
+        wanted = events if transitions is None else [t for t in events if t in set(transitions)]
+        return ending.images([self.markings.back[t] for t in wanted]) & self.states
+
+    def until(self, along: Zdd, goal: Zdd) -> Zdd:
+        """States from which some path through ``along`` leads into ``goal``, the goal's own included."""
+        found = new = goal
+        while new:
+            new = (self.before(new) & along) - found
+            found |= new
+        return found
+
+    def enabling(self, transitions: Collection[int]) -> Zdd:
+        """States with an edge of some of these transitions."""
+        return self.markings.enabling([t for t in transitions if t in self.markings.stable_only])
+
+    def successors(self, marking: Marking) -> list[tuple[tuple[int, ...], Marking]]:
+        """Edges of a state: the transitions fired, and the state after them."""
+        found = []
+        for t in self.net.enabled(marking):
+            fired, at = [t], self.net.fire(marking, t)
+            while (enabled := self.net.enabled(at)) and self.net.transitions[enabled[0]].internal:
+                fired.append(enabled[0])
+                at = self.net.fire(at, enabled[0])
+            found.append((tuple(fired), at))
+        return found
+
+
+class Evaluation:
+    """Evaluates formulas on one graph; sub-formulas that occur again are not evaluated again.
+
+    Args:
+        graph: The graph.
+        fair: Justice constraints: infinite paths that satisfy one of them only finitely often do not count.
+    """
+
+    def __init__(self, graph: SymbolicGraph, fair: Sequence[Justice] = ()) -> None:
+        self.graph = graph
+        self.fair = tuple(fair)
+        self._known: dict[Core, Zdd] = {}
+
+    def holds(self, formula: Core) -> bool:
+        """Whether the initial state satisfies a formula."""
+        return bool(self.graph.initial & self.states(formula))
+
+    def states(self, formula: Core) -> Zdd:
+        """The states that satisfy a formula."""
+        if formula not in self._known:
+            self._known[formula] = self._evaluate(formula)
+        return self._known[formula]
+
+    def _evaluate(self, formula: Core) -> Zdd:
+        graph, empty = self.graph, self.graph.space.encoding.store.empty()
+        match formula:
+            case Const(value):
+                return graph.states if value else empty
+            case Not(operand):
+                return graph.states - self.states(operand)
+            case And(operands):
+                found = graph.states
+                for operand in operands:
+                    found &= self.states(operand)
+                return found
+            case Or(operands):
+                found = empty
+                for operand in operands:
+                    found |= self.states(operand)
+                return found
+            case TokenBound(weights, bound):
+                levels, constant = graph.space.encoding.weigh(dict(weights))
+                return graph.states.weighing(levels, LEAST, bound - constant)
+            case Fires(transitions):
+                return graph.enabling(transitions)
+            case Deadlock():
+                return self.dead
+            case Stable():
+                stable = graph.space.stable
+                return graph.states if stable is None else graph.states & stable
+            case EX(operand):
+                return graph.before(self.states(operand) & self.fair_states)
+            case EU(left, right):
+                return graph.until(self.states(left), self.states(right) & self.fair_states)
+            case EG(operand):
+                return self._always(self.states(operand))
+        raise TypeError(f"no formula: {formula!r}")
+
+    @cached_property
+    def dead(self) -> Zdd:
+        """States without successors."""
+        graph = self.graph
+        return graph.states - graph.enabling(range(len(graph.space.encoding.net.transitions)))
+
+    @cached_property
+    def fair_states(self) -> Zdd:
+        """States from which some fair path begins; all of them where nothing is asked of paths."""
+        return self._always(self.graph.states) if self.fair else self.graph.states
+
+    def _always(self, along: Zdd) -> Zdd:
+        """States from which some fair path stays in a set."""
+        if not self.fair:
+            return self._stays(along)
+        ends = along & self.dead
+        found = along
+        while True:
+            narrower = self.recurring(along, found)
+            if narrower == found:
+                return self.graph.until(along, ends | found)
+            found = narrower
+
+    def recurring(self, along: Zdd, found: Zdd) -> Zdd:
+        """One round of Emerson and Lei: each constraint can be met, and then the set be reached again."""
+        for constraint in self.fair:
+            found = found & self.graph.before(self.graph.until(along, self.met(constraint, found)))
+        return found
+
+    def met(self, constraint: Justice, found: Zdd) -> Zdd:
+        """States of a set at which a constraint is met, there or by the next step inside the set."""
+        here = self.states(constraint.states) & found
+        if constraint.transitions:
+            here |= self.graph.before(found, constraint.transitions) & found
+        return here
+
+    def _stays(self, along: Zdd) -> Zdd:
+        """States from which some path stays in a set: those are taken out whose every way leaves it."""
+        found, dead = along, along & self.dead
+        while True:
+            narrower = found & (self.graph.before(found) | dead)
+            if narrower == found:
+                return found
+            found = narrower

@@ -1,0 +1,249 @@
+"""Formulas of CTL: what a user writes, and the small core that evaluation knows.
+
+Connectives are the same in both. What is written names places, transitions and words of the mission
+(:class:`Compare`, :class:`Enabled`, :class:`Word`) and has all operators; in the core
+(:mod:`mcpn.check.resolve` makes it) names have become indices, and ``EX``, ``EU`` and ``EG`` say it all.
+
+Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
+false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias, get_args
+
+Relation: TypeAlias = Literal["<", "<=", "=", "!=", ">=", ">"]
+RELATIONS: tuple[Relation, ...] = get_args(Relation)
+
+
+@dataclass(frozen=True, slots=True)
+class Const:
+    """True or false everywhere."""
+
+    value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Not:
+    """Negation."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    """Conjunction; true without operands."""
+
+    operands: tuple[Formula, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    """Disjunction; false without operands."""
+
+    operands: tuple[Formula, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Implies:
+    """Implication."""
+
+    left: Formula
+    right: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class Iff:
+    """Equivalence."""
+
+    left: Formula
+    right: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class EX:
+    """Some next state satisfies the operand."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class AX:
+    """Every next state satisfies the operand."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class EF:
+    """Some path reaches the operand."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class AF:
+    """Every path reaches the operand."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class EG:
+    """Some path satisfies the operand all along."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class AG:
+    """Every reachable state satisfies the operand."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class EU:
+    """Some path satisfies the left operand until it reaches the right one."""
+
+    left: Formula
+    right: Formula
+
+
+@dataclass(frozen=True, slots=True)
+class AU:
+    """Every path satisfies the left operand until it reaches the right one."""
+
+    left: Formula
+    right: Formula
+
+
+# --- atoms as they are written -------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """A constant and the tokens of some places; a place that stands twice counts twice."""
+
+    constant: int
+    places: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Compare:
+    """A comparison of two sums of tokens."""
+
+    left: Sum
+    relation: Relation
+    right: Sum
+    column: int | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Enabled:
+    """Some of these transitions may fire now, priorities respected."""
+
+    transitions: tuple[str, ...]
+    column: int | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Deadlock:
+    """Nothing may fire."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stable:
+    """No internal transition may fire; true everywhere in nets without priorities."""
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word of the mission.
+
+    Args:
+        kind: One of :data:`WORDS`, or ``success`` or ``failure``, which have no argument.
+        argument: The element's name.
+        value: For ``alternative(activity)=value``.
+        column: Where it stands, from 1.
+    """
+
+    kind: str
+    argument: str | None = None
+    value: str | None = None
+    column: int | None = field(default=None, compare=False)
+
+
+WORDS = {
+    "objective": "the objective runs",
+    "pending": "the objective is about to be entered",
+    "activity": "an alternative of the activity runs",
+    "alternative": "this alternative of the activity runs",
+    "waiting": "the activity waits for a resource",
+    "refused": "the activity has no possible alternative",
+    "oos": "the hardware resource is out of service",
+    "available": "the hardware is in service; the software's producer runs",
+    "event": "the event may be the next to happen",
+}
+
+# --- atoms of the core ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class TokenBound:
+    """A weighted sum of tokens is at most a bound; places by index, in increasing order."""
+
+    weights: tuple[tuple[int, int], ...]
+    bound: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fires:
+    """Some of these transitions, by index, may fire now."""
+
+    transitions: tuple[int, ...]
+
+
+Written: TypeAlias = Compare | Enabled | Word
+Sugar: TypeAlias = Implies | Iff | AX | EF | AF | AG | AU
+Formula: TypeAlias = (
+    Const | Not | And | Or | EX | EG | EU | Deadlock | Stable | Sugar | Written | TokenBound | Fires
+)
+Core: TypeAlias = Formula
+"""A formula without :data:`Written` atoms and without :data:`Sugar`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Justice:
+    """A constraint on infinite paths: they meet it again and again, or do not count.
+
+    Args:
+        states: A path meets the constraint in these states,
+        transitions: and wherever it fires one of these.
+    """
+
+    states: Core = Const(False)
+    transitions: tuple[int, ...] = ()
+
+
+def operands(formula: Formula) -> tuple[Formula, ...]:
+    """The formulas directly inside a formula."""
+    match formula:
+        case And(inside) | Or(inside):
+            return inside
+        case Not(a) | EX(a) | AX(a) | EF(a) | AF(a) | EG(a) | AG(a):
+            return (a,)
+        case Implies(a, b) | Iff(a, b) | EU(a, b) | AU(a, b):
+            return (a, b)
+    return ()
+
+
+def walk(formula: Formula) -> Iterator[tuple[Formula, int]]:
+    """Every formula inside a formula, itself included, with its depth from 1; no recursion."""
+    stack = [(formula, 1)]
+    while stack:
+        at, depth = stack.pop()
+        yield at, depth
+        stack.extend((inside, depth + 1) for inside in operands(at))

@@ -1,0 +1,256 @@
+"""From formulas as they are written to the core: names looked up, words of the mission told by places.
+
+>>> from mcpn.net.petri import NetBuilder
+>>> builder = NetBuilder("lamp")
+>>> places = builder.place("off", initial=1), builder.place("on")
+>>> builder.transition("switch", consume=["off"], produce=["on"])
+>>> resolve(Compare(Sum(0, ("on",)), ">=", Sum(1)), builder.build())
+TokenBound(weights=((1, -1),), bound=-1)
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection
+from difflib import get_close_matches
+
+from mcpn.check.formula import (
+    AF,
+    AG,
+    AU,
+    AX,
+    EF,
+    EG,
+    EU,
+    EX,
+    And,
+    Compare,
+    Const,
+    Core,
+    Enabled,
+    Fires,
+    Formula,
+    Iff,
+    Implies,
+    Justice,
+    Not,
+    Or,
+    Sum,
+    TokenBound,
+    Word,
+)
+from mcpn.errors import InputError
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet
+
+TRUE = Const(True)
+
+
+def resolve(formula: Formula, net: PetriNet, mission_net: MissionNet | None = None) -> Core:
+    """Looks up every name of a formula and rewrites it to the core.
+
+    Args:
+        formula: As it was written.
+        net: Names places and transitions.
+        mission_net: Names elements of the mission, where the net is of one.
+
+    Returns:
+        The same in the core.
+
+    Raises:
+        InputError: A name is unknown; the message has its column and the nearest names that exist.
+    """
+    return _Resolver(net, mission_net).core(formula)
+
+
+def negation(formula: Core) -> Core:
+    """The negation, without doubling one."""
+    match formula:
+        case Not(operand):
+            return operand
+        case Const(value):
+            return Const(not value)
+    return Not(formula)
+
+
+class _Resolver:
+    def __init__(self, net: PetriNet, mission_net: MissionNet | None) -> None:
+        self.net = net
+        self.mission_net = mission_net
+
+    def core(self, formula: Formula) -> Core:
+        core = self.core
+        match formula:
+            case Not(a):
+                return negation(core(a))
+            case And(inside):
+                return And(tuple(map(core, inside)))
+            case Or(inside):
+                return Or(tuple(map(core, inside)))
+            case Implies(a, b):
+                return Or((negation(core(a)), core(b)))
+            case Iff(a, b):
+                left, right = core(a), core(b)
+                return Or((And((left, right)), And((negation(left), negation(right)))))
+            case EX(a):
+                return EX(core(a))
+            case AX(a):
+                return negation(EX(negation(core(a))))
+            case EF(a):
+                return EU(TRUE, core(a))
+            case AG(a):
+                return negation(EU(TRUE, negation(core(a))))
+            case EG(a):
+                return EG(core(a))
+            case AF(a):
+                return negation(EG(negation(core(a))))
+            case EU(a, b):
+                return EU(core(a), core(b))
+            case AU(a, b):
+                stays, fails = negation(core(b)), And((negation(core(a)), negation(core(b))))
+                return And((negation(EU(stays, fails)), negation(EG(stays))))
+            case Compare():
+                return self.compare(formula)
+            case Enabled(names, column):
+                known = self.net.transition_index
+                return Fires(tuple(sorted({self.known(n, known, "transition", column) for n in names})))
+            case Word():
+                return self.word(formula)
+        return formula
+
+    def known(self, name: str, index: Collection[str], what: str, column: int | None) -> int:
+        if name not in index:
+            raise unknown(name, index, what, column)
+        return index[name]  # type: ignore[index, no-any-return]
+
+    def compare(self, formula: Compare) -> Core:
+        left, right = formula.left, formula.right
+        match formula.relation:
+            case "<=":
+                return self.at_most(left, right, 0, formula.column)
+            case "<":
+                return self.at_most(left, right, -1, formula.column)
+            case ">=":
+                return self.at_most(right, left, 0, formula.column)
+            case ">":
+                return self.at_most(right, left, -1, formula.column)
+        equal = And(
+            (self.at_most(left, right, 0, formula.column), self.at_most(right, left, 0, formula.column))
+        )
+        return equal if formula.relation == "=" else Not(equal)
+
+    def at_most(self, left: Sum, right: Sum, slack: int, column: int | None) -> Core:
+        known = self.net.place_index
+        weights = Counter[int]()
+        for side, sign in ((left, 1), (right, -1)):
+            for name in side.places:
+                weights[self.known(name, known, "place", column)] += sign
+        bound = right.constant - left.constant + slack
+        terms = tuple(sorted((place, weight) for place, weight in weights.items() if weight))
+        return TokenBound(terms, bound) if terms else Const(bound >= 0)
+
+    # --- words of the mission ---
+
+    def word(self, word: Word) -> Core:
+        mission_net = self.mission_net
+        if mission_net is None:
+            raise _at(word.column, f"{word.kind} is a word of missions, and this net is of none")
+        name = word.argument or ""
+        match word.kind:
+            case "success" | "failure":
+                return marked(mission_net.by_role[word.kind, mission_net.mission.name])
+            case "objective" | "pending":
+                self.element(name, [s.name for s in mission_net.graph.walk()], "objective", word)
+                return self.said(word.kind, [name])
+            case "oos" | "available":
+                return self.resource(mission_net, word, name)
+            case "event":
+                events = {t.event for t in self.net.transitions if t.event}
+                self.element(name, events, "event", word)
+                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == name))
+        return self.activity(word, name)
+
+    def resource(self, mission_net: MissionNet, word: Word, name: str) -> Core:
+        hardware = [h.name for h in mission_net.mission.hardware]
+        producers = mission_net.usage.producer
+        if word.kind == "available" and name in producers:
+            return self.running("active", producers[name])
+        self.element(name, hardware if word.kind == "oos" else [*hardware, *producers], "resource", word)
+        oos = self.said("oos", [name])
+        return oos if word.kind == "oos" else negation(oos)
+
+    def activity(self, word: Word, name: str) -> Core:
+        """What is said of an activity, or of one of its alternatives."""
+        assert self.mission_net is not None
+        activities = self.mission_net.usage.activities
+        alternative = word.value
+        if word.kind == "alternative" and alternative is None:
+            name, _, alternative = name.rpartition(".")
+            if not name:
+                raise _at(
+                    word.column, f"expected alternative(activity)=name, found no name after {alternative}"
+                )
+        self.element(name, activities, "activity", word)
+        if word.kind == "alternative":
+            known = [a.name for a in activities[name].alternatives]
+            self.element(alternative or "", known, f"alternative of {name}", word)
+            return self.said("active", [f"{name}.{alternative}"])
+        if word.kind == "refused":
+            return self.said("refused", [name])
+        return self.running("wait" if word.kind == "waiting" else "active", name)
+
+    def running(self, kind: str, activity: str) -> Core:
+        assert self.mission_net is not None
+        alternatives = self.mission_net.usage.activities[activity].alternatives
+        return self.said(kind, [f"{activity}.{a.name}" for a in alternatives])
+
+    def said(self, kind: str, names: list[str]) -> Core:
+        """Some place that says so is marked; false where the templates have none."""
+        assert self.mission_net is not None
+        places = self.mission_net.saying(kind)
+        return marked(tuple(place for place, name in places.items() if name in names))
+
+    def element(self, name: str, names: Collection[str], what: str, word: Word) -> None:
+        if name not in names:
+            raise unknown(name, names, what, word.column)
+
+
+def marked(places: tuple[int, ...]) -> Core:
+    """Some of these places holds a token."""
+    return TokenBound(tuple((place, -1) for place in sorted(places)), -1) if places else Const(False)
+
+
+def unknown(name: str, names: Collection[str], what: str, column: int | None) -> InputError:
+    """The error for a name that does not exist."""
+    near = get_close_matches(name, names, n=3)
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    return _at(column, f"no {what} is named {name}{hint}")
+
+
+def _at(column: int | None, message: str) -> InputError:
+    return InputError.at(None, message if column is None else f"formula, column {column}: {message}")
+
+
+def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
+    """Constraints under which a mission goes on: it starts, and running objectives end some day.
+
+    Without it ``AF`` says nothing of a mission whose hardware may fail and recover for ever. A loop of
+    objectives that is run for ever is fair: each of them ends again and again.
+
+    Args:
+        mission_net: The mission's net.
+
+    Returns:
+        For the start and for each objective: again and again it is not to be awaited or not running, or the
+        start, its ``OK`` or its ``FAIL`` happens.
+    """
+    net = mission_net.net
+    starts = [i for i, t in enumerate(net.transitions) if t.event == "MISSION_EV_START"]
+    constraints = [
+        Justice(negation(marked(tuple(p for p, _ in net.transitions[i].consume))), (i,)) for i in starts
+    ]
+    for place, name in mission_net.saying("objective").items():
+        endings = {f"OBJ_{name}_EV_OK", f"OBJ_{name}_EV_FAIL"}
+        taken = tuple(i for i, t in enumerate(net.transitions) if t.event in endings)
+        constraints.append(Justice(negation(marked((place,))), taken))
+    return tuple(constraints)
