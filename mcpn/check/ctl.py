@@ -113,6 +113,17 @@ class SymbolicMarkings:
                 found |= new
         return found
 
+    def reached(self, begin: Zdd) -> Zdd:
+        """States that some path from a set leads to, the set's own included."""
+        encoding, stable = self.space.encoding, self.space.stable
+        free = [encoding.events[t] for t in self.anywhere]
+        found = new = begin.saturate(free)
+        events = [encoding.events[t] for t in self.stable_only]
+        while new and stable is not None:
+            new = ((new & stable).images(events) - found).saturate(free) - found
+            found |= new
+        return found
+
     def enabling(self, transitions: Collection[int]) -> Zdd:
         """States with an edge of some of these transitions."""
         encoding, space = self.space.encoding, self.space
@@ -250,13 +261,14 @@ class Evaluation:
         """States from which some fair path stays in a set."""
         if not self.fair:
             return self._stays(along)
-        ends = along & self.dead
+        return self.graph.until(along, (along & self.dead) | self.hull(along))
+
+    def hull(self, along: Zdd) -> Zdd:
+        """States of a set from which each constraint can be met, and the hull be reached again, inside it."""
         found = along
-        while True:
-            narrower = self.recurring(along, found)
-            if narrower == found:
-                return self.graph.until(along, ends | found)
+        while (narrower := self.recurring(along, found)) != found:
             found = narrower
+        return found
 
     def recurring(self, along: Zdd, found: Zdd) -> Zdd:
         """One round of Emerson and Lei: each constraint can be met, and then the set be reached again."""

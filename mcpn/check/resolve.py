@@ -160,13 +160,13 @@ class _Resolver:
             case "success" | "failure":
                 return marked(mission_net.by_role[word.kind, mission_net.mission.name])
             case "objective" | "pending":
-                self.element(name, [s.name for s in mission_net.graph.walk()], "objective", word)
-                return self.said(word.kind, [name])
+                objectives = [s.name for s in mission_net.graph.walk()]
+                return self.said(word.kind, [self.element(name, objectives, "objective", word)])
             case "oos" | "available":
                 return self.resource(mission_net, word, name)
             case "event":
                 events = {t.event for t in self.net.transitions if t.event}
-                self.element(name, events, "event", word)
+                name = self.element(name, events, "event", word)
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == name))
         return self.activity(word, name)
 
@@ -210,9 +210,14 @@ class _Resolver:
         places = self.mission_net.saying(kind)
         return marked(tuple(place for place, name in places.items() if name in names))
 
-    def element(self, name: str, names: Collection[str], what: str, word: Word) -> None:
+    def element(self, name: str, names: Collection[str], what: str, word: Word) -> str:
+        """The name in full: the use of a protocol that qualifies it may be left out where one name fits."""
+        fitting = [known for known in names if known.endswith(f".{name}")]
+        if name not in names and len(fitting) == 1:
+            return fitting[0]
         if name not in names:
             raise unknown(name, names, what, word.column)
+        return name
 
 
 def marked(places: tuple[int, ...]) -> Core:
@@ -223,6 +228,9 @@ def marked(places: tuple[int, ...]) -> Core:
 def unknown(name: str, names: Collection[str], what: str, column: int | None) -> InputError:
     """The error for a name that does not exist."""
     near = get_close_matches(name, names, n=3)
+    if not near:  # the use of a protocol that qualifies a name may have been left out
+        by_last = {known.rpartition(".")[2]: known for known in names}
+        near = [by_last[last] for last in get_close_matches(name, by_last, n=3)]
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
     return _at(column, f"no {what} is named {name}{hint}")
 

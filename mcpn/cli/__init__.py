@@ -12,7 +12,7 @@ import sys
 import click
 
 from mcpn import __version__
-from mcpn.cli import check, outputs, spaces
+from mcpn.cli import check, ctl, outputs, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED
 from mcpn.errors import InputError, McpnError, SemanticsError
 
@@ -57,6 +57,7 @@ for command in (
     check.check,
     spaces.states,
     spaces.alternatives,
+    ctl.ctl,
     outputs.controller,
     outputs.convert,
     spaces.compare,

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
+from mcpn.check.answers import Answer
 from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
 from mcpn.errors import Problem
+from mcpn.net.petri import PetriNet
 from mcpn.space.compare import Measurement
 
 
@@ -40,6 +43,31 @@ def print_comparison(found: Sequence[Measurement]) -> None:
     for m in found:
         if m.summary is None:
             console.print(f"{m.engine}: {m.reason}")
+
+
+def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
+    """Prints answers to formulas with the runs that show them."""
+    console = Console(highlight=False, soft_wrap=True)
+    for answer in answers:
+        colour, word = ("green", "holds") if answer.holds else ("red", "fails")
+        console.print(f"[{colour}]{word}[/{colour}]  {escape(answer.formula)}")
+        witness = answer.witness
+        if witness is None:
+            continue
+        if answer.told:
+            for step in answer.told:
+                console.print(f"    {step.event:34} {step.words}", markup=False)
+        else:
+            for index, t in enumerate(witness.firings):
+                if index == witness.cycle_firing:
+                    console.print("    from here on for ever:")
+                console.print(f"    {net.transitions[t].name}", markup=False)
+        if answer.told and witness.cycle is not None:
+            repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
+            events = [e for t in repeated if (e := net.transitions[t].event)]
+            console.print(f"    for ever: {' '.join(events) or 'internal firings'}", markup=False)
+        for note in witness.notes:
+            console.print(f"    {note}", markup=False)
 
 
 def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:

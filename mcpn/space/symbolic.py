@@ -8,7 +8,7 @@ is new.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -77,8 +77,17 @@ class Encoding:
 
     def initial(self) -> Zdd:
         """The set that holds the initial marking."""
-        marked = [p for p, tokens in enumerate(self.net.initial) if tokens]
-        return self.store.singleton(self.levels(marked))
+        return self.set_of(self.net.initial)
+
+    def set_of(self, marking: Sequence[int]) -> Zdd:
+        """The set that holds one marking, given as tokens by place."""
+        return self.store.singleton(self.levels(p for p, tokens in enumerate(marking) if tokens))
+
+    def marking(self, levels: Iterable[int]) -> tuple[int, ...]:
+        """The tokens by place of a marking given as its marked levels."""
+        marked = {self.places[level] for level in levels}
+        marked.update(dropped for dropped, kept in self.partner.items() if kept not in marked)
+        return tuple(int(p in marked) for p in range(len(self.net.places)))
 
     def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
         """A weighted sum of tokens by what each marked level adds to it, and what is always there.
@@ -280,7 +289,7 @@ def _unsafe(space: SymbolicSpace, suspects: list[Suspect]) -> UnsafeError:
             if marking is None:
                 continue
             run = _back(space, layers, marking)
-            names = net.marked(_tokens(encoding, marking))
+            names = net.marked(encoding.marking(marking))
             return UnsafeError(net.places[place].name, net.transitions[t].name, names, run)
         layer = _step(space, layer) - seen
         seen |= layer
@@ -322,11 +331,3 @@ def _back(space: SymbolicSpace, layers: list[Zdd], marking: list[int]) -> list[s
                 run.append(net.transitions[t].name)
                 break
     return run[::-1]
-
-
-def _tokens(encoding: Encoding, marking: list[int]) -> tuple[int, ...]:
-    marked = {encoding.places[level] for level in marking}
-    for dropped, kept in encoding.partner.items():
-        if kept not in marked:
-            marked.add(dropped)
-    return tuple(int(p in marked) for p in range(len(encoding.net.places)))

@@ -338,26 +338,27 @@ def write_tina(net: PetriNet) -> str:
 
 
 def _lines(net: PetriNet) -> Iterator[str]:
-    yield f"net {_quote(net.name)}"
+    yield f"net {quote(net.name)}"
     for place in net.places:
-        yield f"pl {_quote(place.name)}" + (f" ({place.initial})" if place.initial else "")
+        yield f"pl {quote(place.name)}" + (f" ({place.initial})" if place.initial else "")
     for t in net.transitions:
-        label = f" : {_quote(t.event)}" if t.event is not None else ""
+        label = f" : {quote(t.event)}" if t.event is not None else ""
         inputs = [_arc(net, arc, "*") for arc in t.consume] + [_arc(net, arc, "?") for arc in t.read]
         outputs = [_arc(net, arc, "*") for arc in t.produce]
-        yield " ".join([f"tr {_quote(t.name)}{label}", *inputs, "->", *outputs])
-    upper = [_quote(t.name) for t in net.transitions if t.internal]
-    lower = [_quote(t.name) for t in net.transitions if not t.internal]
+        yield " ".join([f"tr {quote(t.name)}{label}", *inputs, "->", *outputs])
+    upper = [quote(t.name) for t in net.transitions if t.internal]
+    lower = [quote(t.name) for t in net.transitions if not t.internal]
     if net.priorities and upper and lower:
         yield f"pr {' '.join(upper)} > {' '.join(lower)}"
 
 
 def _arc(net: PetriNet, arc: tuple[int, int], kind: str) -> str:
-    name = _quote(net.places[arc[0]].name)
+    name = quote(net.places[arc[0]].name)
     return name if arc[1] == 1 and kind == "*" else f"{name}{kind}{arc[1]}"
 
 
-def _quote(name: str) -> str:
+def quote(name: str) -> str:
+    """A name as TINA's text formats write it: in braces unless it is plain."""
     if _PLAIN.match(name) and name not in _KEYWORDS:
         return name
     return "{" + re.sub(r"([{}\\])", r"\\\1", name) + "}"

@@ -1,0 +1,191 @@
+"""Questions about a net or a mission, answered by either engine on either graph."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from mcpn.check.arrays import ExplicitEvaluation
+from mcpn.check.behaviour import examine
+from mcpn.check.contest import Property
+from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
+from mcpn.check.formula import Core, Formula, Justice
+from mcpn.check.language import parse
+from mcpn.check.resolve import progress, resolve
+from mcpn.check.runs import Step, replay
+from mcpn.check.witness import Witness, explain
+from mcpn.errors import InputError, UnsafeError
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet
+from mcpn.space.alternatives import by_reduction
+from mcpn.space.confluence import direct_with_proof, open_conflicts
+from mcpn.space.explicit import DEFAULT_MAX_STATES, explore
+from mcpn.space.graph import StateGraph
+from mcpn.space.symbolic import SymbolicSpace, reach
+
+On: TypeAlias = Literal["markings", "alternatives"]
+Engine: TypeAlias = Literal["symbolic", "explicit"]
+PROGRESS = "progress"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a formula.
+
+    Args:
+        formula: As it was written.
+        holds: Whether the initial state satisfies it.
+        witness: A run that shows it (symbolic engine only).
+        told: The events of the run in mission words; empty for nets of no mission.
+    """
+
+    formula: str
+    holds: bool
+    witness: Witness | None = None
+    told: tuple[Step, ...] = ()
+
+
+class Questions:
+    """Answers questions about one net; the state space is built once, when it is first needed.
+
+    Args:
+        net: The net.
+        mission_net: The mission that it is of, if any.
+        on: The graph that formulas speak of.
+        fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
+        engine: Diagrams, or arrays as the second opinion.
+        max_states: Limit for the explicit engine.
+
+    Raises:
+        InputError: A constraint is no formula, or the words do not fit the net.
+    """
+
+    def __init__(
+        self,
+        net: PetriNet,
+        mission_net: MissionNet | None = None,
+        *,
+        on: On = "markings",
+        fair: Sequence[str] = (),
+        engine: Engine = "symbolic",
+        max_states: int | None = None,
+    ) -> None:
+        if on == "alternatives" and not net.priorities:
+            raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
+        self.net = net
+        self.mission_net = mission_net
+        self.on = on
+        self.engine = engine
+        self.max_states = max_states or DEFAULT_MAX_STATES
+        self.fair = tuple(constraint for text in fair for constraint in self._constraints(text))
+
+    def _constraints(self, text: str) -> tuple[Justice, ...]:
+        if text != PROGRESS:
+            return (Justice(self.core(parse(text))),)
+        if self.mission_net is None:
+            raise InputError.at(
+                None, f"the constraint {PROGRESS} speaks of missions, and this net is of none"
+            )
+        return progress(self.mission_net)
+
+    def core(self, formula: Formula) -> Core:
+        """The formula with its names looked up.
+
+        Raises:
+            InputError: A name is unknown.
+        """
+        return resolve(formula, self.net, self.mission_net)
+
+    @cached_property
+    def space(self) -> SymbolicSpace:
+        """The reachable markings as a diagram.
+
+        Raises:
+            UnsafeError: The net is not 1-safe.
+            LimitError: A limit was hit.
+        """
+        return reach(self.net)
+
+    @cached_property
+    def symbolic(self) -> Evaluation:
+        """Evaluates on diagrams.
+
+        Raises:
+            ConfluenceError: The alternatives graph is asked for, and internal evolution is not confluent.
+            DivergenceError: The same, and internal evolution need not end.
+        """
+        if self.on == "markings":
+            return Evaluation(SymbolicMarkings(self.space), self.fair)
+        if next(open_conflicts(self.space), None) is not None or self._diverges():
+            direct_with_proof(
+                self.net, max_states=self.max_states
+            )  # finds the runs that show it, or that there are none
+        return Evaluation(SymbolicAlternatives(self.space), self.fair)
+
+    def _diverges(self) -> bool:
+        """Whether some marking leads to no stable one, so that its internal run cannot end."""
+        graph, stable = SymbolicMarkings(self.space), self.space.stable
+        assert stable is not None, "asked of nets with priorities only"
+        ending = stable.saturate([graph.back[t] for t in graph.anywhere], within=self.space.reachable)
+        return ending != self.space.reachable
+
+    @cached_property
+    def explicit(self) -> ExplicitEvaluation:
+        """Evaluates on arrays.
+
+        Raises:
+            UnsafeError: The net is not 1-safe.
+            ConfluenceError: As for :attr:`symbolic`.
+            DivergenceError: As for :attr:`symbolic`.
+            LimitError: A limit was hit.
+        """
+        graph: StateGraph = explore(self.net, max_states=self.max_states)
+        return ExplicitEvaluation(by_reduction(graph) if self.on == "alternatives" else graph, self.fair)
+
+    def answer(self, text: str, core: Core) -> Answer:
+        """Answers a formula, and shows by a run why.
+
+        Args:
+            text: The formula as it was written.
+            core: The same, names looked up.
+        """
+        if self.engine == "explicit":
+            return Answer(text, self.explicit.holds(core))
+        witness = explain(self.symbolic, core)
+        names = [self.net.transitions[t].name for t in witness.firings]
+        told = replay(self.mission_net, names) if self.mission_net else ()
+        return Answer(text, self.symbolic.holds(core), witness, tuple(told))
+
+    def property(self, asked: Property) -> str:
+        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
+        if asked.formula is not None:
+            core = self.core(asked.formula)
+            evaluation = self.symbolic if self.engine == "symbolic" else self.explicit
+            return str(evaluation.holds(core)).upper()
+        weights: dict[int, int] = {}
+        for name in asked.bound:
+            if name not in self.net.place_index:
+                raise InputError.at(asked.source, f"no place is named {name}")
+            place = self.net.place_index[name]
+            weights[place] = weights.get(place, 0) + 1
+        if self.engine == "symbolic":
+            levels, always = self.space.encoding.weigh(weights)
+            return str(self.space.reachable.largest(levels) + always)
+        graph = self.explicit.graph
+        tokens = np.zeros(graph.states, np.int64)
+        for place, weight in weights.items():
+            tokens += weight * graph.marked(place)
+        return str(tokens.max())
+
+    def examination(self, name: str) -> str:
+        """Answers an examination of the contest (see :func:`mcpn.check.behaviour.examine`)."""
+        try:
+            return str(examine(name, self.space)).upper()
+        except UnsafeError:
+            if name == "OneSafe":
+                return "FALSE"
+            raise

@@ -1,0 +1,128 @@
+"""Formulas and properties: answers with the runs that show them."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mcpn.cli.shared import (
+    EXIT_FAILED,
+    FILE,
+    import_option,
+    json_option,
+    limit_option,
+    mission_net_of,
+)
+
+if TYPE_CHECKING:
+    from mcpn.check.answers import Answer
+    from mcpn.net.compose import MissionNet
+    from mcpn.net.petri import PetriNet
+
+EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.argument("formulas", nargs=-1, metavar="FORMULA...")
+@click.option("--properties", type=FILE, help="Answer a property file of the Model Checking Contest.")
+@click.option("--examination", type=click.Choice(EXAMINATIONS), help="Answer an examination of the contest.")
+@click.option(
+    "--on",
+    "graph",
+    type=click.Choice(["markings", "alternatives"]),
+    default="markings",
+    show_default=True,
+    help="Evaluate on all markings, or on stable markings and events.",
+)
+@click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
+@click.option("--engine", type=click.Choice(["symbolic", "explicit"]), default="symbolic", show_default=True)
+@click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
+@limit_option
+@import_option
+@json_option
+def ctl(
+    file: Path,
+    formulas: tuple[str, ...],
+    properties: Path | None,
+    examination: str | None,
+    graph: str,
+    fair: tuple[str, ...],
+    engine: str,
+    scn: Path | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Answer CTL formulas on FILE, a mission or a net.
+
+    Exit code 1 if some FORMULA does not hold; property files and examinations answer with 0 either way.
+    """
+    if not (formulas or properties or examination):
+        raise click.UsageError("a FORMULA, --properties or --examination is needed")
+    if scn and (len(formulas) != 1 or engine != "symbolic"):
+        raise click.UsageError("--scn goes with one FORMULA and the symbolic engine")
+    from mcpn.check.answers import Questions
+    from mcpn.check.contest import read_properties
+    from mcpn.check.language import parse
+
+    net, mission_net = _subject(file, import_root)
+    questions = Questions(
+        net,
+        mission_net,
+        on="alternatives" if graph == "alternatives" else "markings",
+        fair=fair,
+        engine="explicit" if engine == "explicit" else "symbolic",
+        max_states=max_states,
+    )
+    asked = [(text, questions.core(parse(text))) for text in formulas]
+    if properties:
+        for found in read_properties(properties):
+            click.echo(f"FORMULA {found.name} {questions.property(found)}")
+    if examination:
+        click.echo(f"FORMULA {net.name}-{examination} {questions.examination(examination)}")
+    answers = [questions.answer(text, core) for text, core in asked]
+    if scn:
+        _write_scenario(answers[0], net, scn)
+    if as_json:
+        click.echo(json.dumps([_answer_object(answer, net) for answer in answers], ensure_ascii=False))
+    elif answers:
+        from mcpn.report.text import print_answers
+
+        print_answers(answers, net)
+    if not all(answer.holds for answer in answers):
+        sys.exit(EXIT_FAILED)
+
+
+def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet | None]:
+    from mcpn.net.formats import READABLE, read_net
+
+    if file.suffix.lower() in READABLE:
+        return read_net(file), None
+    mission_net = mission_net_of(file, import_root)
+    return mission_net.net, mission_net
+
+
+def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
+    from mcpn.check.witness import scenario
+    from mcpn.files import write_atomically
+
+    assert answer.witness is not None, "the symbolic engine always gives a witness"
+    write_atomically(path, scenario(answer.witness, net))
+
+
+def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
+    witness = answer.witness
+    if witness is None:
+        return {"formula": answer.formula, "holds": answer.holds, "witness": None}
+    shown = {
+        "events": [step.event for step in answer.told],
+        "firings": [net.transitions[t].name for t in witness.firings],
+        "cycle": witness.cycle_firing,
+        "notes": witness.notes,
+    }
+    return {"formula": answer.formula, "holds": answer.holds, "witness": shown}
