@@ -40,8 +40,11 @@ class Zdd:
     def pick(self) -> list[int] | None:
         """Some marking, the same each time."""
 
-    def images(self, events: Sequence[int]) -> Zdd:
-        """The markings after one firing of any of some events."""
+    def images(self, events: Sequence[int], within: Zdd | None = ...) -> Zdd:
+        """The markings after one firing of any of some events, those of a set only where one is given."""
+
+    def beyond(self, before: Zdd, events: Sequence[int]) -> Zdd:
+        """The markings of this set that no firing of any of some events in another set makes."""
 
     def saturate(self, events: Sequence[int], max_nodes: int = ..., within: Zdd | None = ...) -> Zdd:
         """The markings reachable by any number of firings.

@@ -302,9 +302,15 @@ NB_MODULE(mcpn_kernel, module) {
           return found;
         });
       }, nb::arg("conditions"))
-      .def("images", [](const Handle& a, const std::vector<std::uint32_t>& events) {
-        return computed(a.owner, 0, [&](Store& s) { return s.images(a.node, events); });
-      }, nb::arg("events"))
+      .def("images", [](const Handle& a, const std::vector<std::uint32_t>& events, const Handle* within) {
+        if (within) a.same_store(*within);
+        const Node limit = within ? within->node : kAnything;
+        return computed(a.owner, 0, [&](Store& s) { return s.images(a.node, events, limit); });
+      }, nb::arg("events"), nb::arg("within").none() = nb::none())
+      .def("beyond", [](const Handle& a, const Handle& from, const std::vector<std::uint32_t>& events) {
+        a.same_store(from);
+        return computed(a.owner, 0, [&](Store& s) { return s.beyond(a.node, from.node, events); });
+      }, nb::arg("before"), nb::arg("events"))
       .def("saturate", [](const Handle& a, const std::vector<std::uint32_t>& events, std::uint64_t max_nodes,
                           const Handle* within) {
         if (within) a.same_store(*within);

@@ -237,25 +237,27 @@ Node Store::filter(Node a, std::uint32_t literals) {
   return result;
 }
 
-Node Store::image(Node a, std::uint32_t event) {
-  if (a == 0 || event == 0) return a;
+Node Store::image(Node a, std::uint32_t event, Node within) {
+  if (a == 0 || within == 0) return 0;
+  if (event == 0) return within == kAnything ? a : meet(a, within);
   const Suffix head = suffixes_[event];
   const Level at = std::min(level(a), head.level);
+  within = below(within, at);
   Node result;
-  if (recall(op_image, 0, event, a, 0, result)) return result;
-  const Branches x = split(a, at);
+  if (recall(op_image, 0, event, a, within, result)) return result;
+  const Branches x = split(a, at), w = limits(within, at);
   if (at < head.level) {
-    const Held low(*this, image(x.lo, event));
-    result = make(at, low, image(x.hi, event));
+    const Held low(*this, image(x.lo, event, w.lo));
+    result = make(at, low, image(x.hi, event, w.hi));
   } else {
     switch (head.touch) {
-      case Touch::consume: result = image(x.hi, head.next); break;
-      case Touch::produce: result = make(at, 0, image(x.lo, head.next)); break;
-      case Touch::read: result = make(at, 0, image(x.hi, head.next)); break;
-      default: result = image(x.lo, head.next);
+      case Touch::consume: result = image(x.hi, head.next, w.lo); break;
+      case Touch::produce: result = make(at, 0, image(x.lo, head.next, w.hi)); break;
+      case Touch::read: result = make(at, 0, image(x.hi, head.next, w.hi)); break;
+      default: result = image(x.lo, head.next, w.lo);
     }
   }
-  remember(op_image, 0, event, a, 0, result);
+  remember(op_image, 0, event, a, within, result);
   return result;
 }
 
@@ -269,13 +271,24 @@ Node Store::without(Node a, const std::vector<std::uint32_t>& conditions) {
   return left;
 }
 
-Node Store::images(Node a, const std::vector<std::uint32_t>& events) {
+Node Store::images(Node a, const std::vector<std::uint32_t>& events, Node within) {
   Held all(*this, 0);
   for (const std::uint32_t event : events) {
-    const Held after(*this, image(a, event));
+    const Held after(*this, image(a, event, within));
     all = join(all, after);
   }
   return all;
+}
+
+// Each event takes out what it makes of the others, so that less and less is looked for.
+Node Store::beyond(Node a, Node from, const std::vector<std::uint32_t>& events) {
+  Held left(*this, a);
+  for (const std::uint32_t event : events) {
+    if (left == 0) break;
+    const Held made(*this, image(from, event, left));
+    left = minus(left, made);
+  }
+  return left;
 }
 
 Node Store::singleton(const std::vector<Level>& marked) {

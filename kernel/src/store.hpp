@@ -48,8 +48,9 @@ class Store {
   Node minus(Node a, Node b);
   Node filter(Node a, std::uint32_t literals);     // literals: a suffix of read (marked) and zero (unmarked)
   Node without(Node a, const std::vector<std::uint32_t>& conditions);
-  Node image(Node a, std::uint32_t event);         // one firing, without closure
-  Node images(Node a, const std::vector<std::uint32_t>& events);
+  Node image(Node a, std::uint32_t event, Node within = kAnything);  // one firing, without closure
+  Node images(Node a, const std::vector<std::uint32_t>& events, Node within = kAnything);
+  Node beyond(Node a, Node from, const std::vector<std::uint32_t>& events);  // what no event makes of `from`
   Node singleton(const std::vector<Level>& marked);
   Node weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most);
 

@@ -31,6 +31,7 @@ from mcpn.check.formula import (
     Or,
     Stable,
     TokenBound,
+    walk,
 )
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.symbolic import SymbolicSpace
@@ -47,6 +48,9 @@ class SymbolicGraph(Protocol):
 
     def before(self, after: Zdd, transitions: Iterable[int] | None = None) -> Zdd:
         """States with an edge into a set, of some transitions if so asked."""
+
+    def without_way(self, states: Zdd, into: Zdd) -> Zdd:
+        """Those of some states that have no edge into a set."""
 
     def until(self, along: Zdd, goal: Zdd) -> Zdd:
         """States from which some path through ``along`` leads into ``goal``, the goal's own included."""
@@ -91,10 +95,18 @@ class SymbolicMarkings:
             [self.back[t] for t in part if wanted is None or t in wanted]
             for part in (self.anywhere, self.stable_only)
         )
-        found = after.images(anywhere) & self.states
+        found = after.images(anywhere, within=self.states)
         if stable_only and self.space.stable is not None:
-            found |= after.images(stable_only) & self.space.stable
+            found |= after.images(stable_only, within=self.space.stable)
         return found
+
+    def without_way(self, states: Zdd, into: Zdd) -> Zdd:
+        """Those of some states that have no edge into a set."""
+        left = states.beyond(into, [self.back[t] for t in self.anywhere])
+        if not self.stable_only or self.space.stable is None:
+            return left
+        settled = left & self.space.stable
+        return (left - settled) | settled.beyond(into, [self.back[t] for t in self.stable_only])
 
     def until(self, along: Zdd, goal: Zdd) -> Zdd:
         """States from which some path through ``along`` leads into ``goal``, the goal's own included."""
@@ -107,7 +119,7 @@ class SymbolicMarkings:
         settled = within & self.space.stable
         new = found
         while new:
-            new = (new.images(events) & settled) - found
+            new = new.images(events, within=settled) - found
             if new:
                 new = new.saturate(free, within=within) - found
                 found |= new
@@ -162,7 +174,11 @@ class SymbolicAlternatives:
         ending = after.saturate(self._internal_back, within=self.space.reachable)
         events = self.markings.stable_only
         wanted = events if transitions is None else [t for t in events if t in set(transitions)]
-        return ending.images([self.markings.back[t] for t in wanted]) & self.states
+        return ending.images([self.markings.back[t] for t in wanted], within=self.states)
+
+    def without_way(self, states: Zdd, into: Zdd) -> Zdd:
+        """Those of some states that have no edge into a set."""
+        return states - self.before(into)
 
     def until(self, along: Zdd, goal: Zdd) -> Zdd:
         """States from which some path through ``along`` leads into ``goal``, the goal's own included."""
@@ -202,7 +218,18 @@ class Evaluation:
         self._known: dict[Core, Zdd] = {}
 
     def holds(self, formula: Core) -> bool:
-        """Whether the initial state satisfies a formula."""
+        """Whether the initial state satisfies a formula; no more is evaluated than that takes."""
+        match formula:
+            case Not(operand):
+                return not self.holds(operand)
+            case And(operands):
+                return all(self.holds(operand) for operand in sorted(operands, key=_effort))
+            case Or(operands):
+                return any(self.holds(operand) for operand in sorted(operands, key=_effort))
+            case EU(Const(True), right) if not self.fair:
+                return bool(self.states(right))  # every state is reachable
+            case EG(operand) if not self.fair:
+                return bool(self.graph.initial & self._stays(self.states(operand), self.graph.initial))
         return bool(self.graph.initial & self.states(formula))
 
     def states(self, formula: Core) -> Zdd:
@@ -283,11 +310,21 @@ class Evaluation:
             here |= self.graph.before(found, constraint.transitions) & found
         return here
 
-    def _stays(self, along: Zdd) -> Zdd:
-        """States from which some path stays in a set: those are taken out whose every way leaves it."""
-        found, dead = along, along & self.dead
-        while True:
-            narrower = found & (self.graph.before(found) | dead)
-            if narrower == found:
-                return found
-            found = narrower
+    def _stays(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
+        """States from which some path stays in a set: those are taken out whose every way leaves it.
+
+        Only what led into states just taken out need be looked at again. Where it is asked for some states
+        only, it ends as soon as they are out.
+        """
+        graph, found, ends = self.graph, along, self.dead
+        lost = graph.without_way(along - ends, along)
+        while lost and (asked is None or asked & found):
+            found -= lost
+            lost = graph.without_way((graph.before(lost) & found) - ends, found)
+        return found
+
+
+def _effort(formula: Core) -> int:
+    """How much a formula takes: operators that need a fixpoint count most."""
+    costs = {EG: 100, EU: 10, EX: 10}
+    return sum(costs.get(type(inside), 1) for inside, _ in walk(formula))
