@@ -111,9 +111,8 @@ def main() -> None:
         for row in csv.DictReader(file, delimiter="\t"):
             if row["verdict"] != "?":
                 expected.setdefault((row["model"], row["examination"]), {})[row["formula"]] = row["verdict"]
-    print(
-        f"{platform.machine()}, Python {platform.python_version()}, mcpn {version('mcpn')}; {SECONDS} s a file"
-    )
+    machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
+    print(f"{machine}; {SECONDS} s and {GIB} GiB a file")
     totals: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):
         for kind in (*FILES, "examinations"):
