@@ -45,6 +45,7 @@ class ExplicitEvaluation:
         self.graph = graph
         self.fair = tuple(fair)
         self._known: dict[Core, Mask] = {}
+        self._plain = ExplicitEvaluation(graph) if fair else self  # constraints speak of all paths
 
     def holds(self, formula: Core) -> bool:
         """Whether the initial state satisfies a formula."""
@@ -115,7 +116,7 @@ class ExplicitEvaluation:
         good[component[graph.sources[turns]]] = True
         for constraint in self.fair:
             met = np.zeros(number, np.bool_)
-            met[component[self.states(constraint.states) & along]] = True
+            met[component[self._plain.states(constraint.states) & along]] = True
             met[component[graph.sources[turns & np.isin(graph.labels, constraint.transitions)]]] = True
             good &= met
         return graph.reaching(along & (good[component] | graph.dead), inside)

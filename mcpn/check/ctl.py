@@ -216,6 +216,7 @@ class Evaluation:
         self.graph = graph
         self.fair = tuple(fair)
         self._known: dict[Core, Zdd] = {}
+        self.plain: Evaluation = Evaluation(graph) if fair else self  # constraints speak of all paths
 
     def holds(self, formula: Core) -> bool:
         """Whether the initial state satisfies a formula; no more is evaluated than that takes."""
@@ -305,7 +306,7 @@ class Evaluation:
 
     def met(self, constraint: Justice, found: Zdd) -> Zdd:
         """States of a set at which a constraint is met, there or by the next step inside the set."""
-        here = self.states(constraint.states) & found
+        here = self.plain.states(constraint.states) & found
         if constraint.transitions:
             here |= self.graph.before(found, constraint.transitions) & found
         return here

@@ -219,6 +219,8 @@ Core: TypeAlias = Formula
 class Justice:
     """A constraint on infinite paths: they meet it again and again, or do not count.
 
+    Temporal operators in the constraint itself speak of all paths.
+
     Args:
         states: A path meets the constraint in these states,
         transitions: and wherever it fires one of these.

@@ -214,7 +214,7 @@ class _Explanation:
                 return
 
     def meet(self, constraint: Justice, hull: Zdd) -> None:
-        there = self.evaluation.states(constraint.states) & hull
+        there = self.evaluation.plain.states(constraint.states) & hull
         if constraint.transitions and not there & self.at(self.witness.end):
             self.follow(hull, self.evaluation.met(constraint, hull))
             if self.at(self.witness.end) & there:

@@ -1,0 +1,237 @@
+"""CTL by diagrams, by arrays and by the definitions; and the contest's verdicts."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.check.answers import Questions
+from mcpn.check.arrays import ExplicitEvaluation
+from mcpn.check.contest import read_properties
+from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
+from mcpn.check.formula import Core, Formula, Justice
+from mcpn.check.language import parse
+from mcpn.check.resolve import progress, resolve
+from mcpn.errors import ConfluenceError, DivergenceError, InputError, UnsafeError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.formats import read_net
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.alternatives import by_reduction
+from mcpn.space.explicit import explore
+from mcpn.space.graph import StateGraph
+from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.testing import missions
+from tests.check.formulas import edges_of, formulas, satisfying
+from tests.net.nets import nets, reachable, state_machines
+
+
+def names(net: PetriNet) -> tuple[list[str], list[str]]:
+    return [p.name for p in net.places], [t.name for t in net.transitions]
+
+
+def by_diagram(evaluation: Evaluation, formula: Core) -> set[Marking]:
+    encoding = evaluation.graph.space.encoding
+    return {encoding.marking(levels) for levels in evaluation.states(formula)}
+
+
+def by_array(evaluation: ExplicitEvaluation, formula: Core) -> set[Marking]:
+    graph, found = evaluation.graph, evaluation.states(formula)
+    return {graph.marking(state) for state in range(graph.states) if found[state]}
+
+
+@given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
+def test_both_engines_and_the_definitions_agree(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    symbolic = Evaluation(SymbolicMarkings(reach(net)))
+    explicit = ExplicitEvaluation(explore(net))
+    for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
+        expected = satisfying(formula, net, edges)
+        core = resolve(formula, net)
+        assert by_diagram(symbolic, core) == expected
+        assert by_array(explicit, core) == expected
+        assert symbolic.holds(core) == explicit.holds(core) == (net.initial in expected)
+
+
+def constraints(net: PetriNet) -> st.SearchStrategy[list[Justice]]:
+    fires = st.lists(st.integers(0, len(net.transitions) - 1), max_size=2).map(tuple)
+    places, transitions = names(net)
+    states = formulas(places, transitions, leaves=2).map(lambda formula: resolve(formula, net))
+    return st.lists(st.builds(Justice, states, fires if net.transitions else st.just(())), max_size=3)
+
+
+@given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
+def test_both_engines_agree_under_fairness(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    fair = data.draw(constraints(net))
+    symbolic = Evaluation(SymbolicMarkings(reach(net)), fair)
+    explicit = ExplicitEvaluation(explore(net), fair)
+    for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
+        core = resolve(formula, net)
+        assert by_diagram(symbolic, core) == by_array(explicit, core)
+        assert symbolic.holds(core) == explicit.holds(core)
+
+
+@given(missions(), st.data())
+def test_both_engines_agree_on_both_graphs_of_missions(mission: Mission, data: st.DataObject) -> None:
+    mission_net = compose(mission)
+    net = mission_net.net
+    markings = explore(net)
+    assume(markings.states < 3000)
+    pairs: list[tuple[StateGraph, type[SymbolicMarkings] | type[SymbolicAlternatives]]]
+    pairs = [(markings, SymbolicMarkings)]
+    try:
+        pairs.append((by_reduction(markings), SymbolicAlternatives))
+    except (ConfluenceError, DivergenceError):
+        assert mission_net.usage.contentions or mission_net.usage.exchanges
+    space = reach(net)
+    drawn: list[Formula] = data.draw(st.lists(formulas(*names(net), leaves=4), min_size=2, max_size=2))
+    for graph, view in pairs:
+        for fair in ((), progress(mission_net)):
+            symbolic, explicit = Evaluation(view(space), fair), ExplicitEvaluation(graph, fair)
+            for formula in drawn:
+                core = resolve(formula, net, mission_net)
+                assert by_diagram(symbolic, core) == by_array(explicit, core)
+
+
+# --- the mission of the paper --------------------------------------------------------------------------
+
+ENDS = "success | failure"
+
+
+@pytest.fixture(scope="module")
+def ulysse_space(ulysse_net: MissionNet) -> SymbolicSpace:
+    return reach(ulysse_net.net)
+
+
+@pytest.mark.parametrize("engine", ["symbolic", "explicit"])
+@pytest.mark.parametrize("on", ["markings", "alternatives"])
+@pytest.mark.parametrize(
+    ("formula", "fair", "holds"),
+    [
+        (f"AG EF ({ENDS})", (), True),
+        (f"AF ({ENDS})", (), False),  # a sensor may fail and recover for ever
+        (f"AF ({ENDS})", ("progress",), True),
+        ("AF success", ("progress",), False),
+        ("EF failure", (), True),
+        ("E[!success U oos(thruster_actuator) & E[oos(thruster_actuator) U success]]", (), False),
+        ("EF (!success & oos(thruster_actuator) & E[oos(thruster_actuator) U success])", (), False),
+        ("EF (oos(GPS_sensor) & !success & E[oos(GPS_sensor) U success])", (), True),
+        ("AG (alternative(localisation)=gps_localisation -> !oos(GPS_sensor) | !stable)", (), True),
+        ("AG (success -> AG success)", (), True),
+        ("EF (objective(going_up) & alternative(localisation.imu_localisation))", (), True),
+        ("AG (event(MISSION_EV_START) -> AX !event(MISSION_EV_START))", (), None),
+    ],
+)
+def test_ulysse(
+    ulysse_net: MissionNet, engine: str, on: str, formula: str, fair: tuple[str, ...], holds: bool | None
+) -> None:
+    questions = Questions(
+        ulysse_net.net,
+        ulysse_net,
+        on="markings" if on == "markings" else "alternatives",
+        engine="symbolic" if engine == "symbolic" else "explicit",
+        fair=fair,
+    )
+    core = questions.core(parse(formula))
+    if (
+        holds is None
+    ):  # before the start a sensor may fail: then, on the alternatives graph, it may still start
+        holds = on == "markings"
+        core = questions.core(parse("AG (event(MISSION_EV_START) -> AX !event(MISSION_EV_START))"))
+        assert questions.answer(formula, core).holds is False
+        return
+    assert questions.answer(formula, core).holds is holds
+
+
+def test_words_need_a_mission(ulysse_net: MissionNet) -> None:
+    with pytest.raises(InputError, match="is a word of missions"):
+        resolve(parse("success"), ulysse_net.net)
+    with pytest.raises(InputError, match="progress is of missions"):
+        Questions(ulysse_net.net, fair=["progress"])
+
+
+# --- the contest ---------------------------------------------------------------------------------------
+
+QUICK = (
+    "AirplaneLD-PT-0010",
+    "AutoFlight-PT-01a",
+    "Dekker-PT-010",
+    "Eratosthenes-PT-010",
+    "LamportFastMutEx-PT-2",
+    "NQueens-PT-05",
+    "Peterson-PT-2",
+    "Philosophers-PT-000010",
+    "Philosophers-PT-000050",
+    "Raft-PT-02",
+    "Railroad-PT-005",
+    "RwMutex-PT-r0010w0010",
+    "SharedMemory-PT-000005",
+    "SmartHome-PT-01",
+    "TokenRing-PT-005",
+)
+FILES = (
+    "CTLFireability",
+    "CTLCardinality",
+    "ReachabilityFireability",
+    "ReachabilityCardinality",
+    "UpperBounds",
+)
+
+
+@pytest.fixture(scope="module")
+def verdicts(mcc: Path) -> dict[str, str]:
+    with (mcc / "formulas.tsv").open(newline="") as file:
+        return {row["formula"]: row["verdict"] for row in csv.DictReader(file, delimiter="\t")}
+
+
+def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str]) -> int:
+    compared = 0
+    for file in FILES:
+        path = mcc / model / f"{file}.xml"
+        for asked in read_properties(path) if path.exists() else ():
+            if verdicts.get(asked.name, "?") != "?":
+                assert questions.property(asked) == verdicts[asked.name], asked.name
+                compared += 1
+    return compared
+
+
+@pytest.mark.parametrize("model", QUICK)
+def test_the_contest_s_properties_by_diagrams(mcc: Path, model: str, verdicts: dict[str, str]) -> None:
+    questions = Questions(read_net(mcc / model / "model.pnml"))
+    assert compare(mcc, model, questions, verdicts) >= 16
+
+
+@pytest.mark.parametrize("model", ["Dekker-PT-010", "Eratosthenes-PT-010", "Raft-PT-02", "Railroad-PT-005"])
+def test_the_contest_s_properties_by_arrays(mcc: Path, model: str, verdicts: dict[str, str]) -> None:
+    questions = Questions(read_net(mcc / model / "model.pnml"), engine="explicit")
+    assert compare(mcc, model, questions, verdicts) >= 16
+
+
+@pytest.mark.parametrize(
+    ("examination", "column"),
+    [
+        ("ReachabilityDeadlock", "deadlock_exists"),
+        ("QuasiLiveness", "quasi_live"),
+        ("Liveness", "live"),
+        ("OneSafe", "safe"),
+        ("StableMarking", "stable_marking_exists"),
+    ],
+)
+def test_the_contest_s_examinations(
+    mcc: Path, mcc_oracles: dict[str, dict[str, str]], examination: str, column: str
+) -> None:
+    for model in (*QUICK, "IBM703-PT-none", "Ring-PT-none", "Kanban-PT-00005"):
+        expected = mcc_oracles[model][column]
+        questions = Questions(read_net(mcc / model / "model.pnml"))
+        if mcc_oracles[model]["safe"] != "1-safe" and examination != "OneSafe":
+            with pytest.raises(UnsafeError):
+                questions.examination(examination)
+            continue
+        wanted = str(expected == "1-safe").upper() if examination == "OneSafe" else expected
+        assert questions.examination(examination) == wanted, model
