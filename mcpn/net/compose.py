@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mcpn.mission.flatten import ObjectivesGraph, flatten
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Activity, Hardware, Mission, Software
 from mcpn.mission.usage import Usage
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
@@ -87,20 +87,56 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
         LimitError: An element is too wide for its template.
         InputError: Templates of the caller's name a place that none of them draws.
     """
-    templates = templates or PaperTemplates()
     graph = flatten(mission)
     usage = Usage(mission, graph)
-    canvas = Canvas(mission.name, usage)
-    for hardware in mission.hardware:
+    activities = [a for a in mission.activities if a.name in set(usage.started)]
+    produced = {s for a in activities for s in a.produces}
+    software = [s for s in mission.software if s.name in produced]
+    parts = Parts(graph, mission.hardware, tuple(software), tuple(activities))
+    return compose_parts(usage, parts, templates)
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What a net is made of: elements of a mission in the order in which they are drawn.
+
+    Args:
+        graph: The mission's objectives graph, or sections of it with routes of their own.
+        hardware: Hardware resources.
+        software: Software resources, those of each activity among them.
+        activities: Activities, with all those that they reach through resources.
+    """
+
+    graph: ObjectivesGraph
+    hardware: tuple[Hardware, ...]
+    software: tuple[Software, ...]
+    activities: tuple[Activity, ...]
+
+
+def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = None) -> MissionNet:
+    """Composes a net of some parts of a mission, each drawn as it is in the net of the whole.
+
+    Args:
+        usage: Static facts of the whole mission.
+        parts: What to draw.
+        templates: The set of templates; the paper's by default.
+
+    Returns:
+        The net with the meaning of its places; parts of one shape give nets that differ in names only.
+
+    Raises:
+        LimitError: An element is too wide for its template.
+        InputError: A template names a place that none of the parts draws.
+    """
+    templates = templates or PaperTemplates()
+    canvas = Canvas(usage.mission.name, usage)
+    for hardware in parts.hardware:
         templates.hardware(canvas, hardware)
-    started = set(usage.started)
-    for software in mission.software:
-        if usage.producer.get(software.name) in started:
-            templates.software(canvas, software)
-    for activity in mission.activities:
-        if activity.name in started:
-            templates.activity(canvas, activity)
-    templates.control(canvas, graph)
+    for software in parts.software:
+        templates.software(canvas, software)
+    for activity in parts.activities:
+        templates.activity(canvas, activity)
+    templates.control(canvas, parts.graph)
     net = canvas.build()
     roles = {net.place_index[place]: role for place, role in canvas.roles.items()}
-    return MissionNet(mission, graph, usage, net, roles)
+    return MissionNet(usage.mission, parts.graph, usage, net, roles)
