@@ -14,6 +14,7 @@ import platform
 import resource
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 from mcpn import __version__
@@ -43,14 +44,15 @@ def answer_file(folder: Path, model: str, file: str, answers: multiprocessing.Si
     """Answers one file, or the examinations; puts pairs of name and answer as they come."""
     from mcpn.check.answers import Questions
     from mcpn.check.contest import read_properties
-    from mcpn.errors import McpnError
+    from mcpn.errors import McpnError, UnsafeError
     from mcpn.net.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
     questions = Questions(read_net(folder / model / "model.pnml"))
     if file == "examinations":
         for name in EXAMINATIONS:
-            answers.put((name, questions.examination(name)))
+            with suppress(UnsafeError):
+                answers.put((name, questions.examination(name)))
         return
     try:
         store = questions.space.encoding.store

@@ -52,6 +52,13 @@ class MissionNet:
         """The place that says that the mission has failed."""
         return self.by_role["failure", self.mission.name][0]
 
+    @cached_property
+    def beginning(self) -> int:
+        """The place that says that the mission has not begun: the one that its start consumes."""
+        (start,) = [t for t in self.net.transitions if t.event == "MISSION_EV_START"]
+        ((place, _),) = start.consume
+        return place
+
     def saying(self, kind: str) -> dict[int, str]:
         """Names of elements by the place that says ``kind`` of them (see :data:`Role`)."""
         return {place: name for place, (said, name) in self.roles.items() if said == kind}

@@ -1,0 +1,131 @@
+"""Sections of an objectives graph as nets of their own, and which of them are of one type.
+
+A section is an elementary objective or a parallel block whole. Its local net is drawn with the facts of the
+whole mission, so that each of its places is the one that the net of the mission has. Two sections are of one
+type where renaming objectives, activities, alternatives and resources makes one of the other: their local
+nets then differ in names only, place by place and transition by transition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import FAIL, SUCCEED, Activity, Hardware, Software
+from mcpn.mission.usage import Usage
+from mcpn.net.compose import MissionNet, Parts, compose_parts
+from mcpn.net.templates import TemplateSet
+
+
+@dataclass(frozen=True)
+class LocalPart:
+    """Some sections of a mission, glued by routes of their own, with all that they use.
+
+    Args:
+        usage: Static facts of the whole mission.
+        graph: The sections; a route that leaves them is ``succeed`` or ``fail``.
+    """
+
+    usage: Usage
+    graph: ObjectivesGraph
+
+    @cached_property
+    def parts(self) -> Parts:
+        """What the sections use, in the order in which they come upon it."""
+        hardware, software = dict[str, Hardware](), dict[str, Software]()
+        activities = dict[str, Activity]()
+        declared = {s.name: s for s in self.usage.mission.software}
+        stack = [a for section in self.graph.walk() for a in section.activities][::-1]
+        while stack:
+            name = stack.pop()
+            if name in activities:
+                continue
+            activity = activities[name] = self.usage.activities[name]
+            for s in activity.produces:
+                software.setdefault(s, declared[s])
+            consumed = [k for alternative in activity.alternatives for k in alternative.consumes]
+            for k in consumed:
+                if k in self.usage.hardware:
+                    hardware.setdefault(k, self.usage.hardware[k])
+            stack.extend(self.usage.producer[k] for k in reversed(consumed) if k in self.usage.producer)
+        in_order = tuple(tuple(found.values()) for found in (hardware, software, activities))
+        return Parts(self.graph, *in_order)  # type: ignore[arg-type]
+
+    @property
+    def faulty(self) -> tuple[str, ...]:
+        """Hardware of the sections that can fail, in the order of :attr:`parts`."""
+        return tuple(h.name for h in self.parts.hardware if h.faulty)
+
+    def net(self, templates: TemplateSet | None = None) -> MissionNet:
+        """The local net."""
+        return compose_parts(self.usage, self.parts, templates)
+
+    @cached_property
+    def type(self) -> Hashable:
+        """Equal for sections of one type: what the paper's templates look at, names replaced by numbers."""
+        usage, parts = self.usage, self.parts
+        number = {e.name: i for kind in (parts.hardware, parts.software) for i, e in enumerate(kind)}
+        task = {activity.name: i for i, activity in enumerate(parts.activities)}
+        activities = tuple(
+            (
+                tuple(number[s] for s in activity.produces),
+                tuple(
+                    (
+                        tuple((k in usage.hardware, number[k]) for k in alternative.consumes),
+                        usage.waits_for_release(activity.name, i),
+                        usage.waits_for_answer(activity.name, i),
+                    )
+                    for i, alternative in enumerate(activity.alternatives)
+                ),
+                activity.name in usage.restarted,
+                usage.may_wait(activity.name),
+            )
+            for activity in parts.activities
+        )
+        software = tuple(usage.released_unasked(s.name) for s in parts.software)
+        return (
+            tuple(h.faulty for h in parts.hardware),
+            software,
+            activities,
+            self._shape(self.graph, number, task),
+        )
+
+    def _shape(self, graph: ObjectivesGraph, number: dict[str, int], task: dict[str, int]) -> Hashable:
+        places = {section.name: i for i, section in enumerate(graph.sections)}
+        shapes = []
+        for section in graph.sections:
+            inside: Hashable
+            if isinstance(section, ElementarySection):
+                awaited = self.usage.settled_before.get(section.name)
+                inside = (
+                    tuple(task[a] for a in section.activities),
+                    None if awaited is None else tuple(number[s] for s in awaited),
+                )
+            else:
+                inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
+            routes = (places.get(r, r) for r in (section.success, section.failure))
+            shapes.append((isinstance(section, ParallelSection), inside, *routes))
+        return places[graph.entry], tuple(shapes)
+
+
+def section_part(usage: Usage, section: Section) -> LocalPart:
+    """A section alone."""
+    alone = replace(section, success=SUCCEED, failure=FAIL)
+    return LocalPart(usage, ObjectivesGraph((alone,), section.name))
+
+
+def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
+    """Two sections of which the first leads to the second; or one that leads to itself."""
+    if first.name == second.name:
+        sections: Sequence[Section] = (_routed(first, {first.name}),)
+    else:
+        sections = (_routed(first, {second.name}), _routed(second, set()))
+    return LocalPart(usage, ObjectivesGraph(tuple(sections), first.name))
+
+
+def _routed(section: Section, kept: set[str]) -> Section:
+    success = section.success if section.success in kept else SUCCEED
+    failure = section.failure if section.failure in kept else FAIL
+    return replace(section, success=success, failure=failure)
