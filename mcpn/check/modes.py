@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from mcpn.net.compose import MissionNet
-from mcpn.space.graph import StateGraph
+from mcpn.space.graph import Mask, StateGraph
 
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
@@ -71,12 +71,15 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
     )
 
 
-def functioning_modes(mission_net: MissionNet, graph: StateGraph) -> Mapping[str, list[Mode]]:
+def functioning_modes(
+    mission_net: MissionNet, graph: StateGraph, among: Mask | None = None
+) -> Mapping[str, list[Mode]]:
     """The functioning modes of each objective: the combinations of alternatives in which it can succeed.
 
     Args:
         mission_net: The mission's net.
         graph: Its alternatives graph (or its markings graph).
+        among: The states to look at, shape (states,); all by default.
 
     Returns:
         By objective, in the mission's order, its modes; a mode names the alternatives of the objective's own
@@ -89,7 +92,8 @@ def functioning_modes(mission_net: MissionNet, graph: StateGraph) -> Mapping[str
         closure = frozenset[str]().union(*(usage.closure(a) for a in section.activities))
         places = {p: name for p, name in active.items() if name.split(".", 1)[0] in closure}
         (objective,) = mission_net.by_role["objective", section.name]
-        columns = np.stack([graph.marked(p) for p in places], axis=1)[graph.marked(objective)]
+        running = graph.marked(objective) if among is None else graph.marked(objective) & among
+        columns = np.stack([graph.marked(p) for p in places], axis=1)[running]
         rows = np.unique(columns, axis=0)[::-1]  # first alternatives first
         modes = [
             dict(n.split(".", 1) for n, on in zip(places.values(), row, strict=True) if on) for row in rows

@@ -14,8 +14,10 @@ import numpy as np
 from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.runs import Step, replay, run_in_words
 from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, SemanticsError, UnsafeError
+from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.composite import Composite
 from mcpn.space.explicit import Progress, explore
 from mcpn.space.graph import Mask, StateGraph
 
@@ -56,6 +58,7 @@ class MissionCheck:
         alternatives: The alternatives graph, where it exists.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
+        composite: The local graphs glued, where they were built instead.
     """
 
     mission_net: MissionNet
@@ -64,6 +67,13 @@ class MissionCheck:
     alternatives: AlternativesGraph | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
+    composite: Composite | None = None
+
+    @property
+    def stable_sizes(self) -> tuple[int, int] | None:
+        """Stable states and event edges of the whole mission, exact; ``None`` where they are not known."""
+        graph = self.composite or self.alternatives
+        return None if graph is None else (graph.states, graph.edges)
 
     @property
     def passed(self) -> bool:
@@ -109,7 +119,7 @@ def check_mission(
     graph: StateGraph = markings if alternatives is None else alternatives
     for verdict in _reachability(mission_net, graph):
         verdicts[verdict.name] = verdict
-    unselectable = _unselectable(mission_net, graph)
+    unselectable = find_unselectable(mission_net.usage, _happened(mission_net, graph))
     note(
         "unselectable", bool(unselectable), f"{len(unselectable)} found" if unselectable else "nothing found"
     )
@@ -153,31 +163,59 @@ def _reachability(mission_net: MissionNet, graph: StateGraph) -> list[Verdict]:
     ]
 
 
-def _unselectable(mission_net: MissionNet, graph: StateGraph) -> tuple[Problem, ...]:
-    """Alternatives never selected, objectives never entered or never left, resources never used."""
-    usage, found = mission_net.usage, list[Problem]()
+@dataclass(frozen=True)
+class Happened:
+    """What can happen in a mission, whichever engine found it.
+
+    Args:
+        selected: Alternatives that are active somewhere, as ``activity.alternative``.
+        entered: Objectives that run somewhere.
+        events: Names of events that happen somewhere.
+    """
+
+    selected: frozenset[str]
+    entered: frozenset[str]
+    events: frozenset[str]
+
+
+def _happened(mission_net: MissionNet, graph: StateGraph) -> Happened:
     fired = set(np.unique(graph.labels).tolist())
-    happened = {t.event for i, t in enumerate(mission_net.net.transitions) if i in fired}
-    used: set[str] = set()
-    selected = {name for place, name in mission_net.saying("active").items() if graph.marked(place).any()}
-    for activity in mission_net.mission.activities:
+    happened = {t.event for i, t in enumerate(mission_net.net.transitions) if i in fired and t.event}
+    selected, entered = (
+        {name for place, name in mission_net.saying(kind).items() if graph.marked(place).any()}
+        for kind in ("active", "objective")
+    )
+    return Happened(frozenset(selected), frozenset(entered), frozenset(happened))
+
+
+def find_unselectable(usage: Usage, happened: Happened) -> tuple[Problem, ...]:
+    """Alternatives never selected, objectives never entered or never left, resources never used.
+
+    Args:
+        usage: Static facts of the mission.
+        happened: What can happen in it.
+
+    Returns:
+        Each with its line in the mission, in the order of files and lines.
+    """
+    found, used = list[Problem](), set[str]()
+    for activity in usage.mission.activities:
         if activity.name not in usage.started:
             continue
         for alternative in activity.alternatives:
             name = f"{activity.name}.{alternative.name}"
-            if name in selected:
+            if name in happened.selected:
                 used.update(alternative.consumes)
             else:
                 found.append(Problem(alternative.source, f"alternative {name} can never be selected"))
-    for section in mission_net.graph.walk():
-        (place,) = mission_net.by_role["objective", section.name]
-        if not graph.marked(place).any():
+    for section in usage.graph.walk():
+        if section.name not in happened.entered:
             found.append(Problem(section.source, f"objective {section.name} can never be entered"))
             continue
         for outcome, verb in (("OK", "succeed"), ("FAIL", "fail")):
-            if f"OBJ_{section.name}_EV_{outcome}" not in happened:
+            if f"OBJ_{section.name}_EV_{outcome}" not in happened.events:
                 found.append(Problem(section.source, f"objective {section.name} can never {verb}"))
-    for resource in (*mission_net.mission.hardware, *mission_net.mission.software):
+    for resource in (*usage.mission.hardware, *usage.mission.software):
         if resource.name not in used:
             found.append(Problem(resource.source, f"resource {resource.name} is never used"))
     return tuple(

@@ -21,12 +21,12 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.space.graph import StateGraph
+    pass
 
 
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option("--engine", type=click.Choice(["explicit"]), default="explicit", show_default=True)
+@click.option("--engine", type=click.Choice(["explicit", "local"]), default="explicit", show_default=True)
 @limit_option
 @import_option
 @json_option
@@ -34,13 +34,15 @@ def check(
     mission: Path, engine: str, max_states: int | None, import_root: Path | None, as_json: bool
 ) -> None:
     """Verify MISSION: verdicts with their runs, sizes, functioning modes, warnings."""
+    from mcpn.check.composition import check_by_composition
     from mcpn.check.properties import check_mission
     from mcpn.mission.validate import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(mission, import_root)
     with progress_line(as_json) as progress:
-        found = check_mission(mission_net, max_states=max_states, progress=progress)
+        check_it = check_by_composition if engine == "local" else check_mission
+        found = check_it(mission_net, max_states=max_states, progress=progress)
     seconds = time.perf_counter() - started
     if as_json:
         emit_json(_check_object(found, engine, seconds))
@@ -53,19 +55,14 @@ def check(
 
 
 def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
-    def size(graph: StateGraph | None) -> dict[str, int | None]:
-        return {
-            "states": None if graph is None else graph.states,
-            "edges": None if graph is None else graph.edges,
-        }
-
     net = found.mission_net.net
+    markings = (found.markings.states, found.markings.edges) if found.markings else (None, None)
     return {
         "mission": found.mission_net.mission.name,
         "places": len(net.places),
         "transitions": len(net.transitions),
-        "markings": size(found.markings),
-        "alternatives": size(found.alternatives),
+        "markings": dict(zip(("states", "edges"), markings, strict=True)),
+        "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {
             name: [[step.event for step in run] for run in verdict.runs]

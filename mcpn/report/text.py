@@ -83,8 +83,13 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
     if check.markings is not None:
         sizes.append(f"{check.markings.states} markings, {check.markings.edges} edges")
-    if check.alternatives is not None:
-        sizes.append(f"{check.alternatives.states} stable states, {check.alternatives.edges} event edges")
+    if check.stable_sizes is not None:
+        states, edges = check.stable_sizes
+        sizes.append(f"{states} stable states, {edges} event edges")
+    if check.composite is not None:
+        types = len({id(placed.local) for placed in check.composite.sections})
+        local = f"{check.composite.local_states} local states"
+        sizes.append(f"{len(check.composite.sections)} sections of {types} types, {local}")
     console.print(
         f"[bold]mission {check.mission_net.mission.name}[/bold]: {'; '.join(sizes)}; {seconds:.2f} s"
     )

@@ -1,0 +1,187 @@
+"""The verdicts of a mission from the local graphs of its sections, without the graph of the whole."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+
+import numpy as np
+
+from mcpn.check.journeys import Journeys, Leg, told
+from mcpn.check.modes import Mode, functioning_modes
+from mcpn.check.properties import (
+    INFORMATIVE,
+    REQUIRED,
+    Happened,
+    MissionCheck,
+    Verdict,
+    find_unselectable,
+)
+from mcpn.check.runs import Step
+from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
+from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.compose import MissionNet
+from mcpn.net.templates import TemplateSet
+from mcpn.space.composite import Composite
+from mcpn.space.local import LocalGraph, PlacedSection, Progress, local_graphs
+
+
+def check_by_composition(
+    mission_net: MissionNet,
+    *,
+    templates: TemplateSet | None = None,
+    executor: Executor | None = None,
+    max_states: int | None = None,
+    progress: Progress | None = None,
+) -> MissionCheck:
+    """Checks a mission by composition: the verdicts are those of :func:`mcpn.check.properties.check_mission`.
+
+    Args:
+        mission_net: The mission's net, for its sizes and static facts; it is not explored.
+        templates: Those that it was composed with; the paper's by default.
+        executor: Where local graphs are made; this process by default.
+        max_states: Limit on the states of a local graph.
+        progress: Called after each local graph and junction.
+
+    Returns:
+        Every verdict with its runs, which go through several sections.
+
+    Raises:
+        PremiseError: A section hands on more than the state of its hardware: use another engine.
+        LimitError: A limit was hit.
+    """
+    verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+    usage, graph = mission_net.usage, mission_net.graph
+    limits = {} if max_states is None else {"max_states": max_states}
+    try:
+        placed = local_graphs(
+            usage, graph, templates=templates, executor=executor, progress=progress, **limits
+        )
+    except UnsafeError as error:
+        verdicts["safe"] = Verdict("safe", False, str(error), _firings(error))
+        return MissionCheck(mission_net, verdicts)
+    except (ConfluenceError, DivergenceError) as error:
+        verdicts["confluent"] = Verdict("confluent", False, str(error), _firings(error))
+        return MissionCheck(mission_net, verdicts)
+    composite = Composite(usage, graph, tuple(placed))
+    for verdict in _Verdicts(composite, templates).all():
+        verdicts[verdict.name] = verdict
+    unselectable = find_unselectable(usage, _happened(composite))
+    found = f"{len(unselectable)} found" if unselectable else "nothing found"
+    verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), found)
+    modes = _modes(composite)
+    return MissionCheck(mission_net, verdicts, None, None, modes, unselectable, composite)
+
+
+def _firings(error: SemanticsError) -> tuple[tuple[Step, ...], ...]:
+    """Runs of a local net, transition by transition."""
+    return tuple(tuple(Step(name, "in the section's own net") for name in run) for run in error.runs)
+
+
+class _Verdicts:
+    def __init__(self, composite: Composite, templates: TemplateSet | None) -> None:
+        self.composite = composite
+        self.templates = templates
+        self.journeys = Journeys(composite)
+
+    def all(self) -> list[Verdict]:
+        proof = "each type of section, and each junction of two that share activities, proved on its own net"
+        return [
+            Verdict("safe", True, "no firing puts a second token in a place of a section"),
+            Verdict("bounded", True, "a 1-safe net is bounded"),
+            Verdict("confluent", True, proof),
+            self.deadlock_free(),
+            self.reached("success_reachable", SUCCEED, "success", good=True),
+            self.can_always_finish(),
+            self.reached("failure_reachable", FAIL, "failure", good=True),
+        ]
+
+    def run(self, legs: list[Leg]) -> tuple[tuple[Step, ...], ...]:
+        return (tuple(told(legs, self.templates)),)
+
+    def reached(self, name: str, end: str, word: str, *, good: bool) -> Verdict:
+        legs = self.journeys.find([end])
+        if legs is None:
+            return Verdict(name, not good, f"no run leads to mission {word}")
+        return Verdict(name, good, f"a run leads to {word}", self.run(legs))
+
+    def deadlock_free(self) -> Verdict:
+        composite = self.composite
+        dead = {}
+        for name, reached in composite.reached.items():
+            placed = composite.by_name[name]
+            if len(placed.faulty) == len(composite.faulty):  # else some other hardware can always change
+                stuck = reached & placed.local.graph.dead
+                if stuck.any():
+                    dead[name] = stuck
+        if not dead:
+            return Verdict("deadlock_free", True, "every marking but the mission's ends allows some event")
+        legs = self.journeys.find(states=dead)
+        assert legs is not None, "reached states have a run"
+        found = "a marking that is no end of the mission allows no event"
+        return Verdict("deadlock_free", False, found, self.run(legs))
+
+    def can_always_finish(self) -> Verdict:
+        stuck = {n: mask for n, mask in self.composite.losing(("success", "failure")).items() if mask.any()}
+        if not stuck:
+            found = "from every marking some run leads to an end of the mission"
+            return Verdict("can_always_finish", True, found)
+        legs = self.journeys.find(states=stuck)
+        assert legs is not None, "reached states have a run"
+        found = "after this run the mission can no longer end"
+        return Verdict("can_always_finish", False, found, self.run(legs))
+
+
+def _happened(composite: Composite) -> Happened:
+    selected, entered, events = set[str](), set[str](), set[str]()
+    for name, reached in composite.reached.items():
+        placed = composite.by_name[name]
+        local, names = placed.local, _Names(placed)
+        graph = local.graph
+        for place, said in local.net.saying("active").items():
+            if (graph.marked(place) & reached).any():
+                selected.add(names.alternative(said))
+        for place, said in local.net.saying("objective").items():
+            if (graph.marked(place) & reached).any():
+                entered.add(names.objective[said])
+        for label in np.unique(graph.labels[reached[graph.sources]]).tolist():
+            event = graph.net.transitions[label].event
+            origin = graph.net.transitions[label].provenance
+            if event and origin and origin.kind == "objective":
+                events.add(event.replace(f"OBJ_{origin.name}_", f"OBJ_{names.objective[origin.name]}_"))
+    return Happened(frozenset(selected), frozenset(entered), frozenset(events))
+
+
+class _Names:
+    """From names in the local graph of a type to those of one section of it."""
+
+    def __init__(self, placed: PlacedSection) -> None:
+        own, of_type = placed.part, placed.local.part
+        pairs = zip(of_type.graph.walk(), own.graph.walk(), strict=True)
+        self.objective = {theirs.name: mine.name for theirs, mine in pairs}
+        self.alternatives = {
+            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
+            for theirs, mine in zip(of_type.parts.activities, own.parts.activities, strict=True)
+            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
+        }
+
+    def alternative(self, name: str) -> str:
+        return self.alternatives[name]
+
+    def mode(self, mode: Mode) -> Mode:
+        return dict(self.alternative(f"{activity}.{a}").split(".", 1) for activity, a in mode.items())
+
+
+def _modes(composite: Composite) -> dict[str, list[Mode]]:
+    known: dict[tuple[int, bytes], dict[str, list[Mode]]] = {}
+    found: dict[str, list[Mode]] = {}
+    for placed in composite.sections:
+        reached = composite.reached.get(placed.section.name)
+        if reached is None:
+            continue
+        local: LocalGraph = placed.local
+        key = id(local), reached.tobytes()
+        if key not in known:
+            known[key] = dict(functioning_modes(local.net, local.graph, reached))
+        names = _Names(placed)
+        found.update({names.objective[o]: [names.mode(m) for m in modes] for o, modes in known[key].items()})
+    return found
