@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 
-import numpy as np
-
 from mcpn.check.journeys import Journeys, Leg, told
 from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.properties import (
@@ -20,9 +18,10 @@ from mcpn.check.runs import Step
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
+from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import Composite
-from mcpn.space.local import LocalGraph, PlacedSection, Progress, local_graphs
+from mcpn.space.local import LocalGraph, Progress, local_graphs
 
 
 def check_by_composition(
@@ -132,43 +131,17 @@ class _Verdicts:
 
 
 def _happened(composite: Composite) -> Happened:
-    selected, entered, events = set[str](), set[str](), set[str]()
+    selected, entered = set[str](), set[str]()
     for name, reached in composite.reached.items():
         placed = composite.by_name[name]
-        local, names = placed.local, _Names(placed)
-        graph = local.graph
-        for place, said in local.net.saying("active").items():
-            if (graph.marked(place) & reached).any():
-                selected.add(names.alternative(said))
-        for place, said in local.net.saying("objective").items():
-            if (graph.marked(place) & reached).any():
-                entered.add(names.objective[said])
-        for label in np.unique(graph.labels[reached[graph.sources]]).tolist():
-            event = graph.net.transitions[label].event
-            origin = graph.net.transitions[label].provenance
-            if event and origin and origin.kind == "objective":
-                events.add(event.replace(f"OBJ_{origin.name}_", f"OBJ_{names.objective[origin.name]}_"))
-    return Happened(frozenset(selected), frozenset(entered), frozenset(events))
-
-
-class _Names:
-    """From names in the local graph of a type to those of one section of it."""
-
-    def __init__(self, placed: PlacedSection) -> None:
-        own, of_type = placed.part, placed.local.part
-        pairs = zip(of_type.graph.walk(), own.graph.walk(), strict=True)
-        self.objective = {theirs.name: mine.name for theirs, mine in pairs}
-        self.alternatives = {
-            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
-            for theirs, mine in zip(of_type.parts.activities, own.parts.activities, strict=True)
-            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
-        }
-
-    def alternative(self, name: str) -> str:
-        return self.alternatives[name]
-
-    def mode(self, mode: Mode) -> Mode:
-        return dict(self.alternative(f"{activity}.{a}").split(".", 1) for activity, a in mode.items())
+        net, graph, renaming = placed.local.net, placed.local.graph, placed.renaming
+        for kind, names, found in (
+            ("active", renaming.alternatives, selected),
+            ("objective", renaming.objectives, entered),
+        ):
+            said = net.saying(kind).items()
+            found.update(names[what] for place, what in said if (graph.marked(place) & reached).any())
+    return Happened(frozenset(selected), frozenset(entered), composite.events)
 
 
 def _modes(composite: Composite) -> dict[str, list[Mode]]:
@@ -182,6 +155,11 @@ def _modes(composite: Composite) -> dict[str, list[Mode]]:
         key = id(local), reached.tobytes()
         if key not in known:
             known[key] = dict(functioning_modes(local.net, local.graph, reached))
-        names = _Names(placed)
-        found.update({names.objective[o]: [names.mode(m) for m in modes] for o, modes in known[key].items()})
+        renaming = placed.renaming
+        for objective, modes in known[key].items():
+            found[renaming.objectives[objective]] = [_renamed(mode, renaming) for mode in modes]
     return found
+
+
+def _renamed(mode: Mode, renaming: Renaming) -> Mode:
+    return dict(renaming.alternatives[f"{a}.{alternative}"].split(".", 1) for a, alternative in mode.items())

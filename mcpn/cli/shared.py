@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
+    from mcpn.space.composite import Composite
 
 EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
 
@@ -35,6 +38,22 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
     from mcpn.net.compose import compose
 
     return compose(read_mission(path, import_root=import_root))
+
+
+def composite_of(
+    mission_net: MissionNet,
+    max_states: int | None,
+    progress: Callable[[int, int], None] | None,
+    executor: Executor | None = None,
+) -> Composite:
+    """The local graphs of a mission, glued."""
+    from mcpn.space.composite import Composite
+    from mcpn.space.local import DEFAULT_MAX_STATES, local_graphs
+
+    usage, graph = mission_net.usage, mission_net.graph
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    placed = local_graphs(usage, graph, executor=executor, progress=progress, max_states=limit)
+    return Composite(usage, graph, tuple(placed))
 
 
 def net_of(path: Path, import_root: Path | None) -> PetriNet:

@@ -11,6 +11,7 @@ import click
 
 from mcpn.cli.shared import (
     FILE,
+    composite_of,
     emit_counts,
     import_option,
     json_option,
@@ -28,7 +29,10 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("file", type=FILE)
 @click.option(
-    "--engine", type=click.Choice(["explicit", "symbolic", "pyeda"]), default="explicit", show_default=True
+    "--engine",
+    type=click.Choice(["explicit", "symbolic", "local", "pyeda"]),
+    default="explicit",
+    show_default=True,
 )
 @limit_option
 @import_option
@@ -39,15 +43,40 @@ def states(file: Path, engine: str, max_states: int | None, import_root: Path | 
 
     from mcpn.space.summary import summarise
 
+    if engine == "local":
+        emit_counts(_local_counts(mission_net_of(file, import_root), max_states, as_json), as_json)
+        return
     net = net_of(file, import_root)
     with progress_line(as_json) as progress:
         counts = asdict(summarise(net, engine, max_states=max_states, progress=progress))
     emit_counts(counts, as_json)
 
 
+def _local_counts(mission_net: MissionNet, max_states: int | None, quiet: bool) -> dict[str, object]:
+    """Stable states are exact; markings that local graphs do not tell are null."""
+    started = time.perf_counter()
+    with progress_line(quiet) as progress:
+        composite = composite_of(mission_net, max_states, progress)
+    unknown = dict.fromkeys(("states", "edges", "dead_states", "max_tokens", "nodes"))
+    return {
+        "places": len(mission_net.net.places),
+        "transitions": len(mission_net.net.transitions),
+        **unknown,
+        "stable_states": composite.states,
+        "engine": "local",
+        "seconds": time.perf_counter() - started,
+    }
+
+
+def _limits(max_states: int | None) -> dict[str, int]:
+    return {} if max_states is None else {"max_states": max_states}
+
+
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option("--method", type=click.Choice(["direct", "reduction"]), default="direct", show_default=True)
+@click.option(
+    "--method", type=click.Choice(["direct", "reduction", "local"]), default="direct", show_default=True
+)
 @click.option("--proof/--no-proof", default=True, help="Prove that internal evolution is confluent and ends.")
 @click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut or .dot.")
 @limit_option
@@ -65,6 +94,9 @@ def alternatives(
     """Build the alternatives graph of MISSION: its stable markings and events."""
     mission_net = mission_net_of(mission, import_root)
     started = time.perf_counter()
+    if method == "local" and output is None:
+        emit_counts(_local_sizes(mission_net, max_states, as_json), as_json)
+        return
     with progress_line(as_json) as progress:
         graph = _alternatives(mission_net, method, proof, max_states, progress)
     seconds = time.perf_counter() - started
@@ -84,6 +116,20 @@ def alternatives(
     emit_counts(counts, as_json)
 
 
+def _local_sizes(mission_net: MissionNet, max_states: int | None, quiet: bool) -> dict[str, object]:
+    """Sizes of the alternatives graph of the whole by arithmetic, without writing it out."""
+    started = time.perf_counter()
+    with progress_line(quiet) as progress:
+        composite = composite_of(mission_net, max_states, progress)
+    return {
+        "states": composite.states,
+        "edges": composite.edges,
+        "events": len(composite.events),
+        "method": "local",
+        "seconds": time.perf_counter() - started,
+    }
+
+
 def _alternatives(
     mission_net: MissionNet,
     method: str,
@@ -93,9 +139,12 @@ def _alternatives(
 ) -> AlternativesGraph:
     from mcpn.space.alternatives import by_reduction, direct
     from mcpn.space.confluence import direct_with_proof
+    from mcpn.space.expand import expand
     from mcpn.space.explicit import explore
 
-    limits = {} if max_states is None else {"max_states": max_states}
+    limits = _limits(max_states)
+    if method == "local":
+        return expand(composite_of(mission_net, None, progress), mission_net, **limits)
     if method == "direct" and proof:
         return direct_with_proof(mission_net.net, progress=progress, **limits)
     if method == "direct":

@@ -129,3 +129,31 @@ def _routed(section: Section, kept: set[str]) -> Section:
     success = section.success if section.success in kept else SUCCEED
     failure = section.failure if section.failure in kept else FAIL
     return replace(section, success=success, failure=failure)
+
+
+class Renaming:
+    """From the names in one section to those in another of the same type.
+
+    Args:
+        old: The section that the names are of.
+        new: The other section.
+
+    Attributes:
+        objectives: By name in the old section.
+        activities: The same.
+        alternatives: As ``activity.alternative``.
+        hardware: By name.
+    """
+
+    def __init__(self, old: LocalPart, new: LocalPart) -> None:
+        both = list(zip(old.parts.activities, new.parts.activities, strict=True))
+        walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
+        self.objectives = {theirs.name: mine.name for theirs, mine in walks}
+        self.activities = {theirs.name: mine.name for theirs, mine in both}
+        self.alternatives = {
+            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
+            for theirs, mine in both
+            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
+        }
+        resources = zip(old.parts.hardware, new.parts.hardware, strict=True)
+        self.hardware = {theirs.name: mine.name for theirs, mine in resources}

@@ -142,6 +142,20 @@ class Composite:
         return total
 
     @cached_property
+    def events(self) -> frozenset[str]:
+        """Names of all events that happen in the mission."""
+        found = {"MISSION_EV_START", *(f"{h}_EV_{change}" for h in self.faulty for change in ("OOS", "RD"))}
+        for name, reached in self.reached.items():
+            placed = self.by_name[name]
+            graph, own = placed.local.graph, placed.renaming.objectives
+            for label in np.unique(graph.labels[reached[graph.sources]]).tolist():
+                transition = graph.net.transitions[label]
+                origin = transition.provenance
+                if transition.event and origin and origin.kind == "objective":
+                    found.add(transition.event.replace(f"OBJ_{origin.name}_", f"OBJ_{own[origin.name]}_"))
+        return frozenset(found)
+
+    @cached_property
     def local_states(self) -> int:
         """States of all local graphs, each type once: what was explored."""
         return sum(local.graph.states for local in {id(p.local): p.local for p in self.sections}.values())

@@ -22,7 +22,7 @@ from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
-from mcpn.net.sections import LocalPart, junction_part, section_part
+from mcpn.net.sections import LocalPart, Renaming, junction_part, section_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.confluence import direct_with_proof, open_conflicts
@@ -31,6 +31,7 @@ from mcpn.space.symbolic import reach
 
 Outcome: TypeAlias = Literal["success", "failure"]
 OUTCOMES: tuple[Outcome, Outcome] = ("success", "failure")
+DEFAULT_MAX_STATES = 1_000_000
 MAX_FAULTY = 16
 """Hardware that can fail in one section: its interface states are listed, two to this power."""
 
@@ -167,6 +168,11 @@ class PlacedSection:
         """Hardware of this section that can fail, by its bit in the masks of the local graph."""
         return self.part.faulty
 
+    @cached_property
+    def renaming(self) -> Renaming:
+        """From the names in the local graph to the section's own."""
+        return Renaming(self.local.part, self.part)
+
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
         """The section's own local net: that of its type, with its own names."""
         return self.part.net(templates)
@@ -178,7 +184,7 @@ def local_graphs(
     *,
     templates: TemplateSet | None = None,
     executor: Executor | None = None,
-    max_states: int = 1_000_000,
+    max_states: int = DEFAULT_MAX_STATES,
     progress: Progress | None = None,
 ) -> list[PlacedSection]:
     """Explores each type of sections once, and proves what gluing them rests on.

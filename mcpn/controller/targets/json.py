@@ -19,6 +19,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from mcpn.controller.hierarchy import Hierarchy
 from mcpn.controller.machine import Action, Machine
 from mcpn.mission.model import Parameter
 from mcpn.net.compose import MissionNet
@@ -40,6 +41,45 @@ def write_json(machine: Machine, mission_net: MissionNet) -> str:
         "format": "mcpn-controller",
         "version": 1,
         "mission": machine.mission,
+        **_machine(machine),
+        **_laws(mission_net),
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+
+
+def write_hierarchical_json(hierarchy: Hierarchy, mission_net: MissionNet) -> str:
+    """The controller in two levels as a JSON text, the same for the same mission.
+
+    One object with the keys ``format`` (``mcpn-hierarchical-controller``), ``version`` (1), ``mission``,
+    ``initial`` (the first section), ``sections`` (each with ``name``, ``type``, ``success``, ``failure`` and
+    ``names``, from those of its type's machine to its own), ``types`` (machines with ``initial``, ``events``,
+    ``states`` and ``edges`` as in the flat form), ``objectives`` and ``activities``. How it is run:
+    :mod:`mcpn.controller.hierarchy`.
+
+    Args:
+        hierarchy: The controller.
+        mission_net: The mission's net, for the parameters.
+
+    Returns:
+        The text, ending in a newline.
+    """
+    document = {
+        "format": "mcpn-hierarchical-controller",
+        "version": 1,
+        "mission": hierarchy.mission,
+        "initial": hierarchy.initial,
+        "sections": [
+            {"name": s.name, "type": s.type, "success": s.success, "failure": s.failure, "names": s.names}
+            for s in hierarchy.sections
+        ],
+        "types": [_machine(machine) for machine in hierarchy.types],
+        **_laws(mission_net),
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+
+
+def _machine(machine: Machine) -> dict[str, Any]:
+    return {
         "initial": machine.initial,
         "events": machine.events,
         "states": [
@@ -60,6 +100,12 @@ def write_json(machine: Machine, mission_net: MissionNet) -> str:
             {"from": e.source, "event": e.event, "to": e.target, "actions": [_action(a) for a in e.actions]}
             for e in machine.edges
         ],
+    }
+
+
+def _laws(mission_net: MissionNet) -> dict[str, Any]:
+    """What the control laws need to know of objectives and activities."""
+    return {
         "objectives": {
             section.name: {
                 "activities": section.activities,
@@ -82,7 +128,6 @@ def write_json(machine: Machine, mission_net: MissionNet) -> str:
             for activity in mission_net.mission.activities
         },
     }
-    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
 
 
 def _action(action: Action) -> dict[str, str]:
