@@ -13,11 +13,14 @@ from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
     emit_json,
+    executor_of,
     import_option,
+    jobs_option,
     json_option,
     limit_option,
     mission_net_of,
     progress_line,
+    scheduler_option,
 )
 
 if TYPE_CHECKING:
@@ -27,11 +30,19 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("mission", type=FILE)
 @click.option("--engine", type=click.Choice(["explicit", "local"]), default="explicit", show_default=True)
+@jobs_option
+@scheduler_option
 @limit_option
 @import_option
 @json_option
 def check(
-    mission: Path, engine: str, max_states: int | None, import_root: Path | None, as_json: bool
+    mission: Path,
+    engine: str,
+    jobs: int,
+    scheduler: str | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
 ) -> None:
     """Verify MISSION: verdicts with their runs, sizes, functioning modes, warnings."""
     from mcpn.check.composition import check_by_composition
@@ -41,8 +52,13 @@ def check(
     started = time.perf_counter()
     mission_net = mission_net_of(mission, import_root)
     with progress_line(as_json) as progress:
-        check_it = check_by_composition if engine == "local" else check_mission
-        found = check_it(mission_net, max_states=max_states, progress=progress)
+        if engine == "local":
+            with executor_of(jobs, scheduler) as executor:
+                found = check_by_composition(
+                    mission_net, executor=executor, max_states=max_states, progress=progress
+                )
+        else:
+            found = check_mission(mission_net, max_states=max_states, progress=progress)
     seconds = time.perf_counter() - started
     if as_json:
         emit_json(_check_object(found, engine, seconds))

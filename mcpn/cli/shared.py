@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.errors import InputError, LimitError
+
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
@@ -30,6 +32,38 @@ import_option = click.option(
     type=FILE,
     help="Directory that imports of the mission must stay in (default: the mission's own).",
 )
+
+
+jobs_option = click.option(
+    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for local graphs."
+)
+scheduler_option = click.option(
+    "--scheduler", metavar="ADDRESS", help="Make local graphs on a dask cluster (needs mcpn[distributed])."
+)
+
+
+@contextmanager
+def executor_of(jobs: int, scheduler: str | None) -> Iterator[Executor | None]:
+    """Where local graphs are made: a cluster, processes, or this process."""
+    if scheduler is not None:
+        try:
+            from distributed import Client
+        except ImportError as error:
+            raise LimitError("--scheduler needs dask: pip install 'mcpn[distributed]'") from error
+        try:
+            client: Any = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
+        except (OSError, ValueError) as error:
+            raise InputError.at(None, f"no dask scheduler answers at {scheduler}: {error}") from error
+        with client:
+            yield client.get_executor()
+    elif jobs > 1:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+            yield pool
+    else:
+        yield None
 
 
 def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:

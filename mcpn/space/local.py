@@ -9,7 +9,7 @@ more than hardware, their junction is proved confluent on the net of both.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from functools import cached_property
@@ -209,7 +209,9 @@ def local_graphs(
     """
     parts = {section.name: section_part(usage, section) for section in graph.sections}
     kinds = {name: part.type if templates is None else name for name, part in parts.items()}
-    types = {kinds[name]: name for name in reversed(parts)}  # the first section of a type stands for it
+    types: dict[Hashable, str] = {}
+    for name in parts:
+        types.setdefault(kinds[name], name)  # the first section of a type stands for it
     for name in types.values():
         if len(parts[name].faulty) > MAX_FAULTY:
             raise LimitError(

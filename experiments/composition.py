@@ -1,0 +1,154 @@
+"""Explicit, symbolic and local side by side on growing missions, each until it gives up.
+
+Usage: ``python experiments/composition.py [--sections N...] [--hardware N...] [--plot FILE.svg]``
+
+Each run has a process, 60 s and 4 GiB of its own. Explicit builds the markings graph and reduces it, direct
+runs to completion with the symbolic proof, symbolic reaches the markings as a diagram, local explores a graph
+for each type of section; local gives every verdict and the exact sizes of the whole. An engine that has given
+up on a mission is not asked for a longer one. The plot needs matplotlib (``mcpn[experiments]``).
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import platform
+import resource
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from missions import Parameters, generate
+
+from mcpn import __version__
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+
+SECONDS, GIB = 60, 4
+ENGINES = ("explicit", "direct", "symbolic", "local")
+Result = dict[str, Any]
+
+
+def run_engine(engine: str, mission: Mission) -> Result:
+    """What one engine finds: sizes as far as it gives them."""
+    from mcpn.check.composition import check_by_composition
+    from mcpn.net.compose import compose
+    from mcpn.space.alternatives import by_reduction
+    from mcpn.space.confluence import direct_with_proof
+    from mcpn.space.explicit import explore
+    from mcpn.space.symbolic import reach
+
+    mission_net = compose(mission)
+    if engine == "explicit":
+        return {"stable": by_reduction(explore(mission_net.net, max_memory=GIB << 30)).states}
+    if engine == "direct":
+        return {"stable": direct_with_proof(mission_net.net).states}
+    if engine == "symbolic":
+        space = reach(mission_net.net)
+        assert space.stable is not None
+        return {"stable": space.stable.count(), "markings": space.states}
+    found = check_by_composition(mission_net)
+    composite = found.composite
+    assert composite is not None, {name: verdict.explanation for name, verdict in found.verdicts.items()}
+    types = len({id(placed.local) for placed in composite.sections})
+    return {"stable": composite.states, "local": composite.local_states, "types": types}
+
+
+def child(engine: str, mission: Mission, pipe: Any) -> None:
+    """Runs an engine within its memory and sends what it found."""
+    resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
+    started = time.perf_counter()
+    try:
+        found = run_engine(engine, mission)
+    except Exception as error:
+        pipe.send({"gave_up": str(error).split("\n")[0][:60] or type(error).__name__})
+        return
+    found["seconds"] = time.perf_counter() - started
+    found["megabytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+    pipe.send(found)
+
+
+def measure(engine: str, mission: Mission) -> Result:
+    """The same in a process of its own, within its time."""
+    here, there = multiprocessing.Pipe()
+    process = multiprocessing.get_context("spawn").Process(target=child, args=(engine, mission, there))
+    process.start()
+    result = here.recv() if here.poll(SECONDS) else {"gave_up": f"more than {SECONDS} s"}
+    process.kill()
+    process.join()
+    return dict(result)
+
+
+def show(value: Result | None, key: str, form: Callable[[Any], str] = str) -> str:
+    """A cell of the table."""
+    if value is None:
+        return ""
+    return form(value[key]) if key in value else ("-" if "gave_up" in value else "")
+
+
+def row(label: str, mission: Mission, gone: set[str]) -> dict[str, Result]:
+    """Measures the engines that have not given up, prints a line, and checks that they agree."""
+    results: dict[str, Result] = {}
+    for engine in ENGINES:
+        if engine not in gone:
+            results[engine] = measure(engine, mission)
+            if "gave_up" in results[engine]:
+                gone.add(engine)
+    sizes = {r["stable"] for r in results.values() if "stable" in r}
+    assert len(sizes) <= 1, f"the engines disagree: {results}"
+    seconds = " ".join(f"{show(results.get(e), 'seconds', '{:.2f}'.format):>9}" for e in ENGINES)
+    memory = " ".join(f"{show(results.get(e), 'megabytes'):>8}" for e in ENGINES)
+    local = results.get("local", {})
+    explored = f"{local.get('types', '')} types, {local.get('local', '')} local states"
+    stable = sizes.pop() if sizes else "?"
+    print(f"{label:>22} {seconds} | {memory} | {explored}; stable states: {stable}", flush=True)
+    return results
+
+
+def plot(points: dict[str, list[tuple[int, float]]], path: Path) -> None:
+    """Draws seconds against sections."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    for engine, values in points.items():
+        if values:
+            pyplot.loglog(*zip(*values, strict=True), marker="o", label=engine)
+    pyplot.xlabel("sections")
+    pyplot.ylabel("seconds")
+    pyplot.legend()
+    pyplot.savefig(path)
+
+
+def main() -> None:
+    """Ulysse first, then the sweep."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sections", type=int, nargs="+", default=[5, 10, 50, 100, 500, 1000])
+    parser.add_argument("--hardware", type=int, nargs="+", default=[3, 6, 12, 30])
+    parser.add_argument("--types", type=int, default=20)
+    parser.add_argument("--plot", type=Path)
+    arguments = parser.parse_args()
+    machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
+    print(f"{machine}; {SECONDS} s, {GIB} GiB")
+    heads = " ".join(f"{engine:>9}" for engine in ENGINES)
+    print(f"{'':22} {heads} s| {' '.join(f'{engine:>8}' for engine in ENGINES)} MB")
+    row("ulysse", read_mission(Path(__file__).parent / "ulysse" / "mission.xml"), set())
+    for hardware in arguments.hardware:
+        gone: set[str] = set()
+        points: dict[str, list[tuple[int, float]]] = {engine: [] for engine in ENGINES}
+        for sections in arguments.sections:
+            per_section = min(4, hardware)
+            parameters = Parameters(sections, min(arguments.types, sections), hardware, per_section)
+            results = row(f"{sections} sections, {hardware} hw", generate(parameters), gone)
+            for engine, result in results.items():
+                if "seconds" in result:
+                    points[engine].append((sections, result["seconds"]))
+        if arguments.plot and hardware == arguments.hardware[-1]:
+            plot(points, arguments.plot)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
