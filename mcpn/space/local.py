@@ -202,7 +202,8 @@ def local_graphs(
 
     Raises:
         PremiseError: A section hands on more than the state of its hardware.
-        ConfluenceError: Internal evolution of a section, or from one to the next, depends on interleaving.
+        ConfluenceError: Internal evolution of a section, or from one to the next, depends on interleaving;
+            sections are judged for all states of their hardware, whether the mission enters them so or not.
         DivergenceError: It need not end.
         UnsafeError: A local net is not 1-safe.
         LimitError: A local graph has too many states, or a section too much hardware that can fail.
