@@ -132,6 +132,14 @@ class ObjectivesGraph:
                 for branch in section.branches:
                     yield from branch.graph.walk()
 
+    def all_sections(self) -> Iterator[Section]:
+        """Every section at any depth, parallel blocks before what they hold, in document order."""
+        for section in self.sections:
+            yield section
+            if isinstance(section, ParallelSection):
+                for branch in section.branches:
+                    yield from branch.graph.all_sections()
+
     def to_networkx(self) -> nx.MultiDiGraph[str]:
         """The same as a networkx graph, branches of parallel blocks at nodes of their own.
 
