@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
+from dataclasses import replace
 from itertools import combinations
 
+from hypothesis import strategies as st
+
+from mcpn.mission.model import Block, Mission, Parallel, Recursive
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking
+from mcpn.testing import missions
 
 Edge = tuple[str, Marking]
 
@@ -105,3 +110,24 @@ def minimal(sets: Iterable[frozenset[str]]) -> list[tuple[str, ...]]:
     known = set(sets)
     least = [tuple(sorted(s)) for s in known if not any(t < s for t in known)]
     return sorted(least, key=lambda names: (len(names), names))
+
+
+def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
+    """Missions most of which need much to succeed: few routes around what fails, no contention."""
+
+    @st.composite
+    def drawn(draw: st.DrawFn) -> Mission:
+        mission = draw(missions(None, disjoint_branches=True, protocols=False, **bounds))
+        return replace(mission, blocks=_unrouted(draw, mission.blocks))
+
+    return drawn()
+
+
+def _unrouted(draw: st.DrawFn, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+    found = []
+    for block in blocks:
+        if isinstance(block, Recursive | Parallel):
+            block = replace(block, blocks=_unrouted(draw, block.blocks))
+        kept = block.failure if draw(st.integers(0, 3)) == 0 else None
+        found.append(replace(block, success=None, failure=kept))
+    return tuple(found)
