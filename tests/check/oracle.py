@@ -85,11 +85,13 @@ class Play:
         run = self.reach([marking], [*ends, *repairs], self.marks(f"OBJ_{name}"))
         return any(event == ends[0] for m in run for event, _ in self.edges(m))
 
-    def forced(self) -> set[Marking]:
+    def forced(self, stop: Callable[[Marking], bool] | None = None) -> set[Marking]:
         """Markings after runs without repairs in which objectives fail only where they are lost."""
         seen, stack = {self.initial}, [self.initial]
         while stack:
             m = stack.pop()
+            if stop is not None and stop(m):
+                continue
             for event, after in self.edges(m):
                 if event.startswith("OBJ_") and event.endswith("_EV_FAIL"):
                     name = event.removeprefix("OBJ_").removesuffix("_EV_FAIL")
