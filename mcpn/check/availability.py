@@ -143,3 +143,21 @@ class Availability:
     def mission(self) -> Family:
         """When the mission cannot succeed from its start."""
         return self.mission_from[self.usage.graph.entry]
+
+
+class LostObjectives(Availability):
+    """The loss of the mission as a function of the objectives that cannot succeed, each an element.
+
+    Args:
+        usage: The mission's static facts.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        super().__init__(usage)
+        self.names = tuple(section.name for section in usage.graph.walk())
+        self._numbers = {name: number for number, name in enumerate(self.names)}
+        self.families = Families(len(self.names))
+
+    def objective(self, section: ElementarySection) -> Family:
+        """The objective itself."""
+        return self.families.single(self._numbers[section.name])
