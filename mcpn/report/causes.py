@@ -202,14 +202,16 @@ def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
 
     Objectives on which a resource has the same effect share a line.
     """
-    table = Table("hardware", "objectives", "effect and compensation", "severity", "worse in company")
+    table = Table()
+    for header in ("hardware", "objectives", "effect and compensation", "severity", "worse in company"):
+        table.add_column(header, overflow="fold")
     shared: dict[tuple[str, ...], list[str]] = {}
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
-        effect = [t for t in (row.local_effect, row.compensation) if t not in ("none", "none needed")]
-        key = row.hardware, "; ".join(effect), told["severity"], told["with_others"]
+        effects = [t for t in (row.local_effect, row.compensation) if t not in ("none", "none needed")]
+        key = row.hardware, "; ".join(effects), told["severity"], told["with_others"]
         shared.setdefault(key, []).append(row.objective)
-    for (hardware, effect, severity, company), objectives in shared.items():
-        table.add_row(hardware, "\n".join(objectives), effect, severity, company)
+    for (hardware, *cells), objectives in shared.items():
+        table.add_row(hardware, "\n".join(objectives), *cells)
     Console(highlight=False).print(table)
 
 
