@@ -221,3 +221,20 @@ def test_ulysse_cut_sets_by_ctl_on_the_net(ulysse_net: MissionNet) -> None:
         for dead in combinations(("GPS_sensor", "IMU_sensor", "thruster_actuator"), size):
             lost = any(set(names) <= set(dead) for names in NAVIGATION)
             assert success_reachable(ulysse_net, dead) is not lost
+
+
+def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) -> None:
+    graph = direct(ulysse_net.net)
+    outlook = Outlook(ulysse_net, graph)
+    assert all(Losses(outlook).nonmonotone(goal) is None for goal in outlook.objectives.values())
+    # A robot whose GPS never fails once the thruster has, nor the thruster once the GPS has.
+    gps, thruster = outlook.index["GPS_sensor"], outlook.index["thruster_actuator"]
+    out = outlook.out[graph.sources]
+    spared = (outlook.failing == gps) & out[:, thruster] | (outlook.failing == thruster) & out[:, gps]
+    offsets = np.concatenate(([0], np.cumsum(np.bincount(graph.sources[~spared], minlength=graph.states))))
+    fewer = replace(graph, offsets=offsets, targets=graph.targets[~spared], labels=graph.labels[~spared])
+    losses = Losses(Outlook(ulysse_net, fewer))
+    found = losses.nonmonotone(losses.outlook.objectives["transect.diving"])
+    assert found is not None
+    assert found.lost == ("thruster_actuator",)
+    assert found.larger == ("GPS_sensor", "thruster_actuator")
