@@ -15,7 +15,7 @@ through one by one. When ``D`` is lost is one of the moments of :class:`Moment`.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -65,11 +65,18 @@ class Losses:
 
     Args:
         outlook: The mission on its alternatives graph (or markings graph).
+        families: Where to make the functions, and what its elements are, where the graph is one of several
+            that share them; by default the elements are the graph's faulty hardware.
+        hardware: Names of the elements.
     """
 
-    def __init__(self, outlook: Outlook) -> None:
+    def __init__(
+        self, outlook: Outlook, families: Families | None = None, hardware: Sequence[str] | None = None
+    ) -> None:
         self.outlook = outlook
-        self.families = Families(len(outlook.hardware))
+        self.hardware = tuple(outlook.hardware if hardware is None else hardware)
+        self.families = families or Families(len(self.hardware))
+        self.elements = [self.hardware.index(name) for name in outlook.hardware]
         self._functions: dict[tuple[str, str], list[Family]] = {}
 
     def functions(self, goal: Goal) -> list[Family]:
@@ -84,18 +91,32 @@ class Losses:
         """
         key = goal.kind, goal.name
         if key not in self._functions:
-            self._functions[key] = self._fixpoint(goal)
+            self._functions[key] = self._fixpoint(goal, [(goal.won, NEVER)])
         return self._functions[key]
 
-    def _fixpoint(self, goal: Goal) -> list[Family]:
+    def lead_on(self, goal: Goal, ends: Sequence[tuple[Mask, Family]]) -> None:
+        """Says what is lost behind the ends of a graph that is part of a larger whole.
+
+        Args:
+            goal: A goal beyond the graph.
+            ends: States in which the graph is left, shape (states,), with the loss function there.
+        """
+        self._functions[goal.kind, goal.name] = self._fixpoint(goal, ends)
+
+    def _fixpoint(self, goal: Goal, ends: Sequence[tuple[Mask, Family]]) -> list[Family]:
         graph, families = self.outlook.graph, self.families
-        loss = [NEVER if won else ALWAYS for won in goal.won.tolist()]
+        loss = [ALWAYS] * graph.states
+        queued = [False] * graph.states
+        queue: deque[int] = deque()
+        for states, behind in ends:
+            for state in np.flatnonzero(states).tolist():
+                loss[state] = behind
+                queued[state] = True
+                queue.append(state)
         offsets, incoming = graph.incoming
         sources, along = graph.sources.tolist(), goal.along.tolist()
         repaired = self.outlook.repaired.tolist()
-        guards = [families.single(h) for h in range(families.elements)]
-        queue = deque(np.flatnonzero(goal.won).tolist())
-        queued = goal.won.tolist()
+        guards = [families.single(element) for element in self.elements]
         bounds, order = offsets.tolist(), incoming.tolist()
         while queue:
             state = queue.popleft()
@@ -128,25 +149,31 @@ class Losses:
             The monotone function as its minimal solutions: for each state, ``D`` is not all out of service
             there, or is lost there.
         """
-        families, everything = self.families, range(self.families.elements)
-        found = ALWAYS
+        families, found = self.families, ALWAYS
         for out, loss in self._distinct(goal, states):
-            elsewhere = families.any_of(h for h in everything if h not in out)
+            elsewhere = families.any_of(h for h in self.elements if h not in out)
             found = families.both(found, families.either(elsewhere, loss))
         return found
 
     def in_some(self, goal: Goal, states: Mask) -> Family:
-        """Minimal sets that lose the goal from some of the states in which just they are out of service."""
-        families, found = self.families, NEVER
+        """Minimal sets that lose the goal from some of the states in which just they are out of service.
+
+        Hardware that the graph does not know may be out of service besides in any of its states.
+        """
+        families, found, here = self.families, NEVER, frozenset(self.elements)
+        others = frozenset(range(families.elements)) - here
         for out, loss in self._distinct(goal, states):
-            if families.holds(loss, out):
-                found = families.either(found, families.all_of(out))
+            besides = families.assuming(families.inside(loss, out | others), out)
+            found = families.either(found, families.both(families.all_of(out), besides))
         return found
 
     def _distinct(self, goal: Goal, states: Mask) -> list[tuple[frozenset[int], Family]]:
         functions, out = self.functions(goal), self.outlook.out
         pairs = {(out[s].tobytes(), functions[s]): s for s in np.flatnonzero(states).tolist()}
-        return [(frozenset(np.flatnonzero(out[s]).tolist()), loss) for (_, loss), s in pairs.items()]
+        return [
+            (frozenset(self.elements[h] for h in np.flatnonzero(out[s]).tolist()), loss)
+            for (_, loss), s in pairs.items()
+        ]
 
     def cut_sets(self, goal: Goal, moment: Moment, section: str | None = None) -> Family:
         """The minimal cut sets of a goal.
@@ -209,7 +236,7 @@ class Losses:
 
     def names(self, members: tuple[int, ...] | frozenset[int]) -> CutSet:
         """Names of hardware, sorted."""
-        return tuple(sorted(self.outlook.hardware[h] for h in members))
+        return tuple(sorted(self.hardware[h] for h in members))
 
     def listed(self, family: Family) -> list[CutSet]:
         """A family by names, smaller sets first, then in alphabetical order."""

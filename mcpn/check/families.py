@@ -166,6 +166,21 @@ class Families:
             self._dual[family] = self._node(self._top[family], without, self._without_supersets(low, without))
         return self._dual[family]
 
+    def assuming(self, family: Family, given: frozenset[int]) -> Family:
+        """The function where some elements are there: minimal solutions in the others."""
+        memo: dict[Family, Family] = {NEVER: NEVER, ALWAYS: ALWAYS}
+
+        def visit(node: Family) -> Family:
+            if node not in memo:
+                element, low, high = self._top[node], visit(self._low[node]), visit(self._high[node])
+                if element in given:
+                    memo[node] = self.either(low, high)
+                else:
+                    memo[node] = self._node(element, low, self._without_supersets(high, low))
+            return memo[node]
+
+        return visit(family)
+
     def inside(self, family: Family, allowed: frozenset[int]) -> Family:
         """Those sets of the family that hold allowed elements only."""
         memo: dict[Family, Family] = {NEVER: NEVER, ALWAYS: ALWAYS}

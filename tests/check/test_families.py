@@ -53,6 +53,8 @@ def test_operations_are_those_of_monotone_functions(one: Sets, other: Sets) -> N
     assert families.dual(families.dual(f)) == f
     for d in SUBSETS:
         assert families.holds(f, d) == (d in solutions(one))
+        rest = frozenset(s - d for s in one)
+        assert read(families, families.assuming(f, d)) == minimal(rest)
         assert read(families, families.inside(f, d)) == {s for s in minimal(one) if s <= d}
 
 
