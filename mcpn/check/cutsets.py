@@ -170,10 +170,11 @@ class Losses:
     def _distinct(self, goal: Goal, states: Mask) -> list[tuple[frozenset[int], Family]]:
         functions, out = self.functions(goal), self.outlook.out
         pairs = {(out[s].tobytes(), functions[s]): s for s in np.flatnonzero(states).tolist()}
-        return [
-            (frozenset(self.elements[h] for h in np.flatnonzero(out[s]).tolist()), loss)
-            for (_, loss), s in pairs.items()
-        ]
+        return [(self.out(s), loss) for (_, loss), s in pairs.items()]
+
+    def out(self, state: int) -> frozenset[int]:
+        """The elements that are out of service in a state."""
+        return frozenset(self.elements[h] for h in np.flatnonzero(self.outlook.out[state]).tolist())
 
     def cut_sets(self, goal: Goal, moment: Moment, section: str | None = None) -> Family:
         """The minimal cut sets of a goal.
@@ -197,8 +198,11 @@ class Losses:
         return self.in_some(goal, self._at_worst(goal))
 
     def _at_worst(self, goal: Goal) -> Mask:
-        forced = self.outlook.graph.reached(self.outlook.forced)
-        return np.asarray(goal.running & self.outlook.begun & forced, np.bool_)
+        return np.asarray(goal.running & self.outlook.begun & self.after_forced(0), np.bool_)
+
+    def after_forced(self, state: int) -> Mask:
+        """States that runs without repairs and without avoidable failures lead to from one."""
+        return self.outlook.graph.reached(self.outlook.forced, state)
 
     def ever(self, goal: Goal) -> Goal:
         """The same for an objective whenever it may run: it succeeds at least once in the mission."""

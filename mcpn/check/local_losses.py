@@ -27,6 +27,7 @@ from mcpn.net.compose import compose
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES
 from mcpn.space.confluence import direct_with_proof
+from mcpn.space.graph import Mask
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,31 @@ class LocalSection:
     def outlook(self) -> Outlook:
         """The section's chances on its own alternatives graph."""
         return self.losses.outlook
+
+    @cached_property
+    def _entries(self) -> Mapping[frozenset[int], int]:
+        """The state just after the section is entered, by the hardware that is out of service then."""
+        graph, outlook = self.outlook.graph, self.outlook
+        edges = np.flatnonzero(outlook.fired("MISSION_EV_START"))
+        return {self.losses.out(int(graph.sources[e])): int(graph.targets[e]) for e in edges}
+
+    def after_entry(self, out: frozenset[int]) -> Mask:
+        """States after forced runs from the entry with some hardware out of service.
+
+        Args:
+            out: Elements; those that the section does not know are left aside.
+        """
+        return self.losses.after_forced(self._entries[out & frozenset(self.losses.elements)])
+
+    def exits(self, out: frozenset[int]) -> tuple[set[frozenset[int]], set[frozenset[int]]]:
+        """What is out of service when forced runs from an entry leave by success, and by failure."""
+        seen, found = self.after_entry(out), self.outlook.mission_net
+        rest = out - frozenset(self.losses.elements)
+        well, badly = (
+            {self.losses.out(s) | rest for s in np.flatnonzero(seen & self.outlook.graph.marked(p)).tolist()}
+            for p in (found.success, found.failure)
+        )
+        return well, badly
 
     @cached_property
     def failure(self) -> Goal:
@@ -132,7 +158,10 @@ class LocalLosses(Availability):
             local = self.locals[section.name]
             for inner, mine in zip(_elementary(local.section), _elementary(section), strict=True):
                 goal = local.outlook.objectives[inner.name]
-                found[mine.name] = local.losses.cut_sets(goal, moment, inner.name)
+                if moment is Moment.SOMETIME:
+                    found[mine.name] = self._at_worst(section, goal)
+                else:
+                    found[mine.name] = local.losses.cut_sets(goal, moment, inner.name)
         return found
 
     def mission_at(self, moment: Moment) -> Family:
@@ -143,15 +172,44 @@ class LocalLosses(Availability):
         """
         if moment is Moment.START:
             return self.mission
-        found = [self._beyond(section, moment) for section in self.entered]
-        return self.both(found) if moment is Moment.WHENEVER else self.either(found)
+        if moment is Moment.WHENEVER:
+            return self.both(self._beyond(section, moment) for section in self.entered)
+        return self.either(self._at_worst(section, self.led_on(section)) for section in self.entered)
+
+    def _at_worst(self, section: Section, goal: Goal) -> Family:
+        """Sets that lose a goal at the worst moment of a section, entered as forced runs enter it."""
+        local, found = self.locals[section.name], NEVER
+        begun = goal.running & local.outlook.begun
+        for members in self.families.members(self.forced_entries[section.name]):
+            out = frozenset(members)
+            lost = local.losses.in_some(goal, begun & local.after_entry(out))
+            found = self.families.either(found, self.families.both(self.families.all_of(out), lost))
+        return found
+
+    @cached_property
+    def forced_entries(self) -> Mapping[str, Family]:
+        """The minimal sets that are out of service when forced runs enter each section."""
+        families = self.families
+        found = dict.fromkeys(self.locals, NEVER)
+        todo: list[tuple[str, frozenset[int]]] = [(self.usage.graph.entry, frozenset())]
+        while todo:
+            name, out = todo.pop()
+            if families.holds(found[name], out):
+                continue
+            found[name] = families.either(found[name], families.all_of(out))
+            section = self.usage.graph.section(name)
+            well, badly = self.locals[name].exits(out)
+            for after, sets in ((section.success, well), (section.failure, badly)):
+                if after in found:
+                    todo += [(after, s) for s in sets if not any(t < s for t in sets)]
+        return found
 
     def mission_entering(self, section: str) -> Family:
         """Cut sets of the mission at the entry of a section of the mission's graph, or at once after it."""
         return self._beyond(self.usage.graph.section(section), Moment.ENTRY)
 
     def _beyond(self, section: Section, moment: Moment) -> Family:
-        """Cut sets of the mission in the states of one section."""
+        """Cut sets of the mission in all states of one section that a moment asks for."""
         local = self.locals[section.name]
         return local.losses.cut_sets(self.led_on(section), moment, local.section.name)
 
