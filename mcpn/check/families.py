@@ -196,6 +196,17 @@ class Families:
 
         return visit(family)
 
+    def support(self, family: Family) -> list[int]:
+        """The elements that the function depends on."""
+        seen, stack = {family}, [family]
+        while stack:
+            node = stack.pop()
+            if node not in (NEVER, ALWAYS):
+                below = {self._low[node], self._high[node]} - seen
+                seen |= below
+                stack += below
+        return sorted({self._top[node] for node in seen - {NEVER, ALWAYS}})
+
     def holds(self, family: Family, elements: frozenset[int]) -> bool:
         """Whether the function is true where exactly these elements are there."""
         return self.inside(family, elements) != NEVER

@@ -19,7 +19,7 @@ import numpy as np
 from mcpn.check.availability import Availability
 from mcpn.check.cutsets import Losses, Moment
 from mcpn.check.families import ALWAYS, NEVER, Families, Family
-from mcpn.check.losing import Goal, Outlook
+from mcpn.check.losing import CriticalEvent, Goal, Outlook
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import FAIL, SUCCEED, Block, Mission, Objective, Parallel, Recursive, Robot
 from mcpn.mission.usage import Usage
@@ -213,6 +213,55 @@ class LocalLosses(Availability):
         local = self.locals[section.name]
         return local.losses.cut_sets(self.led_on(section), moment, local.section.name)
 
+    # --- critical events -------------------------------------------------------------------------------
+
+    def critical_of(self, objective: str) -> list[CriticalEvent]:
+        """Critical events of an elementary objective without repairs, on the graph of its section."""
+        for section in self.entered:
+            local = self.locals[section.name]
+            pairs = zip(_elementary(local.section), _elementary(section), strict=True)
+            names = {inner.name: mine.name for inner, mine in pairs}
+            for inner, mine in names.items():
+                if mine == objective:
+                    found = local.outlook.critical(local.outlook.objectives[inner], repairs=False)
+                    return [_renamed(critical, names) for critical in found]
+        return []
+
+    def critical(self) -> list[CriticalEvent]:
+        """Critical events of the mission without repairs, section by section.
+
+        A failure of hardware that a section does not use is critical where the loss behind the section's end
+        depends on it.
+        """
+        found: list[CriticalEvent] = []
+        for section in self.entered:
+            local, goal = self.locals[section.name], self.led_on(section)
+            pairs = zip(_elementary(local.section), _elementary(section), strict=True)
+            names = {inner.name: mine.name for inner, mine in pairs}
+            first = section.name == self.usage.graph.entry
+            crossings = self._crossings(
+                local, goal, np.ones_like(goal.running) if first else local.outlook.begun
+            )
+            found += [_renamed(critical, names) for critical in local.outlook.grouped(crossings)]
+        return found
+
+    def _crossings(self, local: LocalSection, goal: Goal, where: Mask) -> Iterator[tuple[str, int]]:
+        outlook, graph, families = local.outlook, local.outlook.graph, self.families
+        functions, here = local.losses.functions(goal), frozenset(local.losses.elements)
+        # What is lost in each state, as a function of the hardware that the section does not know.
+        lost = [families.assuming(loss, local.losses.out(s)) for s, loss in enumerate(functions)]
+        lost = [families.inside(loss, frozenset(range(families.elements)) - here) for loss in lost]
+        chance = [open_ and lost[s] != ALWAYS for s, open_ in enumerate((goal.running & where).tolist())]
+        for edge in np.flatnonzero(outlook.allowed(False)).tolist():
+            before, after = int(graph.sources[edge]), int(graph.targets[edge])
+            if chance[before] and families.either(lost[before], lost[after]) != lost[before]:
+                event = graph.net.transitions[int(graph.labels[edge])].event
+                assert event is not None, "only events label the alternatives graph"
+                yield event, before
+        for state in np.flatnonzero(chance).tolist():
+            for h in families.support(lost[state]):
+                yield f"{self.hardware[h]}_EV_OOS", state
+
     def led_on(self, section: Section) -> Goal:
         """The mission's success as a goal on the graph of one section, its ends told what comes behind."""
         local = self.locals[section.name]
@@ -228,6 +277,11 @@ class LocalLosses(Availability):
         behind = {SUCCEED: NEVER, FAIL: ALWAYS, **self.mission_from}
         local.losses.lead_on(goal, [(success, behind[section.success]), (failure, behind[section.failure])])
         return goal
+
+
+def _renamed(critical: CriticalEvent, names: Mapping[str, str]) -> CriticalEvent:
+    """The same for another section of the type."""
+    return replace(critical, objectives=tuple(names[name] for name in critical.objectives))
 
 
 def _elementary(section: Section) -> Iterator[ElementarySection]:

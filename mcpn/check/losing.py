@@ -53,14 +53,12 @@ class CriticalEvent:
         objectives: Objectives that run before it.
         mode: The functioning mode before it.
         edges: How many edges of the graph.
-        edge: The first of them, its index.
     """
 
     event: str
     objectives: tuple[str, ...]
     mode: Mode
     edges: int
-    edge: int
 
 
 class Outlook:
@@ -224,21 +222,27 @@ class Outlook:
         Returns:
             In the order of the net's transitions, then of the graph's states.
         """
-        graph = self.graph
         edges = np.flatnonzero(self.crossing(goal, repairs))
-        if not len(edges):
-            return []
+        ordered = edges[np.argsort(self.graph.labels[edges], kind="stable")]
+        transitions, labels, sources = self.graph.net.transitions, self.graph.labels, self.graph.sources
+        named = ((transitions[int(labels[e])].event, int(sources[e])) for e in ordered)
+        # On a markings graph internal steps cross too, of which the event before them has decided.
+        return self.grouped((event, state) for event, state in named if event is not None)
+
+    def grouped(self, crossings: Iterable[tuple[str, int]]) -> list[CriticalEvent]:
+        """Critical events from single ones.
+
+        Args:
+            crossings: Events, each with the state that it happens in.
+        """
         said = [p for kind in ("objective", "active") for p in self.mission_net.saying(kind)]
-        columns = [graph.labels[edges], *(graph.marked(p)[graph.sources[edges]] for p in said)]
-        _, first, counts = np.unique(np.stack(columns, axis=1), axis=0, return_index=True, return_counts=True)
+        columns = [self.graph.marked(p) for p in said]
+        groups: dict[tuple[str, bytes], list[int]] = {}
+        for event, state in crossings:
+            marks = bytes(bool(column[state]) for column in columns)
+            groups.setdefault((event, marks), []).append(state)
         found = []
-        for group, number in sorted(
-            zip(first.tolist(), counts.tolist(), strict=True), key=lambda g: (graph.labels[edges[g[0]]], g[0])
-        ):
-            edge = int(edges[group])
-            event = graph.net.transitions[int(graph.labels[edge])].event
-            if event is None:
-                continue  # of a markings graph: an internal step takes no decision
-            before = situation(self.mission_net, graph.marking(int(graph.sources[edge])))
-            found.append(CriticalEvent(event, before.objectives, before.mode, number, edge))
+        for (event, _), states in groups.items():
+            before = situation(self.mission_net, self.graph.marking(states[0]))
+            found.append(CriticalEvent(event, before.objectives, before.mode, len(states)))
         return found

@@ -7,34 +7,15 @@ In these runs nothing is repaired, and objectives fail only where they cannot su
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
-from mcpn.check.cutsets import Losses, Moment
+from mcpn.check.cutsets import Losses
 from mcpn.check.losing import Goal
 from mcpn.space.graph import Mask
 
 Run = list[int]
 """Edges of the graph from its initial state."""
-
-
-@dataclass(frozen=True)
-class Robustness:
-    """How many failures of hardware the mission survives from one moment on.
-
-    Args:
-        section: The section just entered, or ``None`` for the start of the mission.
-        always: So many failures are survived whichever they are; none is repaired.
-        at_most: The most failures in one run to success.
-        run: A shortest run with so many, from the initial state through that moment; ``None`` where no run
-            leads to success.
-    """
-
-    section: str | None
-    always: int | None
-    at_most: int | None
-    run: Run | None
 
 
 class Scenarios:
@@ -82,26 +63,18 @@ class Scenarios:
                     return run
         return None
 
-    def robustness(self, section: str | None = None) -> Robustness:
-        """How many failures the mission survives from its start or from the entry of a section.
+    def most_failures(self, section: str | None = None) -> Run | None:
+        """A run to success in which, from one moment on, as many resources fail as in any.
 
         Args:
-            section: The section's name, or ``None`` for the start.
+            section: The run enters this section with all hardware in service; ``None`` for any run.
+
+        Returns:
+            A shortest such run, or ``None`` where no run leads to success.
         """
-        losses, mission = self.losses, self.outlook.mission
-        moment = Moment.START if section is None else Moment.ENTRY
-        cuts = losses.cut_sets(mission, moment, section)
-        least = losses.families.least(cuts)
-        always = len(self.outlook.hardware) if least is None else max(least - 1, 0) if least else None
         begin = self._begin(section)
-        if begin is None:
-            return Robustness(section, always, None, None)
-        prefix, start = begin
-        run = self._most_failures(start)
-        if run is None:
-            return Robustness(section, always, None, None)
-        most = int((self.outlook.failing[run] >= 0).sum())
-        return Robustness(section, always, most, [*prefix, *run])
+        run = self._most_failures(begin[1]) if begin else None
+        return None if begin is None or run is None else [*begin[0], *run]
 
     def _begin(self, section: str | None) -> tuple[Run, int] | None:
         """A run to the entry of a section with all hardware in service, and where it ends."""

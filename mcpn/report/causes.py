@@ -78,7 +78,9 @@ def _goal(goal: GoalCauses) -> dict[str, Any]:
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
             "without_repairs": [_critical(c) for c in goal.critical],
-            "with_repairs": [_critical(c) for c in goal.critical_with_repairs],
+            "with_repairs": None
+            if goal.critical_with_repairs is None
+            else [_critical(c) for c in goal.critical_with_repairs],
         },
         "runs": [
             {"cut_set": list(names), "events": None if run is None else [step.event for step in run]}
@@ -124,6 +126,16 @@ def fmeca_rows(rows: Sequence[Row], classes: Classes = STANDARD) -> list[dict[st
     ]
 
 
+def check_table_name(path: Path) -> None:
+    """Whether a table can be written to a file of this name.
+
+    Raises:
+        InputError: Its suffix is neither ``.csv`` nor ``.json``.
+    """
+    if path.suffix.lower() not in (".csv", ".json"):
+        raise InputError.at(Source(str(path)), f"found the suffix {path.suffix!r}, expected .csv or .json")
+
+
 def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> None:
     """Writes the table, whole or not at all.
 
@@ -135,6 +147,7 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
     Raises:
         InputError: Another suffix, or the file cannot be written.
     """
+    check_table_name(path)
     told = fmeca_rows(rows, classes)
     if path.suffix.lower() == ".csv":
         text = io.StringIO(newline="")
@@ -142,10 +155,8 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
         writer.writeheader()
         writer.writerows(told)
         write_atomically(path, text.getvalue())
-    elif path.suffix.lower() == ".json":
-        write_atomically(path, json.dumps(told, ensure_ascii=False, indent=1) + "\n")
     else:
-        raise InputError.at(Source(str(path)), f"found the suffix {path.suffix!r}, expected .csv or .json")
+        write_atomically(path, json.dumps(told, ensure_ascii=False, indent=1) + "\n")
 
 
 # --- terminal ------------------------------------------------------------------------------------------

@@ -51,6 +51,7 @@ def test_operations_are_those_of_monotone_functions(one: Sets, other: Sets) -> N
     hitting = frozenset(d for d in SUBSETS if all(d & s for s in one))
     assert read(families, families.dual(f)) == minimal(hitting)
     assert families.dual(families.dual(f)) == f
+    assert families.support(f) == sorted(frozenset().union(*minimal(one)))
     for d in SUBSETS:
         assert families.holds(f, d) == (d in solutions(one))
         rest = frozenset(s - d for s in one)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from hypothesis import given, settings
 
+from mcpn.check.causes import find_causes
 from mcpn.check.cutsets import Losses, Moment
 from mcpn.check.losing import Goal, Outlook
 from mcpn.check.scenarios import Scenarios
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.petri import Marking
 from mcpn.space.alternatives import AlternativesGraph, direct
 from tests.check.oracle import Play, fragile_missions
 
@@ -34,12 +36,15 @@ def test_ulysse_runs_to_failure(ulysse_net: MissionNet) -> None:
     ]
 
 
-def test_ulysse_robustness(ulysse_net: MissionNet) -> None:
-    scenarios = Scenarios(Losses(Outlook(ulysse_net, direct(ulysse_net.net))))
+def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet) -> None:
+    graph = direct(ulysse_net.net)
+    scenarios = Scenarios(Losses(Outlook(ulysse_net, graph)))
     for section in (None, "coral_head.manual_moving", "transect.census", "transect.going_up"):
-        found = scenarios.robustness(section)
-        # The thruster alone ends it; one of the two sensors may be lost.
-        assert (found.always, found.at_most) == (0, 1)
+        run = scenarios.most_failures(section)
+        assert run is not None
+        # The thruster is in use to the end; of the two sensors one may be lost.
+        (failure,) = [e for e in events(graph, run) if e.endswith("_EV_OOS")]
+        assert failure in ("GPS_sensor_EV_OOS", "IMU_sensor_EV_OOS")
 
 
 @settings(max_examples=80)
@@ -74,18 +79,22 @@ def test_runs_show_what_they_say(mission: Mission) -> None:
     for name, goal in losses.outlook.objectives.items():
         shown(goal, f"OBJ_{name}_EV_FAIL")
     success = play.marks("MISSION_success")
-    robust = scenarios.robustness()
-    # The most failures before success, by plain search over pairs of marking and failures so far.
+    robust = scenarios.most_failures()
+    # The most failures before success, by plain search.
     ends = [m for m in play.forced(stop=success) if success(m)]
-    if robust.run is None:
+    if robust is None:
         assert not ends
     else:
-        assert robust.at_most == max(len(play.out(m)) for m in ends)
-        assert success(play.after(play.initial, replayed(robust.run)))
-    cuts = losses.listed(losses.cut_sets(losses.outlook.mission, Moment.START))
-    if not cuts:
-        assert robust.always == len(play.hardware)
-    elif cuts == [()]:
-        assert robust.always is None
-    else:
-        assert robust.always == min(map(len, cuts)) - 1
+        assert success(play.after(play.initial, replayed(robust)))
+        failures = [e for e in events(graph, robust) if e.endswith("_EV_OOS")]
+        assert len(failures) == max(len(play.out(m)) for m in ends)
+    start = find_causes(found, losses.outlook).survival[0]
+    survived = [d for d in play.subsets() if play.mission_survives(dead_from_the_start(play, d), d)]
+    assert start.at_most == max(map(len, survived), default=None)
+    sizes = range(len(play.hardware) + 1)
+    safe = [k for k in sizes if all(d in survived for d in play.subsets() if len(d) <= k)]
+    assert start.always == max(safe, default=None)
+
+
+def dead_from_the_start(play: Play, dead: frozenset[str]) -> Marking:
+    return play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(dead)])
