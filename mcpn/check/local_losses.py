@@ -29,6 +29,8 @@ from mcpn.space.alternatives import DEFAULT_MAX_STATES
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.graph import Mask
 
+ENDS = ("OK", "FAIL")
+
 
 @dataclass(frozen=True)
 class LocalSection:
@@ -281,7 +283,14 @@ class LocalLosses(Availability):
 
 def _renamed(critical: CriticalEvent, names: Mapping[str, str]) -> CriticalEvent:
     """The same for another section of the type."""
-    return replace(critical, objectives=tuple(names[name] for name in critical.objectives))
+    events = {
+        f"OBJ_{inner}_EV_{end}": f"OBJ_{mine}_EV_{end}" for inner, mine in names.items() for end in ENDS
+    }
+    return replace(
+        critical,
+        event=events.get(critical.event, critical.event),
+        objectives=tuple(names[name] for name in critical.objectives),
+    )
 
 
 def _elementary(section: Section) -> Iterator[ElementarySection]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 from hypothesis import given, settings
 
+from mcpn.check.causes import find_causes, find_causes_locally
 from mcpn.check.cutsets import Losses, Moment
 from mcpn.check.local_losses import LocalLosses, local_mission
-from mcpn.check.losing import Outlook
+from mcpn.check.losing import CriticalEvent, Outlook
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
@@ -43,8 +45,38 @@ def agree(found: MissionNet, max_states: int) -> None:
                 same(functions[name], whole.cut_sets(objective, moment, name))
 
 
+def situations(found: list[CriticalEvent]) -> set[tuple[str, tuple[str, ...], tuple[tuple[str, str], ...]]]:
+    return {(c.event, c.objectives, tuple(sorted(c.mode.items()))) for c in found}
+
+
+def agree_on_reports(found: MissionNet, max_states: int) -> None:
+    """What is reported by composition is what is reported on the whole graph."""
+    try:
+        outlook = Outlook(found, direct(found.net, max_states=max_states))
+    except (LimitError, ConfluenceError):
+        return
+    whole, local = find_causes(found, outlook), find_causes_locally(found)
+    assert situations(local.mission.critical) == situations(whole.mission.critical)
+    assert local.mission.cut_sets == whole.mission.cut_sets
+    for name, goal in whole.objectives.items():
+        if outlook.objectives[name].running.any():
+            assert local.objectives[name].cut_sets == goal.cut_sets
+            assert situations(local.objectives[name].critical) == situations(goal.critical)
+    entered = {s.section: s for s in local.survival}
+    for survival in whole.survival:
+        if survival.section in entered:
+            assert replace(survival, run=None) == entered[survival.section]
+
+
 def test_ulysse(ulysse_net: MissionNet) -> None:
     agree(ulysse_net, 1000)
+    agree_on_reports(ulysse_net, 1000)
+
+
+@settings(max_examples=100)
+@given(missions(max_objectives=3, max_sections=6, max_hardware=3) | fragile_missions(max_hardware=4))
+def test_composition_reports_what_the_whole_reports(mission: Mission) -> None:
+    agree_on_reports(compose(mission), 1000)
 
 
 @settings(max_examples=150)
