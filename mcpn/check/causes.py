@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 
 from mcpn.check.cutsets import CutSet, Losses, Moment, Nonmonotone
 from mcpn.check.families import ALWAYS, Families, Family
-from mcpn.check.local_losses import LocalLosses
+from mcpn.check.local_losses import DEFAULT_LOCAL_STATES, LocalLosses
 from mcpn.check.losing import CriticalEvent, Goal, Outlook
 from mcpn.check.runs import Step, run_in_words
 from mcpn.check.scenarios import Run, Scenarios
 from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
-from mcpn.space.alternatives import DEFAULT_MAX_STATES
 
 
 @dataclass(frozen=True)
@@ -152,7 +151,7 @@ def find_causes(mission_net: MissionNet, outlook: Outlook) -> Causes:
     )
 
 
-def find_causes_locally(mission_net: MissionNet, *, max_states: int = DEFAULT_MAX_STATES) -> Causes:
+def find_causes_locally(mission_net: MissionNet, *, max_states: int = DEFAULT_LOCAL_STATES) -> Causes:
     """The failure causes of a mission by composition, where the graph of the whole mission is too large.
 
     Args:

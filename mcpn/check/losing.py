@@ -72,7 +72,9 @@ class Outlook:
     def __init__(self, mission_net: MissionNet, graph: StateGraph) -> None:
         self.mission_net = mission_net
         self.graph = graph
-        self.hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
+        known = mission_net.by_role
+        # Of a part of a mission, the net holds a part of the hardware.
+        self.hardware = tuple(h.name for h in mission_net.mission.hardware if ("oos", h.name) in known)
         self.index: Mapping[str, int] = {name: number for number, name in enumerate(self.hardware)}
 
     # --- hardware --------------------------------------------------------------------------------------
