@@ -28,7 +28,8 @@ class GoalCauses:
         cut_sets: Minimal cut sets: of the mission at its start, of an objective at its entry.
         moments: Minimal cut sets by moment, see :class:`mcpn.check.cutsets.Moment`.
         critical: Events that cross into the losing region where nothing is repaired.
-        critical_with_repairs: The same where hardware may be repaired; ``None`` where that was not asked.
+        critical_with_repairs: The same where hardware may be repaired; ``None`` where some section is too
+            large for a local graph.
         runs: For each of the cut sets a shortest run to failure, where there is one; empty without the graph
             of the whole mission.
         nonmonotone: A pair of sets for which more failures are better, where there is one.
@@ -159,8 +160,8 @@ def find_causes_locally(mission_net: MissionNet, *, max_states: int = DEFAULT_LO
         max_states: How many stable states the graph of a section may have.
 
     Returns:
-        Cut sets at every moment, critical events without repairs, and what is survived; no runs, and no
-        critical events with repairs.
+        Cut sets at every moment (the worst one only where it can be told), critical events, and what is
+        survived; no runs.
 
     Raises:
         LimitError: A section has too many states, or there are too many hardware resources or cut sets.
@@ -173,17 +174,18 @@ def find_causes_locally(mission_net: MissionNet, *, max_states: int = DEFAULT_LO
         return sorted(names, key=lambda members: (len(members), members))
 
     name = mission_net.mission.name
-    moments = {m.value: listed(local.mission_at(m)) for m in Moment if m is not Moment.ENTRY}
-    critical = local.critical()
-    mission = GoalCauses(name, moments[Moment.START.value], moments, critical, None, {}, None)
-    during = {m.value: local.objective_at(m) for m in Moment if m is not Moment.START}
+    known = [m for m in Moment if m is not Moment.SOMETIME or local.worst_known]
+    moments = {m.value: listed(local.mission_at(m)) for m in known if m is not Moment.ENTRY}
+    critical, repairable = local.critical(), local.critical_with_repairs()
+    mission = GoalCauses(name, moments[Moment.START.value], moments, critical, repairable, {}, None)
+    during = {m.value: local.objective_at(m) for m in known if m is not Moment.START}
     found = {}
     for objective in (section.name for section in mission_net.graph.walk()):
         # An objective that no run enters can never succeed.
         moments = {m: listed(functions.get(objective, ALWAYS)) for m, functions in during.items()}
-        critical = local.critical_of(objective)
+        critical, repairable = (local.critical_of(objective, repairs) for repairs in (False, True))
         found[objective] = GoalCauses(
-            objective, moments[Moment.ENTRY.value], moments, critical, None, {}, None
+            objective, moments[Moment.ENTRY.value], moments, critical, repairable, {}, None
         )
     sections: list[tuple[str | None, Family]] = [(None, local.mission)]
     sections += [(s.name, local.mission_entering(s.name)) for s in local.entered]

@@ -10,23 +10,31 @@ have been repaired before.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from concurrent.futures import Executor
 from functools import cached_property
+from itertools import combinations
+
+import numpy as np
 
 from mcpn.check.availability import Availability
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses, TextSection
 from mcpn.check.losing import CriticalEvent, Outlook
+from mcpn.errors import LimitError
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
-from mcpn.space.local import MAX_FAULTY, local_graphs
+from mcpn.space.composite import ENDS, Composite
+from mcpn.space.graph import Mask
+from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, local_graphs
 
 DEFAULT_LOCAL_STATES = 1_000_000
+MAX_CONTENDED = 10
+"""Hardware up to which sets are gone through one by one where resources contend."""
 
 
 class LocalLosses(Availability):
@@ -68,6 +76,7 @@ class LocalLosses(Availability):
         outlooks = {id(p.local): Outlook(p.local.net, p.local.graph) for p in placed}
         for p in placed:
             self._all[p.section.name] = GraphSection(p, outlooks[id(p.local)], self)
+        self.composite = Composite(usage, graph, tuple(placed)) if len(placed) == len(self._all) else None
         self.locals = self._entered()
         """The sections that some run enters, by name."""
 
@@ -109,7 +118,7 @@ class LocalLosses(Availability):
         """
         found: dict[str, Family] = {}
         for section in self.entered:
-            found |= self.locals[section.name].objectives(moment, self.forced_entries[section.name])
+            found |= self.locals[section.name].objectives(moment, self._entries(section.name, moment))
         return found
 
     def mission_at(self, moment: Moment) -> Family:
@@ -128,7 +137,10 @@ class LocalLosses(Availability):
         return self._beyond(section, Moment.ENTRY)
 
     def _beyond(self, name: str, moment: Moment) -> Family:
-        return self.locals[name].beyond(moment, self._behind(name), self.forced_entries[name])
+        return self.locals[name].beyond(moment, self._behind(name), self._entries(name, moment))
+
+    def _entries(self, name: str, moment: Moment) -> list[Out]:
+        return self.forced_entries[name] if moment is Moment.SOMETIME else []
 
     def _behind(self, name: str) -> Behind:
         """What the mission loses behind the two ends of a section."""
@@ -136,31 +148,57 @@ class LocalLosses(Availability):
         section = self.usage.graph.section(name)
         return Behind(lost[section.success], lost[section.failure])
 
+    @property
+    def worst_known(self) -> bool:
+        """Whether the worst moment can be told: nothing contends, or there is little hardware."""
+        return self.exact or len(self.hardware) <= MAX_CONTENDED
+
     @cached_property
     def forced_entries(self) -> Mapping[str, list[Out]]:
-        """The minimal sets that are out of service when forced runs enter each section."""
-        families = self.families
-        found = dict.fromkeys(self.locals, NEVER)
-        todo: list[tuple[str, Out]] = [(self.usage.graph.entry, frozenset())]
+        """What is out of service when forced runs enter each section.
+
+        Where nothing contends, minimal sets: to fail at the entry or at once after it is the same. Where
+        something does, hardware that fails before an activity wants it may leave another one in use than
+        hardware that fails after, so that every set counts.
+
+        Raises:
+            LimitError: Something contends, and there is more than :data:`MAX_CONTENDED` hardware.
+        """
+        if not self.worst_known:
+            raise LimitError(
+                f"resources contend, and {len(self.hardware)} hardware resources may fail: the limit for the "
+                f"worst moment is {MAX_CONTENDED}"
+            )
+        found: dict[str, list[Out]] = {name: [] for name in self.locals}
+        entry = self.usage.graph.entry
+        todo = self._arrivals(entry, [frozenset()], frozenset())
         while todo:
             name, out = todo.pop()
-            if families.holds(found[name], out):
+            if out in found[name] or (self.exact and any(known <= out for known in found[name])):
                 continue
-            found[name] = families.either(found[name], families.all_of(out))
+            found[name] = [known for known in found[name] if not (self.exact and out < known)] + [out]
             section = self.usage.graph.section(name)
             well, badly = self.locals[name].exits(out)
             for after, sets in ((section.success, well), (section.failure, badly)):
                 if after in found:
-                    todo += [(after, s) for s in sets if not any(t < s for t in sets)]
-        return {name: [frozenset(m) for m in families.members(family)] for name, family in found.items()}
+                    todo += self._arrivals(after, sets, self.locals[name].here)
+        return found
+
+    def _arrivals(self, name: str, sets: Collection[Out], before: Out) -> list[tuple[str, Out]]:
+        """Entries of a section from what is out when the one before ends, whose own hardware is given."""
+        if self.exact:
+            return [(name, s) for s in sets if not any(t < s for t in sets)]
+        free = sorted(self.locals[name].here - before)
+        subsets = [frozenset(c) for size in range(len(free) + 1) for c in combinations(free, size)]
+        return [(name, s | more) for s in sets for more in subsets]
 
     # --- critical events -------------------------------------------------------------------------------
 
-    def critical_of(self, objective: str) -> list[CriticalEvent]:
-        """Critical events of an elementary objective without repairs."""
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of an elementary objective, with or without repairs."""
         for section in self.entered:
             if objective in (inner.name for inner in ObjectivesGraph((section,), section.name).walk()):
-                return self.locals[section.name].critical_of(objective)
+                return self.locals[section.name].critical_of(objective, repairs)
         return []
 
     def critical(self) -> list[CriticalEvent]:
@@ -173,3 +211,24 @@ class LocalLosses(Availability):
                 self._behind(section.name), first=section.name == first
             )
         ]
+
+    def critical_with_repairs(self) -> list[CriticalEvent] | None:
+        """Critical events of the mission with repairs, or ``None`` where a section has no local graph."""
+        composite = self.composite
+        if composite is None:
+            return None
+        good = composite.leading_to(["success"])
+        found: list[CriticalEvent] = []
+        for name in good:
+            local = self._all[name]
+            assert isinstance(local, GraphSection), "a composite has a graph for each section"
+            traps = {outcome: self._traps(composite, name, outcome, good) for outcome in OUTCOMES}
+            found += local.critical_with_repairs(good[name], traps, name == self.usage.graph.entry)
+        return found
+
+    def _traps(self, composite: Composite, name: str, outcome: Outcome, good: Mapping[str, Mask]) -> Mask:
+        """With which masks of its hardware a section's end may lose the mission, shape (masks,)."""
+        placed, route = composite.by_name[name], composite.route(name, outcome)
+        if route in ENDS:
+            return np.full(1 << len(placed.faulty), ENDS[route] == "failure")
+        return composite.welcomed(placed, composite.by_name[route], ~good[route])

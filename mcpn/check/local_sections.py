@@ -6,7 +6,7 @@ enumerated; what is lost behind the section's ends may depend on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -21,7 +21,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.model import FAIL
 from mcpn.space.graph import Mask
-from mcpn.space.local import PlacedSection
+from mcpn.space.local import Outcome, PlacedSection
 
 Out = frozenset[int]
 """Elements that are out of service."""
@@ -38,6 +38,8 @@ class SectionLosses(Protocol):
     """The loss functions of one section, as far as composition needs to know them."""
 
     section: Section
+    here: Out
+    """The hardware that it may use."""
 
     @property
     def succeeding(self) -> Family:
@@ -56,8 +58,8 @@ class SectionLosses(Protocol):
     def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
         """Cut sets of the mission in the states of the section that a moment asks for."""
 
-    def critical_of(self, objective: str) -> list[CriticalEvent]:
-        """Critical events of one of its objectives, without repairs."""
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of one of its objectives, with or without repairs."""
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Critical events of the mission in the section, without repairs; before it too where it is first."""
@@ -80,7 +82,7 @@ class GraphSection:
         self.hardware = text.hardware
         mine = dict(zip(placed.local.faulty, placed.faulty, strict=True))
         self.losses = Losses(outlook, text.families, text.hardware, [mine[h] for h in outlook.hardware])
-        self.here = frozenset(self.losses.elements)
+        self.here: Out = frozenset(self.losses.elements)
 
     @cached_property
     def succeeding(self) -> Family:
@@ -154,10 +156,10 @@ class GraphSection:
 
     # --- critical events -------------------------------------------------------------------------------
 
-    def critical_of(self, objective: str) -> list[CriticalEvent]:
-        """Critical events of one of its objectives, without repairs."""
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of one of its objectives, with or without repairs."""
         goal = self.outlook.objectives[self._names[objective]]
-        return [self._renamed(critical) for critical in self.outlook.critical(goal, repairs=False)]
+        return self._told(np.flatnonzero(self.outlook.crossing(goal, repairs)).tolist())
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Critical events of the mission in the section, without repairs.
@@ -165,28 +167,52 @@ class GraphSection:
         A failure of hardware that the section does not use is critical where the loss behind the section's
         ends depends on it.
         """
-        goal = self._led_on(behind)
-        where = goal.running if first else goal.running & self.outlook.begun
-        return [self._renamed(critical) for critical in self.outlook.grouped(self._crossings(goal, where))]
-
-    def _crossings(self, goal: Goal, where: Mask) -> Iterator[tuple[str, int]]:
-        outlook, graph, families = self.outlook, self.outlook.graph, self.families
+        goal, outlook, graph, families = self._led_on(behind), self.outlook, self.outlook.graph, self.families
         # What is lost in each state, as a function of the hardware that the section does not know.
         others = frozenset(range(families.elements)) - self.here
         lost = [
             families.inside(families.assuming(loss, self.losses.out(s)), others)
             for s, loss in enumerate(self.losses.functions(goal))
         ]
-        chance = where & np.array([loss != ALWAYS for loss in lost], np.bool_)
-        for edge in np.flatnonzero(outlook.allowed(False) & chance[graph.sources]).tolist():
-            before, after = int(graph.sources[edge]), int(graph.targets[edge])
-            if families.either(lost[before], lost[after]) != lost[before]:
-                event = graph.net.transitions[int(graph.labels[edge])].event
-                assert event is not None, "only events label the alternatives graph"
-                yield event, before
-        for state in np.flatnonzero(chance).tolist():
-            for h in families.support(lost[state]):
-                yield f"{self.hardware[h]}_EV_OOS", state
+        chance = goal.running & np.array([loss != ALWAYS for loss in lost], np.bool_)
+        if not first:
+            chance &= outlook.begun
+        ends = zip(graph.sources.tolist(), graph.targets.tolist(), strict=True)
+        worse = [chance[a] and families.either(lost[a], lost[b]) != lost[a] for a, b in ends]
+        crossing = np.flatnonzero(outlook.allowed(False) & np.array(worse, np.bool_)).tolist()
+        besides = [
+            (f"{self.hardware[h]}_EV_OOS", state)
+            for state in np.flatnonzero(chance).tolist()
+            for h in families.support(lost[state])
+        ]
+        return [*self._told(crossing), *(self._renamed(critical) for critical in outlook.grouped(besides))]
+
+    def _told(self, edges: Iterable[int]) -> list[CriticalEvent]:
+        """Edges of the local graph as critical events of this section."""
+        transitions, graph = self.outlook.graph.net.transitions, self.outlook.graph
+        named = [(transitions[int(graph.labels[e])].event or "", int(graph.sources[e])) for e in edges]
+        mine = ((self._events.get(event, event), state) for event, state in named)
+        return [self._renamed(critical) for critical in self.outlook.grouped(mine)]
+
+    def critical_with_repairs(
+        self, good: Mask, traps: Mapping[Outcome, Mask], first: bool
+    ) -> list[CriticalEvent]:
+        """Critical events of the mission in the section where hardware may be repaired.
+
+        Args:
+            good: States from which the mission can succeed, shape (states,).
+            traps: By outcome, with which masks of the section's hardware its end may lose the mission, shape
+                (masks,).
+            first: Whether the mission begins with this section.
+        """
+        local, graph = self.placed.local, self.outlook.graph
+        crossing = local.edges_inside & good[graph.sources] & ~good[graph.targets]
+        for outcome, edges in local.leaving.items():
+            after = local.out_of_service[graph.targets[edges]]
+            crossing[edges] = good[graph.sources[edges]] & traps[outcome][after]
+        if first and good[local.entry].any():
+            crossing |= local.before[graph.sources] & local.inside[graph.targets] & ~good[graph.targets]
+        return self._told(np.flatnonzero(crossing).tolist())
 
     @cached_property
     def _events(self) -> Mapping[str, str]:
@@ -208,11 +234,10 @@ class GraphSection:
         }
 
     def _renamed(self, critical: CriticalEvent) -> CriticalEvent:
-        """The same in the names of this section."""
+        """The same with objectives and modes in the names of this section."""
         mine = {inner: name for name, inner in self._names.items()}
         return replace(
             critical,
-            event=self._events.get(critical.event, critical.event),
             objectives=tuple(mine[name] for name in critical.objectives),
             mode=dict(self._activities[pair] for pair in critical.mode.items()),
         )
@@ -243,6 +268,7 @@ class TextSection:
         self.families = text.families
         self.hardware = text.hardware
         self.succeeding = text.objective(section)
+        self.here: Out = frozenset(text.families.support(self.succeeding))
         self.failing = NEVER
 
     def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
@@ -270,8 +296,8 @@ class TextSection:
     def _lost(self, behind: Behind) -> Family:
         return self.families.both(self.families.either(self.succeeding, behind.success), behind.failure)
 
-    def critical_of(self, objective: str) -> list[CriticalEvent]:
-        """Critical events of the objective; its modes are not told apart."""
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of the objective, for which repairs come too late; its modes are not told apart."""
         return [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(self.succeeding)]
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:

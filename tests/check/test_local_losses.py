@@ -67,6 +67,9 @@ def agree_on_reports(found: MissionNet, max_states: int) -> None:
     except ConfluenceError:
         return  # in a section that no run enters
     assert situations(local.mission.critical) == situations(whole.mission.critical)
+    assert local.mission.critical_with_repairs is not None
+    assert whole.mission.critical_with_repairs is not None
+    assert situations(local.mission.critical_with_repairs) == situations(whole.mission.critical_with_repairs)
     assert local.mission.cut_sets == whole.mission.cut_sets
     for name, goal in whole.objectives.items():
         if outlook.objectives[name].running.any():
