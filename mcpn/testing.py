@@ -54,6 +54,7 @@ class Shape:
             objective, the chain under one activity) shares no resource and no activity, so that nothing
             contends.
         text: Whether descriptions and parameters are drawn.
+        numbers: Whether rates, durations and probabilities are drawn, each or none.
     """
 
     hardware: int = 3
@@ -70,6 +71,7 @@ class Shape:
     shared_activities: bool = True
     disjoint_branches: bool = False
     text: bool = False
+    numbers: bool = False
 
 
 TEXTS = st.text(
@@ -127,6 +129,9 @@ class _Drawing:
         unit = self.draw(st.none() | TEXTS)
         return (Parameter(name=self.name("par"), value=self.draw(TEXTS), unit=unit),)
 
+    def value(self, least: float, most: float) -> float | None:
+        return self.draw(st.none() | st.floats(least, most)) if self.shape.numbers else None
+
     def mission(self) -> Mission:
         hardware, software = self.resources()
         for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
@@ -154,10 +159,7 @@ class _Drawing:
         return self.islands[self.number(0, len(self.islands) - 1)]
 
     def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
-        hardware = tuple(
-            Hardware(name=f"h{i}", faulty=self.number(0, 4) > 0, description=self.description())
-            for i in range(self.number(1, self.shape.hardware))
-        )
+        hardware = tuple(self.hardware(f"h{i}") for i in range(self.number(1, self.shape.hardware)))
         islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
         self.islands = [_Island(i) for i in range(islands)]
         for i, h in enumerate(hardware):
@@ -176,6 +178,17 @@ class _Drawing:
                 island.below[s] = frozenset(produced).union(*needs)
                 island.groups[s] = produced
         return hardware, tuple(software)
+
+    def hardware(self, name: str) -> Hardware:
+        faulty = self.number(0, 4) > 0
+        rates = (self.value(0, 1e6), self.value(0, 1e6)) if faulty else (None, None)
+        return Hardware(
+            name=name,
+            faulty=faulty,
+            description=self.description(),
+            failure_rate=rates[0],
+            repair_rate=rates[1],
+        )
 
     def startable(self, island: _Island) -> None:
         name = f"activity{len(self.activities)}"
@@ -285,6 +298,8 @@ class _Drawing:
             activities=tuple(activities),
             parameters=self.parameters(),
             description=self.description(),
+            duration=self.value(1e-6, 1e6),
+            failure_probability=self.value(0, 1),
         )
 
     def children(self, depth: int, islands: list[_Island], budget: int) -> tuple[tuple[Block, ...], int]:

@@ -12,7 +12,7 @@ import sys
 import click
 
 from mcpn import __version__
-from mcpn.cli import check, ctl, outputs, spaces
+from mcpn.cli import causes, check, ctl, outputs, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED
 from mcpn.errors import InputError, McpnError, SemanticsError
 
@@ -55,6 +55,7 @@ def _tell(error: McpnError) -> int:
 
 for command in (
     check.check,
+    causes.causes,
     spaces.states,
     spaces.alternatives,
     ctl.ctl,

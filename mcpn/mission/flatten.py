@@ -46,6 +46,8 @@ class ElementarySection:
         parameters: For the control laws: those of enclosing recursive objectives and protocols, then its own;
             the innermost of a name counts, and a use's overrides replace what its protocol says.
         description: For reports.
+        duration: Its mean duration in hours, where known.
+        failure_probability: How probable it is that it fails though it could succeed.
     """
 
     name: str
@@ -55,6 +57,8 @@ class ElementarySection:
     source: Source | None = field(default=None, compare=False)
     parameters: tuple[Parameter, ...] = ()
     description: str | None = None
+    duration: float | None = None
+    failure_probability: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +135,14 @@ class ObjectivesGraph:
             else:
                 for branch in section.branches:
                     yield from branch.graph.walk()
+
+    def all_sections(self) -> Iterator[Section]:
+        """Every section at any depth, parallel blocks before what they hold, in document order."""
+        for section in self.sections:
+            yield section
+            if isinstance(section, ParallelSection):
+                for branch in section.branches:
+                    yield from branch.graph.all_sections()
 
     def to_networkx(self) -> nx.MultiDiGraph[str]:
         """The same as a networkx graph, branches of parallel blocks at nodes of their own.
@@ -256,7 +268,15 @@ class _Flattening:
             self.count(len(parameters))
             sections.append(
                 ElementarySection(
-                    name, block.activities, success, failure, block.source, parameters, block.description
+                    name,
+                    block.activities,
+                    success,
+                    failure,
+                    block.source,
+                    parameters,
+                    block.description,
+                    block.duration,
+                    block.failure_probability or 0.0,
                 )
             )
         elif isinstance(block, Parallel):

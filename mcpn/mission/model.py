@@ -55,9 +55,13 @@ class Hardware(Element):
 
     Args:
         faulty: Whether it can go out of service.
+        failure_rate: Failures per hour of service, for numbers of risk; ``None`` where not known.
+        repair_rate: Repairs per hour out of service; ``None`` where nobody repairs it.
     """
 
     faulty: bool = True
+    failure_rate: float | None = None
+    repair_rate: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,10 +136,15 @@ class Objective(BlockElement):
     Args:
         activities: At least one name.
         parameters: For the control laws of its activities.
+        duration: Its mean duration in hours, for numbers of risk; ``None`` where not known.
+        failure_probability: How probable it is that it ends in failure though it could succeed; 0 if not
+            given.
     """
 
     activities: tuple[str, ...]
     parameters: tuple[Parameter, ...] = ()
+    duration: float | None = None
+    failure_probability: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -130,11 +130,18 @@ def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
                 known = ", ".join(sorted(rule.patterns))
                 yield line, f"found the attribute {name} on <{tag}>, expected one of {known}"
             elif (pattern := rule.patterns[name]) and not re.fullmatch(pattern, value, re.ASCII):
-                names = "letters, digits and _, no digit first, at most 255 characters"
-                expected = "true or false" if "true" in pattern else names
-                yield line, f"{name} of <{tag}> is {value!r}, expected {expected}"
+                yield line, f"{name} of <{tag}> is {value!r}, expected {_expected(pattern)}"
         for name in sorted(rule.required - set(element.attrib)):
             yield line, f"<{tag}> has no attribute {name}, which is required"
+
+
+def _expected(pattern: str) -> str:
+    """What a pattern of the schema asks for, in words."""
+    if "true" in pattern:
+        return "true or false"
+    if "eE" in pattern:
+        return "a decimal number of at least 0, for example 12 or 2.5e-4"
+    return "letters, digits and _, no digit first, at most 255 characters"
 
 
 def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
@@ -158,6 +165,13 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
     if tag == "objective" and bool(blocks) == ("activities" in element.attrib):
         found = "both activities and blocks" if blocks else "neither activities nor blocks"
         yield line, f"<objective> has {found}, expected activities (elementary) or blocks (recursive)"
+    if tag == "objective" and blocks:
+        for name in ("duration", "failure_probability"):
+            if name in element.attrib:
+                yield (
+                    line,
+                    f"<objective> has {name} and blocks, expected {name} on elementary objectives only",
+                )
     if tag == "activity" and "consumes" in element.attrib and "alternative" in children:
         yield line, "<activity> has both consumes and <alternative>, expected consumes on the alternatives"
 

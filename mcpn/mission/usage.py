@@ -67,7 +67,7 @@ class Usage:
         self._needs: dict[str, Needs] = {}
         self._inner: dict[str, frozenset[tuple[str, Demand, Demand]]] = {}
         # Suppliers first: what follows asks only one step down a chain of activities, however long it is.
-        for name in self._suppliers_first():
+        for name in self.suppliers_first():
             self.closure(name)
             for resource in self.activities[name].produces:
                 self.hardware_under(resource)
@@ -80,7 +80,7 @@ class Usage:
         consumed = self.activities[activity].alternatives[alternative].consumes
         return list(dict.fromkeys(self.producer[k] for k in consumed if k in self.producer))
 
-    def _suppliers_first(self) -> Iterator[str]:
+    def suppliers_first(self) -> Iterator[str]:
         """Every activity after those that it may start through resources."""
         done: set[str] = set()
         for root in self.activities:
@@ -215,7 +215,7 @@ class Usage:
     @cached_property
     def _waiting(self) -> frozenset[str]:
         waiting: set[str] = set()
-        for name in self._suppliers_first():
+        for name in self.suppliers_first():
             for i in range(len(self.activities[name].alternatives)):
                 below = self.suppliers(name, i)
                 if self.waits_for_release(name, i) or not waiting.isdisjoint(below):

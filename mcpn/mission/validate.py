@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -93,6 +94,7 @@ class _Checks:
         yield from _duplicates("resource", (*mission.hardware, *mission.software))
         yield from _duplicates("activity", mission.activities)
         yield from _duplicates("protocol", mission.protocols)
+        yield from self.rates()
         yield from self.products()
         for activity in mission.activities:
             yield from self.activity(activity)
@@ -112,6 +114,15 @@ class _Checks:
         )
 
     # --- resources and activities ----------------------------------------------------------------------
+
+    def rates(self) -> Iterator[Problem]:
+        for h in self.mission.hardware:
+            for name, rate in (("failure_rate", h.failure_rate), ("repair_rate", h.repair_rate)):
+                if rate is not None and not 0 <= rate < math.inf:
+                    expected = "expected a finite number per hour, at least 0"
+                    yield Problem(h.source, f"{name} of {h.name} is {rate:g}, {expected}")
+                if rate and not h.faulty:
+                    yield Problem(h.source, f"{h.name} has a {name}, though it cannot fail (faulty is false)")
 
     def products(self) -> Iterator[Problem]:
         for software in self.mission.software:
@@ -222,6 +233,12 @@ class _Checks:
         if not block.activities:
             yield Problem(block.source, f"objective {block.name} names no activity")
         yield from _repeats(block, "activities", block.activities)
+        if block.duration is not None and not 0 < block.duration < math.inf:
+            expected = "expected a finite number of hours above 0"
+            yield Problem(block.source, f"duration of {block.name} is {block.duration:g}, {expected}")
+        if block.failure_probability is not None and not 0 <= block.failure_probability <= 1:
+            found = f"failure_probability of {block.name} is {block.failure_probability:g}"
+            yield Problem(block.source, f"{found}, expected a number from 0 to 1")
         for name in dict.fromkeys(block.activities):
             if name not in self.activities:
                 yield self.unknown(block.source, f"objective {block.name} runs", name, self.activities)

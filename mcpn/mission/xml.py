@@ -207,6 +207,7 @@ class _Reader:
             if tag == "import":
                 self.imported(child, path, chain, found)
             elif tag == "hardware":
+                common |= _numbers(child, "failure_rate", "repair_rate")
                 hardware.append(Hardware(**common, faulty=_truth(child, "faulty")))
             elif tag == "software":
                 software.append(Software(**common))
@@ -270,6 +271,7 @@ class _Reader:
         if tag == "use":
             return Use(**common, protocol=element.get("protocol", ""), parameters=parameters)
         if "activities" in element.attrib:
+            common |= _numbers(element, "duration", "failure_probability")
             return Objective(**common, activities=_names(element, "activities"), parameters=parameters)
         return Recursive(**common, blocks=self.blocks(element, path), parameters=parameters)
 
@@ -303,6 +305,10 @@ def _names(element: etree._Element, attribute: str) -> tuple[str, ...]:
 
 def _truth(element: etree._Element, attribute: str) -> bool:
     return element.get(attribute, "true").strip() in ("true", "1")
+
+
+def _numbers(element: etree._Element, *attributes: str) -> dict[str, float]:
+    return {a: float(text) for a in attributes if (text := element.get(a)) is not None}
 
 
 # --- writing -------------------------------------------------------------------------------------------
@@ -350,13 +356,13 @@ def save_mission(mission: Mission, path: Path | str) -> None:
     write_atomically(Path(path), write_mission(mission))
 
 
-def _attributes(element: etree._Element, of: Any, **more: str | None) -> None:
+def _attributes(element: etree._Element, of: Any, **more: str | float | None) -> None:
     for key, value in {"name": of.name, **more, "description": of.description}.items():
         if value is not None:
-            element.set(key, value)
+            element.set(key, str(value))
 
 
-def _child(parent: etree._Element, tag: str, of: Any, **more: str | None) -> etree._Element:
+def _child(parent: etree._Element, tag: str, of: Any, **more: str | float | None) -> etree._Element:
     element = etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}")
     _attributes(element, of, **more)
     return element
@@ -369,7 +375,8 @@ def _write_parameters(element: etree._Element, parameters: Iterable[Parameter]) 
 
 def _write_robot(element: etree._Element, robot: Robot) -> None:
     for hardware in robot.hardware:
-        _child(element, "hardware", hardware, faulty=None if hardware.faulty else "false")
+        rates = {"failure_rate": hardware.failure_rate, "repair_rate": hardware.repair_rate}
+        _child(element, "hardware", hardware, faulty=None if hardware.faulty else "false", **rates)
     for software in robot.software:
         _child(element, "software", software)
     for activity in robot.activities:
@@ -392,10 +399,11 @@ def _write_robot(element: etree._Element, robot: Robot) -> None:
 
 def _write_blocks(parent: etree._Element, blocks: Iterable[Block], *, in_parallel: bool) -> None:
     for block in blocks:
-        routing: dict[str, str | None] = {"success": block.success, "failure": block.failure}
+        routing: dict[str, str | float | None] = {"success": block.success, "failure": block.failure}
         if in_parallel and not block.mandatory:
             routing["mandatory"] = "false"
         if isinstance(block, Objective):
+            routing |= {"duration": block.duration, "failure_probability": block.failure_probability}
             element = _child(parent, "objective", block, activities=" ".join(block.activities), **routing)
             _write_parameters(element, block.parameters)
         elif isinstance(block, Use):

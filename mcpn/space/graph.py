@@ -75,7 +75,8 @@ class StateGraph:
         return np.asarray(np.diff(self.offsets) == 0, np.bool_)
 
     @cached_property
-    def _incoming(self) -> tuple[Ints, Ints]:
+    def incoming(self) -> tuple[Ints, Ints]:
+        """Edges by their target: row bounds of shape (states + 1,), and edges of shape (edges,)."""
         order = np.argsort(self.targets, kind="stable")
         offsets = np.zeros(self.states + 1, np.int64)
         np.cumsum(np.bincount(self.targets, minlength=self.states), out=offsets[1:])
@@ -91,7 +92,7 @@ class StateGraph:
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
-        offsets, order = self._incoming
+        offsets, order = self.incoming
         found = goal.copy()
         frontier = np.flatnonzero(goal)
         while len(frontier):
@@ -100,6 +101,26 @@ class StateGraph:
                 edges = edges[along[edges]]
             before = np.unique(self.sources[edges])
             frontier = before[~found[before]]
+            found[frontier] = True
+        return found
+
+    def reached(self, along: Mask, start: int = 0) -> Mask:
+        """States that runs along some edges lead to.
+
+        Args:
+            along: Shape (edges,).
+            start: The state to run from; it is reached itself.
+
+        Returns:
+            Shape (states,). Linear in the size of the graph.
+        """
+        found = np.zeros(self.states, np.bool_)
+        found[start] = True
+        frontier = np.array([start], np.int64)
+        while len(frontier):
+            edges = rows(self.offsets, frontier)
+            after = np.unique(self.targets[edges[along[edges]]])
+            frontier = after[~found[after]]
             found[frontier] = True
         return found
 

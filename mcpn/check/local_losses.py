@@ -1,0 +1,234 @@
+"""Loss functions by composition: those of each section, glued where one is left for the next.
+
+Between two sections every activity is stopped and every software resource is gone: all that one hands to the
+next is which hardware is out of service (:mod:`mcpn.space.local` checks it). So the functions of each section
+for leaving by success and by failure, worked out on its local graph, take the place of those read from the
+mission's text (:mod:`mcpn.check.availability`), and contention inside a section counts. A set that stays out
+of service may be taken to be all that is out when the next section is entered: whatever else is out could
+have been repaired before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from concurrent.futures import Executor
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from mcpn.check.availability import Availability
+from mcpn.check.cutsets import Moment
+from mcpn.check.families import ALWAYS, NEVER, Family
+from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses, TextSection
+from mcpn.check.losing import CriticalEvent, Outlook
+from mcpn.errors import LimitError
+from mcpn.mission.flatten import ObjectivesGraph, Section
+from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.usage import Usage
+from mcpn.net.sections import section_part
+from mcpn.net.templates import TemplateSet
+from mcpn.space.composite import ENDS, Composite
+from mcpn.space.graph import Mask
+from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, local_graphs
+
+DEFAULT_LOCAL_STATES = 1_000_000
+MAX_CONTENDED = 10
+"""Hardware up to which sets are gone through one by one where resources contend."""
+
+
+class LocalLosses(Availability):
+    """Loss functions of a mission from its sections.
+
+    Args:
+        usage: The mission's static facts.
+        templates: The set of templates; the paper's by default.
+        max_states: How many stable states a local graph may have.
+        executor: Where local graphs are made; in this process by default.
+
+    Raises:
+        PremiseError: A section hands on more than the state of its hardware.
+        ConfluenceError: The outcome of a section depends on the interleaving.
+        LimitError: A local graph has too many states, or a section too much hardware and contention besides.
+    """
+
+    def __init__(
+        self,
+        usage: Usage,
+        templates: TemplateSet | None = None,
+        max_states: int = DEFAULT_LOCAL_STATES,
+        executor: Executor | None = None,
+    ) -> None:
+        super().__init__(usage)
+        graph = usage.graph
+        small = [s for s in graph.sections if len(section_part(usage, s).faulty) <= MAX_FAULTY]
+        text = Availability(usage, self.families)
+        self._all: dict[str, SectionLosses] = {
+            s.name: TextSection(s, text) for s in graph.sections if s not in small
+        }
+        placed = local_graphs(
+            usage,
+            ObjectivesGraph(tuple(small), graph.entry),
+            templates=templates,
+            executor=executor,
+            max_states=max_states,
+        )
+        outlooks = {id(p.local): Outlook(p.local.net, p.local.graph) for p in placed}
+        for p in placed:
+            self._all[p.section.name] = GraphSection(p, outlooks[id(p.local)], self)
+        self.composite = Composite(usage, graph, tuple(placed)) if len(placed) == len(self._all) else None
+        self.locals = self._entered()
+        """The sections that some run enters, by name."""
+
+    def _entered(self) -> dict[str, SectionLosses]:
+        names = [self.usage.graph.entry]
+        for name in names:  # grows while it is walked
+            local = self._all[name]
+            for lost, after in (
+                (local.succeeding, local.section.success),
+                (local.failing, local.section.failure),
+            ):
+                if lost != ALWAYS and after in self._all and after not in names:
+                    names.append(after)
+        return {name: local for name, local in self._all.items() if name in set(names)}
+
+    def succeeding(self, section: Section) -> Family:
+        """When a section cannot be left by its success; always where no run enters it."""
+        return self.locals[section.name].succeeding if section.name in self.locals else ALWAYS
+
+    def failing(self, section: Section) -> Family:
+        """When a section cannot be left by its failure; always where no run enters it."""
+        return self.locals[section.name].failing if section.name in self.locals else ALWAYS
+
+    @property
+    def entered(self) -> list[Section]:
+        """The sections that some run enters, in the mission's order."""
+        return [section for section in self.usage.graph.sections if section.name in self.locals]
+
+    # --- moments ---------------------------------------------------------------------------------------
+
+    def objective_at(self, moment: Moment) -> Mapping[str, Family]:
+        """Cut sets of each elementary objective in its present run, by its name.
+
+        Args:
+            moment: ``ENTRY``, ``WHENEVER`` or ``SOMETIME``.
+
+        Returns:
+            Functions of the objectives of sections that some run enters.
+        """
+        found: dict[str, Family] = {}
+        for section in self.entered:
+            found |= self.locals[section.name].objectives(moment, self._entries(section.name, moment))
+        return found
+
+    def mission_at(self, moment: Moment) -> Family:
+        """Cut sets of the mission.
+
+        Args:
+            moment: ``START``, ``WHENEVER`` or ``SOMETIME``.
+        """
+        if moment is Moment.START:
+            return self.mission
+        found = [self._beyond(section.name, moment) for section in self.entered]
+        return self.both(found) if moment is Moment.WHENEVER else self.either(found)
+
+    def mission_entering(self, section: str) -> Family:
+        """Cut sets of the mission at the entry of a section of the mission's graph, or at once after it."""
+        return self._beyond(section, Moment.ENTRY)
+
+    def _beyond(self, name: str, moment: Moment) -> Family:
+        return self.locals[name].beyond(moment, self._behind(name), self._entries(name, moment))
+
+    def _entries(self, name: str, moment: Moment) -> list[Out]:
+        return self.forced_entries[name] if moment is Moment.SOMETIME else []
+
+    def _behind(self, name: str) -> Behind:
+        """What the mission loses behind the two ends of a section."""
+        lost = {SUCCEED: NEVER, FAIL: ALWAYS, **self.mission_from}
+        section = self.usage.graph.section(name)
+        return Behind(lost[section.success], lost[section.failure])
+
+    @property
+    def worst_known(self) -> bool:
+        """Whether the worst moment can be told: nothing contends, or there is little hardware."""
+        return self.exact or len(self.hardware) <= MAX_CONTENDED
+
+    @cached_property
+    def forced_entries(self) -> Mapping[str, list[Out]]:
+        """What is out of service when forced runs enter each section.
+
+        Where nothing contends, minimal sets: to fail at the entry or at once after it is the same. Where
+        something does, hardware that fails before an activity wants it may leave another one in use than
+        hardware that fails after, so that every set counts.
+
+        Raises:
+            LimitError: Something contends, and there is more than :data:`MAX_CONTENDED` hardware.
+        """
+        if not self.worst_known:
+            raise LimitError(
+                f"resources contend, and {len(self.hardware)} hardware resources may fail: the limit for the "
+                f"worst moment is {MAX_CONTENDED}"
+            )
+        found: dict[str, list[Out]] = {name: [] for name in self.locals}
+        entry = self.usage.graph.entry
+        todo = self._arrivals(entry, [frozenset()], frozenset())
+        while todo:
+            name, out = todo.pop()
+            if out in found[name] or (self.exact and any(known <= out for known in found[name])):
+                continue
+            found[name] = [known for known in found[name] if not (self.exact and out < known)] + [out]
+            section = self.usage.graph.section(name)
+            well, badly = self.locals[name].exits(out)
+            for after, sets in ((section.success, well), (section.failure, badly)):
+                if after in found:
+                    todo += self._arrivals(after, sets, self.locals[name].here)
+        return found
+
+    def _arrivals(self, name: str, sets: Collection[Out], before: Out) -> list[tuple[str, Out]]:
+        """Entries of a section from what is out when the one before ends, whose own hardware is given."""
+        if self.exact:
+            return [(name, s) for s in sets if not any(t < s for t in sets)]
+        free = sorted(self.locals[name].here - before)
+        subsets = [frozenset(c) for size in range(len(free) + 1) for c in combinations(free, size)]
+        return [(name, s | more) for s in sets for more in subsets]
+
+    # --- critical events -------------------------------------------------------------------------------
+
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of an elementary objective, with or without repairs."""
+        for section in self.entered:
+            if objective in (inner.name for inner in ObjectivesGraph((section,), section.name).walk()):
+                return self.locals[section.name].critical_of(objective, repairs)
+        return []
+
+    def critical(self) -> list[CriticalEvent]:
+        """Critical events of the mission without repairs, section by section."""
+        first = self.usage.graph.entry
+        return [
+            critical
+            for section in self.entered
+            for critical in self.locals[section.name].critical(
+                self._behind(section.name), first=section.name == first
+            )
+        ]
+
+    def critical_with_repairs(self) -> list[CriticalEvent] | None:
+        """Critical events of the mission with repairs, or ``None`` where a section has no local graph."""
+        composite = self.composite
+        if composite is None:
+            return None
+        good = composite.leading_to(["success"])
+        found: list[CriticalEvent] = []
+        for name in good:
+            local = self._all[name]
+            assert isinstance(local, GraphSection), "a composite has a graph for each section"
+            traps = {outcome: self._traps(composite, name, outcome, good) for outcome in OUTCOMES}
+            found += local.critical_with_repairs(good[name], traps, name == self.usage.graph.entry)
+        return found
+
+    def _traps(self, composite: Composite, name: str, outcome: Outcome, good: Mapping[str, Mask]) -> Mask:
+        """With which masks of its hardware a section's end may lose the mission, shape (masks,)."""
+        placed, route = composite.by_name[name], composite.route(name, outcome)
+        if route in ENDS:
+            return np.full(1 << len(placed.faulty), ENDS[route] == "failure")
+        return composite.welcomed(placed, composite.by_name[route], ~good[route])

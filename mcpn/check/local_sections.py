@@ -1,0 +1,316 @@
+"""Loss functions of one section of a mission: from its local graph, or from the mission's text.
+
+Hardware that a section does not use is an element that its own functions do not depend on, and is never
+enumerated; what is lost behind the section's ends may depend on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from mcpn.check.availability import Availability
+from mcpn.check.cutsets import Losses, Moment
+from mcpn.check.families import ALWAYS, NEVER, Family
+from mcpn.check.losing import CriticalEvent, Goal, Outlook
+from mcpn.errors import LimitError
+from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.model import FAIL
+from mcpn.space.graph import Mask
+from mcpn.space.local import Outcome, PlacedSection
+
+Out = frozenset[int]
+"""Elements that are out of service."""
+
+
+class Behind(NamedTuple):
+    """What the mission loses behind the two ends of a section."""
+
+    success: Family
+    failure: Family
+
+
+class SectionLosses(Protocol):
+    """The loss functions of one section, as far as composition needs to know them."""
+
+    section: Section
+    here: Out
+    """The hardware that it may use."""
+
+    @property
+    def succeeding(self) -> Family:
+        """When the section, entered with hardware out of service, cannot be left by its success."""
+
+    @property
+    def failing(self) -> Family:
+        """When it cannot be left by its failure."""
+
+    def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
+        """What is out of service when forced runs from an entry leave by success, and by failure."""
+
+    def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
+        """Cut sets of the section's objectives; entries are those of forced runs, for ``SOMETIME``."""
+
+    def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
+        """Cut sets of the mission in the states of the section that a moment asks for."""
+
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of one of its objectives, with or without repairs."""
+
+    def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
+        """Critical events of the mission in the section, without repairs; before it too where it is first."""
+
+
+class GraphSection:
+    """A section on its local graph.
+
+    Args:
+        placed: The section with the graph of its type.
+        outlook: The chances of the type on that graph.
+        text: The mission's hardware as elements.
+    """
+
+    def __init__(self, placed: PlacedSection, outlook: Outlook, text: Availability) -> None:
+        self.section = placed.section
+        self.placed = placed
+        self.outlook = outlook
+        self.families = text.families
+        self.hardware = text.hardware
+        mine = dict(zip(placed.local.faulty, placed.faulty, strict=True))
+        self.losses = Losses(outlook, text.families, text.hardware, [mine[h] for h in outlook.hardware])
+        self.here: Out = frozenset(self.losses.elements)
+
+    @cached_property
+    def succeeding(self) -> Family:
+        """When the section cannot be left by its success."""
+        return self.losses.cut_sets(self.outlook.mission, Moment.START)
+
+    @cached_property
+    def failing(self) -> Family:
+        """When the section cannot be left by its failure."""
+        failed = self.placed.local.ended["failure"]
+        goal = Goal("mission", "failure", ~failed, failed, self.outlook.allowed(True))
+        return self.losses.cut_sets(goal, Moment.START)
+
+    # --- forced runs -----------------------------------------------------------------------------------
+
+    def after_entry(self, out: Out) -> Mask:
+        """States after forced runs from the entry with some hardware out of service."""
+        mask = sum(1 << i for i, name in enumerate(self.placed.faulty) if self.hardware.index(name) in out)
+        return self.losses.after_forced(int(self.placed.local.entry[mask]))
+
+    def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
+        """What is out of service when forced runs from an entry leave by success, and by failure."""
+        seen, ended = self.after_entry(out), self.placed.local.ended
+        well, badly = (
+            {self.losses.out(s) | out - self.here for s in np.flatnonzero(seen & ended[outcome]).tolist()}
+            for outcome in ended
+        )
+        return well, badly
+
+    def _at_worst(self, goal: Goal, entries: Iterable[Out]) -> Family:
+        found, begun = NEVER, goal.running & self.outlook.begun
+        for out in entries:
+            lost = self.losses.in_some(goal, begun & self.after_entry(out))
+            found = self.families.either(found, self.families.both(self.families.all_of(out), lost))
+        return found
+
+    # --- goals -----------------------------------------------------------------------------------------
+
+    @cached_property
+    def _names(self) -> Mapping[str, str]:
+        """Objectives of the type by those of the section."""
+        own, of_type = self.placed.part.graph.walk(), self.placed.local.part.graph.walk()
+        return {mine.name: inner.name for mine, inner in zip(own, of_type, strict=True)}
+
+    def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
+        """Cut sets of the section's objectives."""
+        goals = {mine: self.outlook.objectives[inner] for mine, inner in self._names.items()}
+        if moment is Moment.SOMETIME:
+            known = list(entries)
+            return {mine: self._at_worst(goal, known) for mine, goal in goals.items()}
+        return {mine: self.losses.cut_sets(goal, moment, goal.name) for mine, goal in goals.items()}
+
+    def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
+        """Cut sets of the mission in the states of the section that a moment asks for."""
+        goal = self._led_on(behind)
+        if moment is Moment.SOMETIME:
+            return self._at_worst(goal, entries)
+        return self.losses.cut_sets(goal, moment, self.placed.local.part.graph.entry)
+
+    def _led_on(self, behind: Behind) -> Goal:
+        """The mission's success as a goal on the local graph, its ends told what comes behind."""
+        success, failure = (self.placed.local.ended[outcome] for outcome in ("success", "failure"))
+        # A mission that has failed is lost, as on the whole graph; one that has gone on is told of behind.
+        failed = np.zeros_like(success)
+        for route, ended in ((self.section.success, success), (self.section.failure, failure)):
+            failed |= ended if route == FAIL else False
+        ended = success | failure
+        goal = Goal("mission", "beyond", ~ended | failed, ended, self.outlook.allowed(True))
+        self.losses.lead_on(goal, [(success, behind.success), (failure, behind.failure)])
+        return goal
+
+    # --- critical events -------------------------------------------------------------------------------
+
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of one of its objectives, with or without repairs."""
+        goal = self.outlook.objectives[self._names[objective]]
+        return self._told(np.flatnonzero(self.outlook.crossing(goal, repairs)).tolist())
+
+    def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
+        """Critical events of the mission in the section, without repairs.
+
+        A failure of hardware that the section does not use is critical where the loss behind the section's
+        ends depends on it.
+        """
+        goal, outlook, graph, families = self._led_on(behind), self.outlook, self.outlook.graph, self.families
+        # What is lost in each state, as a function of the hardware that the section does not know.
+        others = frozenset(range(families.elements)) - self.here
+        lost = [
+            families.inside(families.assuming(loss, self.losses.out(s)), others)
+            for s, loss in enumerate(self.losses.functions(goal))
+        ]
+        chance = goal.running & np.array([loss != ALWAYS for loss in lost], np.bool_)
+        if not first:
+            chance &= outlook.begun
+        ends = zip(graph.sources.tolist(), graph.targets.tolist(), strict=True)
+        worse = [chance[a] and families.either(lost[a], lost[b]) != lost[a] for a, b in ends]
+        crossing = np.flatnonzero(outlook.allowed(False) & np.array(worse, np.bool_)).tolist()
+        besides = [
+            (f"{self.hardware[h]}_EV_OOS", state)
+            for state in np.flatnonzero(chance).tolist()
+            for h in families.support(lost[state])
+        ]
+        return [*self._told(crossing), *(self._renamed(critical) for critical in outlook.grouped(besides))]
+
+    def _told(self, edges: Iterable[int]) -> list[CriticalEvent]:
+        """Edges of the local graph as critical events of this section."""
+        transitions, graph = self.outlook.graph.net.transitions, self.outlook.graph
+        named = [(transitions[int(graph.labels[e])].event or "", int(graph.sources[e])) for e in edges]
+        mine = ((self._events.get(event, event), state) for event, state in named)
+        return [self._renamed(critical) for critical in self.outlook.grouped(mine)]
+
+    def critical_with_repairs(
+        self, good: Mask, traps: Mapping[Outcome, Mask], first: bool
+    ) -> list[CriticalEvent]:
+        """Critical events of the mission in the section where hardware may be repaired.
+
+        Args:
+            good: States from which the mission can succeed, shape (states,).
+            traps: By outcome, with which masks of the section's hardware its end may lose the mission, shape
+                (masks,).
+            first: Whether the mission begins with this section.
+        """
+        local, graph = self.placed.local, self.outlook.graph
+        crossing = local.edges_inside & good[graph.sources] & ~good[graph.targets]
+        for outcome, edges in local.leaving.items():
+            after = local.out_of_service[graph.targets[edges]]
+            crossing[edges] = good[graph.sources[edges]] & traps[outcome][after]
+        if first and good[local.entry].any():
+            crossing |= local.before[graph.sources] & local.inside[graph.targets] & ~good[graph.targets]
+        return self._told(np.flatnonzero(crossing).tolist())
+
+    @cached_property
+    def _events(self) -> Mapping[str, str]:
+        """Events of the section by those of its type."""
+        pairs = zip(self.placed.local.faulty, self.placed.faulty, strict=True)
+        hardware = {f"{inner}_EV_OOS": f"{mine}_EV_OOS" for inner, mine in pairs}
+        ends = ("OK", "FAIL")
+        named = {f"OBJ_{i}_EV_{end}": f"OBJ_{m}_EV_{end}" for m, i in self._names.items() for end in ends}
+        return hardware | named
+
+    @cached_property
+    def _activities(self) -> Mapping[tuple[str, str], tuple[str, str]]:
+        """Activities with their alternatives, by those of the type."""
+        pairs = zip(self.placed.local.part.parts.activities, self.placed.part.parts.activities, strict=True)
+        return {
+            (inner.name, i.name): (mine.name, m.name)
+            for inner, mine in pairs
+            for i, m in zip(inner.alternatives, mine.alternatives, strict=True)
+        }
+
+    def _renamed(self, critical: CriticalEvent) -> CriticalEvent:
+        """The same with objectives and modes in the names of this section."""
+        mine = {inner: name for name, inner in self._names.items()}
+        return replace(
+            critical,
+            objectives=tuple(mine[name] for name in critical.objectives),
+            mode=dict(self._activities[pair] for pair in critical.mode.items()),
+        )
+
+
+class TextSection:
+    """An elementary objective too large for a local graph, where nothing contends: its text says all.
+
+    Its states differ in what is out of service and in whether an alternative is still possible, and a run
+    without repairs that has one can succeed at once.
+
+    Args:
+        section: The section.
+        text: Loss functions from the mission's text.
+
+    Raises:
+        LimitError: It is a parallel block, or something in the mission contends.
+    """
+
+    def __init__(self, section: Section, text: Availability) -> None:
+        if not isinstance(section, ElementarySection) or not text.exact:
+            what = "is a parallel block" if text.exact else "is part of a mission in which resources contend"
+            raise LimitError(
+                f"section {section.name} uses too much hardware for a local graph, and {what}: its text "
+                "alone does not tell what is lost"
+            )
+        self.section: Section = section
+        self.families = text.families
+        self.hardware = text.hardware
+        self.succeeding = text.objective(section)
+        self.here: Out = frozenset(text.families.support(self.succeeding))
+        self.failing = NEVER
+
+    def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
+        """What is out of service when forced runs from an entry leave by success, and by failure."""
+        lost = self.families.both(self.families.all_of(out), self.succeeding)
+        badly = {frozenset(members) for members in self.families.members(lost)}
+        return (set() if out in badly else {out}), badly
+
+    def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
+        """Cut sets of the objective: at the worst moment those with which it can be entered."""
+        lost = self.succeeding
+        return {self.section.name: self._entered(lost, entries) if moment is Moment.SOMETIME else lost}
+
+    def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
+        """Cut sets of the mission while the objective runs."""
+        lost = self._lost(behind)
+        return self._entered(lost, entries) if moment is Moment.SOMETIME else lost
+
+    def _entered(self, lost: Family, entries: Iterable[Out]) -> Family:
+        found = NEVER
+        for out in entries:
+            found = self.families.either(found, self.families.both(self.families.all_of(out), lost))
+        return found
+
+    def _lost(self, behind: Behind) -> Family:
+        return self.families.both(self.families.either(self.succeeding, behind.success), behind.failure)
+
+    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
+        """Critical events of the objective, for which repairs come too late; its modes are not told apart."""
+        return [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(self.succeeding)]
+
+    def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
+        """Critical events of the mission while the objective runs; its modes are not told apart."""
+        lost, either = self._lost(behind), self.families.either
+        found = [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(lost)]
+        if first:
+            found += [replace(critical, objectives=()) for critical in found]
+        running = either(lost, self.succeeding)
+        for before, after, end in ((running, behind.success, "OK"), (lost, behind.failure, "FAIL")):
+            if either(before, after) != before:
+                found.append(self._critical(f"OBJ_{self.section.name}_EV_{end}"))
+        return found
+
+    def _critical(self, event: str) -> CriticalEvent:
+        return CriticalEvent(event, (self.section.name,), {}, 1)

@@ -1,0 +1,135 @@
+"""What a mission can still reach, by plain search over its net, which shares nothing with what it judges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import replace
+from itertools import combinations
+
+from hypothesis import strategies as st
+
+from mcpn.mission.model import Block, Mission, Parallel, Recursive
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import Marking
+from mcpn.testing import missions
+
+Edge = tuple[str, Marking]
+
+
+class Play:
+    """Stable markings of a mission's net and the events between them, found as they are asked for."""
+
+    def __init__(self, found: MissionNet) -> None:
+        self.net = found.net
+        self.place = found.net.place_index
+        self.hardware = [h.name for h in found.mission.hardware if h.faulty]
+        self._edges: dict[Marking, list[Edge]] = {}
+        self.initial = self.settle(self.net.initial)
+
+    def settle(self, marking: Marking) -> Marking:
+        while True:
+            enabled = self.net.enabled(marking)
+            if not enabled or self.net.transitions[enabled[0]].event is not None:
+                return marking
+            marking = self.net.fire(marking, enabled[0])
+
+    def edges(self, marking: Marking) -> list[Edge]:
+        if marking not in self._edges:
+            self._edges[marking] = [
+                (self.net.transitions[t].event or "", self.settle(self.net.fire(marking, t)))
+                for t in self.net.enabled(marking)
+            ]
+        return self._edges[marking]
+
+    def after(self, marking: Marking, events: Iterable[str]) -> Marking:
+        for event in events:
+            (marking,) = [m for e, m in self.edges(marking) if e == event]
+        return marking
+
+    def reach(
+        self,
+        starts: Iterable[Marking],
+        without: Collection[str] = (),
+        within: Callable[[Marking], bool] | None = None,
+    ) -> set[Marking]:
+        """Every marking that runs without some events, and inside a set of markings, lead to."""
+        seen = {m for m in starts if within is None or within(m)}
+        stack = list(seen)
+        while stack:
+            for event, m in self.edges(stack.pop()):
+                if event not in without and m not in seen and (within is None or within(m)):
+                    seen.add(m)
+                    stack.append(m)
+        return seen
+
+    def marks(self, place: str) -> Callable[[Marking], bool]:
+        number = self.place[place]
+        return lambda marking: bool(marking[number])
+
+    def out(self, marking: Marking) -> frozenset[str]:
+        return frozenset(h for h in self.hardware if marking[self.place[f"{h}_OOS"]])
+
+    def subsets(self) -> list[frozenset[str]]:
+        sizes = range(len(self.hardware) + 1)
+        return [frozenset(c) for size in sizes for c in combinations(self.hardware, size)]
+
+    # --- the questions ---------------------------------------------------------------------------------
+
+    def mission_survives(self, marking: Marking, dead: frozenset[str]) -> bool:
+        success = self.marks("MISSION_success")
+        return any(success(m) for m in self.reach([marking], [f"{h}_EV_RD" for h in dead]))
+
+    def objective_survives(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
+        ends = [f"OBJ_{name}_EV_OK", f"OBJ_{name}_EV_FAIL"]
+        repairs = [f"{h}_EV_RD" for h in dead]
+        run = self.reach([marking], [*ends, *repairs], self.marks(f"OBJ_{name}"))
+        return any(event == ends[0] for m in run for event, _ in self.edges(m))
+
+    def forced(self, stop: Callable[[Marking], bool] | None = None) -> set[Marking]:
+        """Markings after runs without repairs in which objectives fail only where they are lost."""
+        seen, stack = {self.initial}, [self.initial]
+        while stack:
+            m = stack.pop()
+            if stop is not None and stop(m):
+                continue
+            for event, after in self.edges(m):
+                if event.startswith("OBJ_") and event.endswith("_EV_FAIL"):
+                    name = event.removeprefix("OBJ_").removesuffix("_EV_FAIL")
+                    if self.objective_survives(m, name, frozenset(self.hardware)):
+                        continue
+                if not event.endswith("_EV_RD") and after not in seen:
+                    seen.add(after)
+                    stack.append(after)
+        return seen
+
+    def ever_succeeds(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
+        run = self.reach([marking], [f"{h}_EV_RD" for h in dead])
+        return any(event == f"OBJ_{name}_EV_OK" for m in run for event, _ in self.edges(m))
+
+
+def minimal(sets: Iterable[frozenset[str]]) -> list[tuple[str, ...]]:
+    """The minimal ones, by size, then by names."""
+    known = set(sets)
+    least = [tuple(sorted(s)) for s in known if not any(t < s for t in known)]
+    return sorted(least, key=lambda names: (len(names), names))
+
+
+def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
+    """Missions most of which need much to succeed: few routes around what fails, no contention."""
+
+    @st.composite
+    def drawn(draw: st.DrawFn) -> Mission:
+        mission = draw(missions(None, disjoint_branches=True, protocols=False, **bounds))
+        return replace(mission, blocks=_unrouted(draw, mission.blocks))
+
+    return drawn()
+
+
+def _unrouted(draw: st.DrawFn, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+    found = []
+    for block in blocks:
+        if isinstance(block, Recursive | Parallel):
+            block = replace(block, blocks=_unrouted(draw, block.blocks))
+        kept = block.failure if draw(st.integers(0, 3)) == 0 else None
+        found.append(replace(block, success=None, failure=kept))
+    return tuple(found)

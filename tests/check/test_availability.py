@@ -1,0 +1,95 @@
+"""Loss functions from the mission's text against those of the state space, and against brute force."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+from hypothesis import given, settings
+
+from mcpn.check.availability import Availability
+from mcpn.check.cutsets import Losses, Moment
+from mcpn.check.losing import Outlook
+from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.flatten import flatten
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
+from mcpn.mission.usage import Usage
+from mcpn.net.compose import MissionNet, compose
+from mcpn.space.alternatives import direct
+from tests.check.oracle import Play, fragile_missions, minimal
+
+
+def test_ulysse(ulysse_net: MissionNet) -> None:
+    agree(ulysse_net)
+
+
+@settings(max_examples=150)
+@given(fragile_missions(max_hardware=4))
+def test_where_nothing_contends_the_text_says_what_the_graph_says(mission: Mission) -> None:
+    agree(compose(mission))
+
+
+def agree(found: MissionNet) -> None:
+    try:
+        losses = Losses(Outlook(found, direct(found.net, max_states=5000)))
+    except (LimitError, ConfluenceError):
+        return
+    text, outlook = Availability(found.usage, losses.families), losses.outlook
+    assert text.exact
+    assert text.mission == losses.cut_sets(outlook.mission, Moment.START)
+    for section in found.graph.sections:
+        if losses.entry(section.name).any():
+            assert text.mission_from[section.name] == losses.cut_sets(
+                outlook.mission, Moment.ENTRY, section.name
+            )
+    for section in found.graph.walk():
+        goal = outlook.objectives[section.name]
+        if goal.running.any():
+            assert text.objectives[section.name] == losses.cut_sets(goal, Moment.WHENEVER)
+            assert text.objectives[section.name] == losses.cut_sets(goal, Moment.ENTRY, section.name)
+
+
+def redundant(activities: int, ways: int) -> Mission:
+    """A chain of software resources, each made in several ways: from a sensor, and from the one before.
+
+    Resource i comes from resource i - 1 and one of ``ways`` sensors of its own.
+    """
+    hardware = [Hardware(name=f"h{i}_{k}") for i in range(activities) for k in range(ways)]
+    software = [Software(name=f"s{i}") for i in range(activities)]
+    makers = [
+        Activity(
+            name=f"make{i}",
+            produces=(f"s{i}",),
+            alternatives=tuple(
+                Alternative(name=f"way{k}", consumes=(f"h{i}_{k}", *([f"s{i - 1}"] if i else [])))
+                for k in range(ways)
+            ),
+        )
+        for i in range(activities)
+    ]
+    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=(f"s{activities - 1}",)),))
+    robot = Robot(name="r", hardware=tuple(hardware), software=tuple(software), activities=(*makers, use))
+    return Mission(name="m", robots=(robot,), blocks=(Objective(name="go", activities=("use",)),))
+
+
+def test_a_chain_of_ten_resources_and_thirty_sensors() -> None:
+    mission = redundant(10, 3)
+    text = Availability(Usage(mission, flatten(mission)))
+    # Closed form: each resource of the chain is lost with its three sensors, and with nothing less.
+    assert text.families.members(text.mission) == [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(10)]
+    paths = text.families.dual(text.mission)
+    assert text.families.count(paths) == 3**10
+
+
+def test_the_chain_is_confirmed_by_brute_force_where_that_ends() -> None:
+    found = compose(redundant(2, 2))
+    play = Play(found)
+    hardware = [f"h{i}_{k}" for i in range(2) for k in range(2)]
+    lost = []
+    for size in range(5):
+        for dead in combinations(hardware, size):
+            start = play.after(play.initial, [f"{h}_EV_OOS" for h in dead])
+            if not play.mission_survives(start, frozenset(dead)):
+                lost.append(frozenset(dead))
+    text = Availability(found.usage)
+    names = [tuple(text.hardware[h] for h in members) for members in text.families.members(text.mission)]
+    assert names == minimal(lost) == [("h0_0", "h0_1"), ("h1_0", "h1_1")]

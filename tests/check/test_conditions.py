@@ -1,0 +1,46 @@
+"""Formulas and sentences of failure."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.check import conditions
+from mcpn.check.conditions import minimal_formula, sentence
+from mcpn.errors import LimitError
+
+NAMES = ["GPS", "IMU", "_odd", "camera", "thruster"]
+
+
+def test_sentences() -> None:
+    assert sentence("x", [("A",), ("B", "C", "D")]) == "x fails if A, or if B, C and D"
+    assert sentence("x", [()]) == "x can never succeed"
+
+
+def test_the_formula_of_ulysse() -> None:
+    found = minimal_formula([("thruster",), ("GPS", "IMU"), ("GPS", "IMU", "thruster")])
+    assert found.terms == (("thruster",), ("GPS", "IMU"))
+    assert found.text == "thruster | GPS & IMU"
+
+
+@given(st.sets(st.frozensets(st.sampled_from(NAMES)), max_size=8))
+def test_espresso_finds_the_minimal_solutions(products: set[frozenset[str]]) -> None:
+    minimal = {s for s in products if not any(t < s for t in products)}
+    found = minimal_formula([tuple(sorted(s)) for s in products])
+    assert {frozenset(term) for term in found.terms} == minimal
+    assert found.text == ("0" if not minimal else "1" if frozenset() in minimal else found.text)
+
+
+def test_without_pyeda_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyeda.boolalg.expr", None)
+    with pytest.raises(LimitError, match=r'pip install "mcpn\[pyeda\]"'):
+        minimal_formula([("A",)])
+
+
+def test_formulas_of_any_size_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conditions, "MAX_TERMS", 1)
+    with pytest.raises(LimitError, match="limit on products"):
+        minimal_formula([("A",), ("B",)])

@@ -1,0 +1,197 @@
+"""Numbers of risk against closed forms, and against a simulation on the net."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Collection
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mcpn.check.losing import Outlook
+from mcpn.check.risk import Risk, risk
+from mcpn.errors import ConfluenceError, InputError, LimitError
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Block,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    Robot,
+)
+from mcpn.net.compose import MissionNet, compose
+from mcpn.space.alternatives import direct
+from tests.check.oracle import Play, fragile_missions
+
+LAMBDA, MU, D = 0.25, 0.5, 1.6
+
+
+def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
+    return risk(Outlook(found, direct(found.net, max_states=max_states)))
+
+
+def mission(hardware: list[Hardware], ways: dict[str, list[tuple[str, ...]]], *blocks: Block) -> MissionNet:
+    activities = tuple(
+        Activity(
+            name=name,
+            alternatives=tuple(Alternative(name=f"{name}{i}", consumes=k) for i, k in enumerate(consumed)),
+        )
+        for name, consumed in ways.items()
+    )
+    robot = Robot(name="r", hardware=tuple(hardware), activities=activities)
+    return compose(Mission(name="m", robots=(robot,), blocks=blocks))
+
+
+def objective(name: str, activity: str, duration: float = D, **more: float) -> Objective:
+    return Objective(name=name, activities=(activity,), duration=duration, **more)  # type: ignore[arg-type]
+
+
+def test_one_objective_and_one_sensor() -> None:
+    h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
+    found = numbers(mission([h], {"a": [("H",)]}, objective("x", "a", failure_probability=0.2)))
+    # The sensor must outlive an exponential duration; repair comes too late, for the objective has failed.
+    lives = 1 / (1 + LAMBDA * D)
+    assert found.success == pytest.approx(0.8 * lives)
+    assert found.failure == pytest.approx(1 - 0.8 * lives)
+    assert found.degraded_modes == 0
+    assert found.importance == pytest.approx({"H": 0.8})
+
+
+def test_two_ways_without_repair() -> None:
+    hardware = [Hardware(name=n, failure_rate=LAMBDA) for n in ("H1", "H2")]
+    found = numbers(mission(hardware, {"a": [("H1",), ("H2",)]}, objective("x", "a")))
+    end = 1 / D
+    one = end / (end + LAMBDA)
+    assert found.success == pytest.approx((end + 2 * LAMBDA * one) / (end + 2 * LAMBDA))
+    assert found.degraded_modes == pytest.approx(LAMBDA / (end + 2 * LAMBDA))  # H1 fails first of the three
+    assert found.importance == pytest.approx({"H1": 1 - one, "H2": 1 - one})
+
+
+def test_repair_before_it_is_needed() -> None:
+    h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
+    found = numbers(
+        mission([h], {"free": [()], "a": [("H",)]}, objective("x", "free", 3.0), objective("y", "a"))
+    )
+    end = 1 / 3.0
+    in_service = (end + MU) / (end + LAMBDA + MU)  # a two-state chain at an exponential moment
+    assert found.success == pytest.approx(in_service / (1 + LAMBDA * D))
+
+
+def test_branches_succeed_independently() -> None:
+    hardware = [Hardware(name=n, failure_rate=r) for n, r in (("H1", LAMBDA), ("H2", 2 * LAMBDA))]
+    block = Parallel(name="both", blocks=(objective("x", "a"), objective("y", "b", 0.5)))
+    found = numbers(mission(hardware, {"a": [("H1",)], "b": [("H2",)]}, block))
+    assert found.success == pytest.approx(1 / (1 + LAMBDA * D) / (1 + 2 * LAMBDA * 0.5))
+
+
+def test_a_mission_that_never_ends_has_neither() -> None:
+    h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
+    ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",), ()]}
+    again = replace(objective("x", "a"), success="x", failure="x")
+    found = numbers(mission([h], ways, again))
+    assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
+    assert found.importance == {"H": 0}
+
+
+def test_durations_must_be_known() -> None:
+    with pytest.raises(InputError, match="objective x has no duration"):
+        numbers(mission([], {"a": [()]}, Objective(name="x", activities=("a",))))
+
+
+class Simulation:
+    """Runs of the net in time; what races is drawn as the model says, with no matrix and no graph."""
+
+    def __init__(self, found: MissionNet) -> None:
+        self.play = Play(found)
+        self.sections = {s.name: s for s in found.graph.walk()}
+        self.hardware = {h.name: h for h in found.mission.hardware}
+        self.lost: dict[tuple[tuple[int, ...], str], bool] = {}
+
+    def is_lost(self, marking: tuple[int, ...], name: str) -> bool:
+        key = marking, name
+        if key not in self.lost:
+            for_ever = frozenset(h.name for h in self.hardware.values() if not h.repair_rate)
+            self.lost[key] = not self.play.objective_survives(marking, name, for_ever)
+        return self.lost[key]
+
+    def run(self, seed: random.Random, longest: int = 2000) -> str | None:
+        play = self.play
+        marking = play.after(play.initial, ["MISSION_EV_START"])
+        for _ in range(longest):
+            for end in ("success", "failure"):
+                if play.marks(f"MISSION_{end}")(marking):
+                    return end
+            edges = dict(play.edges(marking))
+            at_once = [
+                e
+                for e in edges
+                if e.endswith("_EV_FAIL")
+                and self.is_lost(marking, e.removeprefix("OBJ_").removesuffix("_EV_FAIL"))
+            ]
+            if at_once:
+                marking = edges[seed.choice(at_once)]
+                continue
+            rates = {e: self.rate(e, edges) for e in edges}
+            first = min(
+                ((seed.expovariate(r), e) for e, r in rates.items() if r > 0),
+                default=None,
+                key=lambda p: p[0],
+            )
+            if first is None:
+                return None
+            marking = edges[first[1]]
+        return None
+
+    def rate(self, event: str, edges: Collection[str]) -> float:
+        name, _, kind = event.removeprefix("OBJ_").rpartition("_EV_")
+        if kind == "OOS":
+            return self.hardware[name].failure_rate or 0.0
+        if kind == "RD":
+            return self.hardware[name].repair_rate or 0.0
+        section = self.sections[name]
+        assert section.duration is not None
+        if kind == "OK":
+            return (1 - section.failure_probability) / section.duration
+        return section.failure_probability / section.duration if f"OBJ_{name}_EV_OK" in edges else 0.0
+
+
+def with_numbers(draw: st.DataObject, mission: Mission) -> Mission:
+    """Rates and durations near one another, so that everything happens now and then."""
+
+    def timed(block: Block) -> Block:
+        if isinstance(block, Recursive | Parallel):
+            return replace(block, blocks=tuple(timed(b) for b in block.blocks))
+        assert isinstance(block, Objective)
+        values = draw.draw(st.tuples(st.sampled_from([0.5, 1.0, 4.0]), st.sampled_from([0.0, 0.25])))
+        return replace(block, duration=values[0], failure_probability=values[1])
+
+    def rated(h: Hardware) -> Hardware:
+        values = draw.draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
+        return replace(h, failure_rate=values[0], repair_rate=values[1]) if h.faulty else h
+
+    robots = tuple(replace(r, hardware=tuple(map(rated, r.hardware))) for r in mission.robots)
+    return replace(mission, robots=robots, blocks=tuple(map(timed, mission.blocks)))
+
+
+@settings(max_examples=15)
+@given(fragile_missions(max_hardware=3, max_objectives=3, max_sections=5), st.data())
+def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) -> None:
+    found = compose(with_numbers(data, mission))
+    try:
+        computed = numbers(found, max_states=600)
+    except (LimitError, ConfluenceError):
+        return
+    simulation, seed = Simulation(found), random.Random(7)
+    runs = 400
+    ends = [simulation.run(seed) for _ in range(runs)]
+    for outcome, probability in (("success", computed.success), ("failure", computed.failure)):
+        share = ends.count(outcome) / runs
+        # Five standard deviations: a false alarm in a million comparisons.
+        width = 5 * math.sqrt(max(probability * (1 - probability), 1 / runs) / runs)
+        assert abs(share - probability) <= width

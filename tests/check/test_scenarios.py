@@ -1,0 +1,100 @@
+"""Runs to failure and robust runs, replayed on the net and compared with plain search."""
+
+from __future__ import annotations
+
+from hypothesis import given, settings
+
+from mcpn.check.causes import find_causes
+from mcpn.check.cutsets import Losses, Moment
+from mcpn.check.losing import Goal, Outlook
+from mcpn.check.scenarios import Scenarios
+from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.petri import Marking
+from mcpn.space.alternatives import AlternativesGraph, direct
+from tests.check.oracle import Play, fragile_missions
+
+
+def events(graph: AlternativesGraph, run: list[int]) -> list[str]:
+    return [graph.event(edge) for edge in run]
+
+
+def test_ulysse_runs_to_failure(ulysse_net: MissionNet) -> None:
+    graph = direct(ulysse_net.net)
+    scenarios = Scenarios(Losses(Outlook(ulysse_net, graph)))
+    goal = scenarios.outlook.objectives["transect.going_up"]
+    run = scenarios.to_failure(goal, ["thruster_actuator"])
+    assert run is not None
+    # The way through the failures of moving and of diving is the shortest, and the lost thruster forces both.
+    assert sorted(events(graph, run)) == [
+        "MISSION_EV_START",
+        "OBJ_coral_head.manual_moving_EV_FAIL",
+        "OBJ_transect.diving_EV_FAIL",
+        "OBJ_transect.going_up_EV_FAIL",
+        "thruster_actuator_EV_OOS",
+    ]
+
+
+def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet) -> None:
+    graph = direct(ulysse_net.net)
+    scenarios = Scenarios(Losses(Outlook(ulysse_net, graph)))
+    for section in (None, "coral_head.manual_moving", "transect.census", "transect.going_up"):
+        run = scenarios.most_failures(section)
+        assert run is not None
+        # The thruster is in use to the end; of the two sensors one may be lost.
+        (failure,) = [e for e in events(graph, run) if e.endswith("_EV_OOS")]
+        assert failure in ("GPS_sensor_EV_OOS", "IMU_sensor_EV_OOS")
+
+
+@settings(max_examples=80)
+@given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5))
+def test_runs_show_what_they_say(mission: Mission) -> None:
+    found = compose(mission)
+    try:
+        graph = direct(found.net, max_states=600)
+    except (LimitError, ConfluenceError):
+        return
+    losses = Losses(Outlook(found, graph))
+    scenarios, play = Scenarios(losses), Play(found)
+
+    def replayed(run: list[int]) -> list[str]:
+        names = events(graph, run)
+        play.after(play.initial, names)  # each event is possible where it happens
+        return names
+
+    def shown(goal: Goal, last: str | None) -> None:
+        for names in losses.listed(losses.cut_sets(goal, Moment.SOMETIME)):
+            run = scenarios.to_failure(goal, names)
+            assert run is not None
+            told = replayed(run)
+            assert {e for e in told if e.endswith("_EV_OOS")} == {f"{h}_EV_OOS" for h in names}
+            assert not any(e.endswith("_EV_RD") for e in told)
+            if last is not None:
+                assert told[-1] == last
+            else:
+                assert not play.mission_survives(play.after(play.initial, told), frozenset(names))
+
+    shown(losses.outlook.mission, None)
+    for name, goal in losses.outlook.objectives.items():
+        shown(goal, f"OBJ_{name}_EV_FAIL")
+    success = play.marks("MISSION_success")
+    robust = scenarios.most_failures()
+    # The most failures before success, by plain search.
+    ends = [m for m in play.forced(stop=success) if success(m)]
+    if robust is None:
+        assert not ends
+    else:
+        assert success(play.after(play.initial, replayed(robust)))
+        failures = [e for e in events(graph, robust) if e.endswith("_EV_OOS")]
+        assert len(failures) == max(len(play.out(m)) for m in ends)
+    start = find_causes(found, losses.outlook).survival[0]
+    survived = [d for d in play.subsets() if play.mission_survives(dead_from_the_start(play, d), d)]
+    assert start.at_most == max(map(len, survived), default=None)
+    sizes = range(len(play.hardware) + 1)
+    safe = [k for k in sizes if all(d in survived for d in play.subsets() if len(d) <= k)]
+    assert start.always == max(safe, default=None)
+
+
+def dead_from_the_start(play: Play, dead: frozenset[str]) -> Marking:
+    return play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(dead)])

@@ -1,0 +1,96 @@
+"""Rates, durations and probabilities of the mission language."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from mcpn.errors import InputError
+from mcpn.mission.flatten import flatten
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.validate import find_errors
+from mcpn.mission.xml import read_mission, save_mission
+from mcpn.testing import missions
+
+TEXT = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r">
+<hardware name="H" failure_rate="2.5e-4" repair_rate="1"/>
+<hardware name="free" faulty="false"/>
+<activity name="go" consumes="H"/>
+</robot>
+<objective name="x" activities="go" duration="0.5" failure_probability="0.125"/>
+<objective name="y" activities="go"/>
+</mission>
+"""
+
+
+def read(tmp_path: Path, text: str) -> Mission:
+    (tmp_path / "m.xml").write_text(text)
+    return read_mission(tmp_path / "m.xml")
+
+
+def test_numbers_are_read(tmp_path: Path) -> None:
+    mission = read(tmp_path, TEXT)
+    known, free = mission.hardware
+    assert (known.failure_rate, known.repair_rate) == (0.00025, 1.0)
+    assert (free.failure_rate, free.repair_rate) == (None, None)
+    x, y = flatten(mission).walk()
+    assert (x.duration, x.failure_probability) == (0.5, 0.125)
+    assert (y.duration, y.failure_probability) == (None, 0.0)
+
+
+@given(missions(numbers=True, text=True))
+def test_numbers_survive_the_round_trip(tmp_path_factory: pytest.TempPathFactory, written: Mission) -> None:
+    assert find_errors(written) == []
+    path = tmp_path_factory.mktemp("round") / "mission.xml"
+    save_mission(written, path)
+    assert read_mission(path) == written
+
+
+@pytest.mark.parametrize(
+    ("found", "instead", "line", "message"),
+    [
+        ('"2.5e-4"', '"-1"', 3, "failure_rate of <hardware> is '-1', expected a decimal number"),
+        ('"2.5e-4"', '"nan"', 3, "expected a decimal number"),
+        ('"2.5e-4"', '"1e999"', 3, "failure_rate of H is inf, expected a finite number per hour"),
+        ('faulty="false"', 'faulty="false" failure_rate="1"', 4, "though it cannot fail"),
+        ('"0.5"', '"0"', 7, "duration of x is 0, expected a finite number of hours above 0"),
+        ('"0.5"', '"half an hour"', 7, "expected a decimal number"),
+        ('"0.125"', '"1.5"', 7, "failure_probability of x is 1.5, expected a number from 0 to 1"),
+        (
+            'activities="go"/>',
+            'duration="1"><objective name="z" activities="go"/></objective>',
+            8,
+            "elementary",
+        ),
+    ],
+)
+def test_broken_numbers_are_told_with_their_line(
+    tmp_path: Path, found: str, instead: str, line: int, message: str
+) -> None:
+    assert found in TEXT
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, TEXT.replace(found, instead))
+    told = [(p.source.line, p.message) for p in caught.value.problems if p.source]
+    assert [m for where, m in told if where == line and message in m], caught.value
+
+
+@pytest.mark.parametrize("wrong", [-1.0, math.inf, math.nan])
+def test_numbers_of_missions_built_in_python_are_checked(wrong: float) -> None:
+    hardware = Hardware(name="H", failure_rate=1.0, repair_rate=2.0)
+    go = Activity(name="go", alternatives=(Alternative(name="go", consumes=("H",)),))
+    objective = Objective(name="x", activities=("go",), duration=1.0, failure_probability=0.5)
+
+    def problems(h: Hardware, o: Objective) -> list[str]:
+        robot = Robot(name="r", hardware=(h,), activities=(go,))
+        return [p.message for p in find_errors(Mission(name="m", robots=(robot,), blocks=(o,)))]
+
+    assert problems(hardware, objective) == []
+    for h in (replace(hardware, failure_rate=wrong), replace(hardware, repair_rate=wrong)):
+        assert len(problems(h, objective)) == 1
+    for o in (replace(objective, duration=wrong), replace(objective, failure_probability=wrong)):
+        assert len(problems(hardware, o)) == 1

@@ -1,0 +1,106 @@
+"""``mcpn causes`` as other programs and people see it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from tests.check.test_cutsets import ULYSSE as CUT_SETS
+from tests.conftest import ULYSSE
+from tests.test_cli import mcpn, output
+
+TIMED = """<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r">
+<hardware name="H" failure_rate="0.25"/>
+<activity name="go" consumes="H"/>
+</robot>
+<objective name="x" activities="go" duration="2"/>
+</mission>
+"""
+
+
+def test_json_of_ulysse() -> None:
+    found = output("causes", ULYSSE)
+    assert {name: goal["cut_sets"] for name, goal in found["objectives"].items()} == {
+        name: [list(names) for names in cut_sets] for name, cut_sets in CUT_SETS.items()
+    }
+    assert found["mission"]["cut_sets"] == [["thruster_actuator"], ["GPS_sensor", "IMU_sensor"]]
+    assert found["mission"]["critical_events"] == [
+        "GPS_sensor_EV_OOS",
+        "IMU_sensor_EV_OOS",
+        "OBJ_transect.going_up_EV_FAIL",
+        "thruster_actuator_EV_OOS",
+    ]
+    assert [s["section"] for s in found["survival"]] == [
+        None,
+        "coral_head.manual_moving",
+        "coral_head.isopheric_observation",
+        "transect.diving",
+        "transect.census",
+        "transect.going_up",
+    ]
+
+
+def test_one_objective_alone() -> None:
+    found = output("causes", ULYSSE, "--objective", "transect.diving", "--formula")
+    assert list(found["objectives"]) == ["transect.diving"]
+    assert found["formulas"]["transect.diving"] == "thruster_actuator | GPS_sensor & IMU_sensor"
+
+
+def test_unknown_objectives_are_told_with_the_known_ones() -> None:
+    run = mcpn("causes", ULYSSE, "--objective", "dive")
+    assert run.returncode == 2
+    assert run.stderr.startswith("error: ")
+    assert "no objective dive" in run.stderr
+    assert "transect.diving" in run.stderr
+
+
+def test_a_person_reads_conditions(tmp_path: Path) -> None:
+    run = mcpn("causes", ULYSSE)
+    assert run.returncode == 0, run.stderr
+    told = "transect.going_up fails if thruster_actuator, or if GPS_sensor and IMU_sensor"
+    assert told in run.stdout
+    assert "transect.filming can succeed whatever hardware fails" in run.stdout
+
+
+def test_fmeca_and_fault_tree_are_written(tmp_path: Path) -> None:
+    table, tree = tmp_path / "fmeca.csv", tmp_path / "tree.xml"
+    output("causes", ULYSSE, "--fmeca", table, "--openpsa", tree, "--severity", "mission lost=I")
+    with table.open(newline="") as file:
+        rows = {(row["hardware"], row["objective"]): row for row in csv.DictReader(file)}
+    assert len(rows) == 21
+    assert rows["thruster_actuator", "transect.going_up"]["severity"] == "I"
+    assert rows["GPS_sensor", "transect.going_up"]["with_others"] == "I with IMU_sensor"
+    assert etree.parse(tree).getroot().tag == "opsa-mef"
+    output("causes", ULYSSE, "--fmeca", tmp_path / "fmeca.json")
+    listed = json.loads((tmp_path / "fmeca.json").read_text())
+    assert [(row["hardware"], row["objective"]) for row in listed] == list(rows)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--fmeca", "table.txt"], "expected .csv or .json"),
+        (["--severity", "mission lst=I"], "mission lost unless repaired=NAME"),
+        (["--rates"], "has no duration"),
+        (["--max-states", "100"], "limit on states"),
+    ],
+)
+def test_bad_input_is_told(arguments: list[str], message: str, tmp_path: Path) -> None:
+    run = mcpn("causes", ULYSSE, *arguments)
+    assert run.returncode == 2
+    assert run.stderr.startswith("error: ")
+    assert message in run.stderr
+
+
+def test_rates(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(TIMED)
+    found = output("causes", path, "--rates")
+    # Closed form: the resource outlives an exponential duration of mean 2 h with 1 / (1 + 0.25 * 2).
+    assert found["risk"]["success"] == pytest.approx(1 / 1.5)
+    assert found["risk"]["importance"] == {"H": pytest.approx(1.0)}
