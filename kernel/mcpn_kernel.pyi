@@ -1,6 +1,9 @@
-"""Zero-suppressed decision diagrams with saturation, for 1-safe Petri nets."""
+"""Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets."""
 
 from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
 
 class BudgetExceeded(RuntimeError):
     """An operation needed more new nodes than its budget; the store remains usable."""
@@ -101,3 +104,65 @@ class Store:
     def collections(self) -> int: ...
     @property
     def bytes(self) -> int: ...
+
+class StateLimit(RuntimeError):
+    """An exploration found more states than allowed."""
+
+class Exploration:
+    """Markings found one by one, and the firings between them if they were asked for."""
+
+    @property
+    def states(self) -> int: ...
+    @property
+    def edges(self) -> int: ...
+    @property
+    def dead(self) -> int: ...
+    @property
+    def stable(self) -> int: ...
+    @property
+    def most_tokens(self) -> int: ...
+    @property
+    def trouble(self) -> tuple[int, int, bool] | None:
+        """Where it ended early: a state, the transition fired there, and whether what followed is endless."""
+
+    def run(self, state: int) -> list[int]:
+        """The transitions by which a state was found: a shortest run."""
+
+    def take_markings(self) -> npt.NDArray[np.uint64]:
+        """Rows of words, a bit for each place; may be taken once, as the other arrays."""
+
+    def take_offsets(self) -> npt.NDArray[np.uint64]: ...
+    def take_targets(self) -> npt.NDArray[np.uint32]: ...
+    def take_labels(self) -> npt.NDArray[np.uint32]: ...
+
+class SafeNet:
+    """A net as it acts on 1-safe markings.
+
+    Each transition is given by the places that it needs, takes from and puts to, whether it is internal, and
+    whether it is unsafe wherever it fires.
+    """
+
+    def __init__(
+        self,
+        places: int,
+        transitions: Sequence[tuple[Sequence[int], Sequence[int], Sequence[int], bool, bool]],
+        priorities: bool,
+    ) -> None: ...
+    def explore(
+        self,
+        initial: Sequence[int],
+        edges: bool,
+        max_states: int,
+        max_bytes: int,
+        progress: Callable[[int, int], object] | None = ...,
+    ) -> Exploration:
+        """Every reachable marking, breadth first, priorities respected; edges are kept where asked for."""
+
+    def settle(
+        self,
+        initial: Sequence[int],
+        max_states: int,
+        max_bytes: int,
+        progress: Callable[[int, int], object] | None = ...,
+    ) -> Exploration:
+        """Stable markings and events only: each event is run to completion along one interleaving."""

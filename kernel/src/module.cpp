@@ -24,6 +24,8 @@
 namespace nb = nanobind;
 using namespace mcpn;
 
+void bind_explorer(nb::module_& module);  // explorer_module.cpp
+
 namespace {
 
 constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
@@ -244,9 +246,11 @@ nb::object to_int(const std::vector<std::uint64_t>& limbs) {
 }  // namespace
 
 NB_MODULE(mcpn_kernel, module) {
-  module.doc() = "Zero-suppressed decision diagrams with saturation, for 1-safe Petri nets.";
+  module.doc() = "Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets.";
   nb::exception<BudgetExceeded>(module, "BudgetExceeded");
   nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
+
+  bind_explorer(module);
 
   using Levels = std::vector<std::int64_t>;
 

@@ -26,6 +26,7 @@ constexpr Node kAnything = ~Node(0);  // no diagram: the limit of a saturation t
 
 struct BudgetExceeded : std::runtime_error { using std::runtime_error::runtime_error; };
 struct MemoryLimit : std::runtime_error { using std::runtime_error::runtime_error; };
+struct StateLimit : std::runtime_error { using std::runtime_error::runtime_error; };
 struct Interrupted : std::runtime_error { Interrupted() : std::runtime_error("interrupted") {} };
 
 enum class Touch : std::uint8_t { consume, produce, read, zero };  // 1 to 0, 0 to 1, 1 to 1, 0 to 0

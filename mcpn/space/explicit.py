@@ -1,35 +1,107 @@
 """The markings graph, explored one marking at a time, breadth first, priorities respected.
 
-1-safety is not assumed: each firing is checked, and the first one that would put a second token in a place
-ends the exploration with that firing and a shortest run to it.
+The native kernel does the work: markings as bit sets in one array, found by hash. 1-safety is not assumed:
+each firing is checked, and the first one that would put a second token in a place ends the exploration with
+that firing and a shortest run to it.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
+from mcpn_kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
-from mcpn.space.firing import MaskedNet
-from mcpn.space.graph import StateGraph, pack
+from mcpn.space.graph import Ints, StateGraph, Words
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called about once a second with the states found and the edges fired so far."""
 
-DEFAULT_MAX_STATES = 20_000_000
-BYTES_PER_STATE = 260
-BYTES_PER_EDGE = 16
+DEFAULT_MAX_STATES = 100_000_000
+DEFAULT_MAX_MEMORY = 16 << 30
+
+
+class KernelNet:
+    """A net as the kernel explores it: transitions that no safe marking covers are left out.
+
+    Args:
+        net: The net.
+
+    Raises:
+        UnsafeError: The initial marking holds two tokens in a place.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        for place in net.places:
+            if place.initial > 1:
+                raise UnsafeError(place.name, "", net.marked(net.initial), [])
+        self.initial = [p for p, tokens in enumerate(net.initial) if tokens]
+        self.transitions = [i for i, t in enumerate(net.safe_transitions) if not t.blocked]
+
+    @cached_property
+    def kernel(self) -> SafeNet:
+        """The same in the kernel, its transitions numbered without those left out."""
+        given = []
+        for i in self.transitions:
+            t = self.net.safe_transitions[i]
+            internal = self.net.transitions[i].internal
+            need = sorted({*t.consume, *t.read})
+            given.append((need, list(t.consume), list(t.produce), internal, bool(t.overflow)))
+        return SafeNet(len(self.net.places), given, self.net.priorities)
+
+    def unsafe(self, found: Exploration) -> UnsafeError:
+        """The error for an exploration that ended at an unsafe firing."""
+        assert found.trouble is not None, "asked for explorations that ended in trouble"
+        state, number, _ = found.trouble
+        net, run = self.net, [self.transitions[t] for t in found.run(state)]
+        transition = self.transitions[number]
+        marking = net.initial
+        for t in run:
+            marking = net.fire(marking, t)
+        after = net.fire(marking, transition)
+        place = next(p for p, tokens in enumerate(after) if tokens > 1)
+        names = [net.transitions[t].name for t in run]
+        name = net.transitions[transition].name
+        return UnsafeError(net.places[place].name, name, net.marked(marking), names)
+
+    def arrays(self, found: Exploration) -> tuple[Words, Ints, Ints, Ints]:
+        """Markings, offsets, targets and labels of an exploration, labels as the net numbers them."""
+        numbers = np.array(self.transitions, np.int64)
+        markings: Words = found.take_markings()
+        offsets, targets = found.take_offsets().astype(np.int64), found.take_targets().astype(np.int64)
+        return markings, offsets, targets, numbers[found.take_labels()]
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Sizes of a markings graph.
+
+    Args:
+        states: Reachable markings.
+        edges: Firings between them.
+        dead: Markings that enable nothing.
+        stable: Markings that enable no internal transition; all of them in nets without priorities.
+        max_tokens: Most tokens in a marking.
+    """
+
+    states: int
+    edges: int
+    dead: int
+    stable: int
+    max_tokens: int
 
 
 def explore(
     net: PetriNet,
     *,
     max_states: int = DEFAULT_MAX_STATES,
-    max_memory: int = 16 << 30,
+    max_memory: int = DEFAULT_MAX_MEMORY,
     progress: Progress | None = None,
 ) -> StateGraph:
     """Builds the markings graph of a 1-safe net.
@@ -37,7 +109,7 @@ def explore(
     Args:
         net: The net.
         max_states: How many states it may have.
-        max_memory: Bytes that states and edges may take, by estimate.
+        max_memory: Bytes that the kernel's tables may take; the graph's own arrays come on top.
         progress: Called now and then.
 
     Returns:
@@ -47,54 +119,44 @@ def explore(
         UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
         LimitError: A limit was hit.
     """
-    masked = MaskedNet(net)
-    initial = masked.initial()
-    index = {initial: 0}
-    markings = [initial]
-    enabled = [masked.covered(initial)]
-    parents: list[tuple[int, int]] = [(-1, -1)]
-    offsets, targets, labels = [0], list[int](), list[int]()
-    due = time.monotonic() + 1
-    for state, marking in enumerate(markings):  # grows while it is walked: a queue
-        covered = enabled[state]
-        enabled[state] = 0
-        for t in masked.allowed(covered):
-            after, doubled = masked.fire(marking, t)
-            if doubled:
-                raise _unsafe(net, marking, t, doubled, _run(net, parents, state))
-            target = index.setdefault(after, len(markings))
-            if target == len(markings):
-                markings.append(after)
-                enabled.append(masked.covered_after(covered, after, t))
-                parents.append((state, t))
-            targets.append(target)
-            labels.append(t)
-        offsets.append(len(targets))
-        if len(markings) > max_states:
-            raise LimitError(f"more than {max_states} states: the limit on states was hit")
-        if len(markings) * BYTES_PER_STATE + len(targets) * BYTES_PER_EDGE > max_memory:
-            raise LimitError(f"more than {max_memory} bytes: the limit on memory was hit at {state} states")
-        if progress and time.monotonic() > due:
-            progress(len(markings), len(targets))
-            due = time.monotonic() + 1
-    return StateGraph(
-        net,
-        pack(markings, len(net.places)),
-        np.array(offsets, np.int64),
-        np.array(targets, np.int64),
-        np.array(labels, np.int64),
-    )
+    prepared = KernelNet(net)
+    found = _explored(prepared, True, max_states, max_memory, progress)
+    return StateGraph(net, *prepared.arrays(found))
 
 
-def _run(net: PetriNet, parents: list[tuple[int, int]], state: int) -> list[str]:
-    run = []
-    while state:
-        state, transition = parents[state]
-        run.append(net.transitions[transition].name)
-    return run[::-1]
+def count(
+    net: PetriNet,
+    *,
+    max_states: int = DEFAULT_MAX_STATES,
+    max_memory: int = DEFAULT_MAX_MEMORY,
+    progress: Progress | None = None,
+) -> Counts:
+    """Counts what :func:`explore` builds, without keeping the edges.
+
+    Args:
+        net: The net.
+        max_states: How many states it may have.
+        max_memory: Bytes that the kernel's tables may take.
+        progress: Called now and then.
+
+    Returns:
+        The sizes.
+
+    Raises:
+        UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
+        LimitError: A limit was hit.
+    """
+    found = _explored(KernelNet(net), False, max_states, max_memory, progress)
+    return Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
 
 
-def _unsafe(net: PetriNet, marking: int, transition: int, doubled: int, run: list[str]) -> UnsafeError:
-    place = net.places[(doubled & -doubled).bit_length() - 1].name
-    marked = (p.name for i, p in enumerate(net.places) if marking >> i & 1)
-    return UnsafeError(place, net.transitions[transition].name, marked, run)
+def _explored(
+    prepared: KernelNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
+) -> Exploration:
+    try:
+        found = prepared.kernel.explore(prepared.initial, edges, max_states, max_memory, progress)
+    except (StateLimit, MemoryLimit) as error:
+        raise LimitError(str(error)) from error
+    if found.trouble is not None:
+        raise prepared.unsafe(found)
+    return found

@@ -78,16 +78,11 @@ _Counts = tuple[int, int, int | None, int, int, int | None]
 
 
 def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
-    import numpy as np
+    from mcpn.space.explicit import count
 
-    from mcpn.space.explicit import explore
-
-    graph = explore(net, max_states=max_states, progress=progress)
-    internal = np.array([t.internal for t in net.transitions], np.bool_)
-    unstable = np.unique(graph.sources[internal[graph.labels]]) if graph.edges else np.array([])
-    stable = graph.states - len(unstable) if net.priorities else None
-    tokens = int(np.bitwise_count(graph.markings).sum(axis=1).max())
-    return graph.states, graph.edges, stable, int(graph.dead.sum()), tokens, None
+    found = count(net, max_states=max_states, progress=progress)
+    stable = found.stable if net.priorities else None
+    return found.states, found.edges, stable, found.dead, found.max_tokens, None
 
 
 def _symbolic(net: PetriNet) -> _Counts:

@@ -1,0 +1,286 @@
+#include "explorer.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "store.hpp"
+
+namespace mcpn {
+
+namespace {
+
+constexpr std::uint32_t kMostSteps = 100'000;  // internal firings in a row before they are taken for endless
+constexpr State kNone = ~State(0);
+
+template <class T> std::uint64_t room(const std::vector<T>& values) { return values.capacity() * sizeof(T); }
+
+template <class F> void each_bit(const std::vector<Word>& bits, F body) {
+  for (std::uint32_t w = 0; w < bits.size(); ++w)
+    for (Word left = bits[w]; left; left &= left - 1) body(w * 64 + std::uint32_t(std::countr_zero(left)));
+}
+
+}  // namespace
+
+std::uint64_t Exploration::bytes() const {
+  return room(markings) + room(parents) + room(via) + room(offsets) + room(targets) + room(labels);
+}
+
+// Finds markings by their words: open addressing on the numbers of states.
+class SafeNet::Table {
+ public:
+  Table(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kNone) {}
+
+  // The number of a marking; a new one is taken note of with where it came from.
+  State number(const Word* marking, State parent, std::uint32_t via, bool& fresh) {
+    const std::uint64_t words = found_.words;
+    std::uint64_t at = hash(marking) & (slots_.size() - 1);
+    for (; slots_[at] != kNone; at = (at + 1) & (slots_.size() - 1))
+      if (std::equal(marking, marking + words, found_.markings.data() + slots_[at] * words)) {
+        fresh = false;
+        return slots_[at];
+      }
+    const State state = State(found_.states());
+    if (state >= limits_.states)
+      throw StateLimit("more than " + std::to_string(limits_.states) + " states: the limit on states was hit");
+    if (state == kNone - 1) throw StateLimit("more states than 32 bits can name");
+    grow(found_.markings, words);
+    grow(found_.parents, 1);
+    grow(found_.via, 1);
+    found_.markings.insert(found_.markings.end(), marking, marking + words);
+    found_.parents.push_back(state == 0 ? 0 : parent);
+    found_.via.push_back(via);
+    slots_[at] = state;
+    if (found_.states() * 3 > slots_.size() * 2) widen();
+    fresh = true;
+    return state;
+  }
+
+  // Room for more values at the end, within the limit on memory.
+  template <class T> void grow(std::vector<T>& values, std::uint64_t more) {
+    if (values.size() + more <= values.capacity()) return;
+    const std::uint64_t wanted = std::max<std::uint64_t>(values.capacity() + values.capacity() / 2, 1024) + more;
+    require(wanted * sizeof(T));  // both copies live while a vector moves
+    values.reserve(wanted);
+  }
+
+ private:
+  void require(std::uint64_t more) const {
+    if (found_.bytes() + room(slots_) + more > limits_.bytes)
+      throw MemoryLimit("more than " + std::to_string(limits_.bytes) + " bytes: the limit on memory was hit at " +
+                        std::to_string(found_.states()) + " states");
+  }
+  std::uint64_t hash(const Word* marking) const {
+    std::uint64_t x = 0x9E3779B97F4A7C15ull;
+    for (std::uint64_t i = 0; i < found_.words; ++i) {
+      x = (x ^ marking[i]) * 0xBF58476D1CE4E5B9ull;
+      x ^= x >> 29;
+    }
+    x *= 0x94D049BB133111EBull;
+    return x ^ x >> 32;
+  }
+  void widen() {
+    require(slots_.size() * 2 * sizeof(State));
+    std::vector<State> wider(slots_.size() * 2, kNone);
+    for (State state = 0; state < found_.states(); ++state) {
+      std::uint64_t at = hash(found_.markings.data() + state * found_.words) & (wider.size() - 1);
+      while (wider[at] != kNone) at = (at + 1) & (wider.size() - 1);
+      wider[at] = state;
+    }
+    slots_.swap(wider);
+  }
+
+  Exploration& found_;
+  const Limits& limits_;
+  std::vector<State> slots_;
+};
+
+SafeNet::SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities)
+    : places_(places), words_(std::max(1u, (places + 63) / 64)), firings_(std::move(firings)), priorities_(priorities) {
+  first_.keyed.resize(places);
+  second_.keyed.resize(places);
+  std::vector<std::uint32_t> users(places, 0);
+  for (const Firing& firing : firings_)
+    for (const std::uint32_t p : firing.need) ++users[p];
+  std::vector<std::vector<std::uint32_t>> internal_users(places);
+  for (std::uint32_t t = 0; t < firings_.size(); ++t) {
+    const Firing& firing = firings_[t];
+    std::vector<Part> parts;
+    const auto part = [&](std::uint32_t p) -> Part& {
+      for (Part& known : parts)
+        if (known.word == p / 64) return known;
+      return parts.emplace_back(Part{p / 64, 0, 0, 0});
+    };
+    for (const std::uint32_t p : firing.need) part(p).need |= Word(1) << p % 64;
+    for (const std::uint32_t p : firing.take) part(p).take |= Word(1) << p % 64;
+    for (const std::uint32_t p : firing.put) part(p).put |= Word(1) << p % 64;
+    begin_.push_back(std::uint32_t(parts_.size()));
+    parts_.insert(parts_.end(), parts.begin(), parts.end());
+    Level& level = !priorities || firing.internal ? first_ : second_;
+    if (firing.need.empty()) {
+      level.always.push_back(t);
+    } else {  // looked at only where the least wanted of its places is marked
+      const auto rarest = [&](std::uint32_t p, std::uint32_t q) { return users[p] < users[q]; };
+      level.keyed[*std::min_element(firing.need.begin(), firing.need.end(), rarest)].push_back(t);
+    }
+    if (firing.internal)
+      for (const std::uint32_t p : firing.need) internal_users[p].push_back(t);
+  }
+  begin_.push_back(std::uint32_t(parts_.size()));
+  const auto gathered = [&](const std::vector<std::uint32_t>& over) {
+    std::vector<std::uint32_t> found;
+    for (const std::uint32_t p : over) found.insert(found.end(), internal_users[p].begin(), internal_users[p].end());
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  };
+  for (const Firing& firing : firings_) {
+    winners_.push_back(gathered(firing.put));
+    losers_.push_back(gathered(firing.take));
+  }
+}
+
+std::vector<Word> SafeNet::marking_of(const std::vector<std::uint32_t>& places) const {
+  std::vector<Word> marking(words_, 0);
+  for (const std::uint32_t p : places) marking[p / 64] |= Word(1) << p % 64;
+  return marking;
+}
+
+bool SafeNet::fire(Word* marking, std::uint32_t t) const {
+  bool safe = !firings_[t].overflow;
+  for (std::uint32_t i = begin_[t]; i < begin_[t + 1]; ++i) {
+    const Part& part = parts_[i];
+    const Word kept = marking[part.word] & ~part.take;
+    safe &= (kept & part.put) == 0;
+    marking[part.word] = kept | part.put;
+  }
+  return safe;
+}
+
+// Notes the transitions of one priority that a marking covers; whether there are any.
+bool SafeNet::collect(const Word* marking, const Level& level, std::vector<Word>& enabled) const {
+  bool any = false;
+  const auto look = [&](std::uint32_t t) {
+    if (covers(marking, t)) {
+      enabled[t / 64] |= Word(1) << t % 64;
+      any = true;
+    }
+  };
+  for (const std::uint32_t t : level.always) look(t);
+  for (std::uint32_t w = 0; w < words_; ++w)
+    for (Word left = marking[w]; left; left &= left - 1)
+      for (const std::uint32_t t : level.keyed[w * 64 + std::uint32_t(std::countr_zero(left))]) look(t);
+  return any;
+}
+
+Exploration SafeNet::explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const {
+  Exploration found;
+  found.words = words_;
+  Table table(found, limits);
+  bool fresh;
+  table.number(marking_of(initial).data(), 0, 0, fresh);
+  std::vector<Word> enabled(firings_.size() / 64 + 1), marking(words_), after(words_);
+  if (edges) found.offsets.push_back(0);
+  for (State state = 0; state < found.states(); ++state) {
+    std::copy_n(found.markings.data() + std::uint64_t(state) * words_, words_, marking.data());
+    std::fill(enabled.begin(), enabled.end(), 0);
+    const bool first = collect(marking.data(), first_, enabled);
+    const bool any = first || (priorities_ && collect(marking.data(), second_, enabled));
+    found.dead += !any;
+    found.stable += !first;
+    std::uint64_t tokens = 0;
+    for (const Word word : marking) tokens += std::uint64_t(std::popcount(word));
+    found.most_tokens = std::max(found.most_tokens, tokens);
+    each_bit(enabled, [&](std::uint32_t t) {
+      if (found.trouble) return;
+      after = marking;
+      if (!fire(after.data(), t)) {
+        found.trouble = {state, t, false};
+        return;
+      }
+      const State target = table.number(after.data(), state, t, fresh);
+      ++found.edges;
+      if (edges) {
+        table.grow(found.targets, 1);
+        table.grow(found.labels, 1);
+        found.targets.push_back(target);
+        found.labels.push_back(t);
+      }
+    });
+    if (found.trouble) return found;
+    if (edges) {
+      table.grow(found.offsets, 1);
+      found.offsets.push_back(found.edges);
+    }
+    if ((state & 0x3FF) == 0x3FF && !limits.go_on(found.states(), found.edges)) throw Interrupted();
+  }
+  return found;
+}
+
+// Fires internal transitions until none is enabled; `enabled` holds those that are, and is empty at the end.
+bool SafeNet::complete(std::vector<Word>& marking, std::vector<Word>& enabled, std::uint32_t fired,
+                       std::optional<bool>& trouble) const {
+  for (std::uint32_t step = 0;; ++step) {
+    for (const std::uint32_t t : losers_[fired]) enabled[t / 64] &= ~(Word(1) << t % 64);
+    for (const std::uint32_t t : winners_[fired])
+      if (covers(marking.data(), t)) enabled[t / 64] |= Word(1) << t % 64;
+    const auto lowest = std::find_if(enabled.begin(), enabled.end(), [](Word word) { return word != 0; });
+    if (lowest == enabled.end()) return true;
+    if (step > kMostSteps) {
+      trouble = true;
+      return false;
+    }
+    fired = std::uint32_t(lowest - enabled.begin()) * 64 + std::uint32_t(std::countr_zero(*lowest));
+    if (!fire(marking.data(), fired)) {
+      trouble = false;
+      return false;
+    }
+  }
+}
+
+Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Limits& limits) const {
+  Exploration found;
+  found.words = words_;
+  Table table(found, limits);
+  bool fresh;
+  std::optional<bool> trouble;
+  std::vector<Word> enabled(firings_.size() / 64 + 1), running(enabled.size()), after = marking_of(initial);
+  if (collect(after.data(), first_, running)) {
+    const auto lowest = std::find_if(running.begin(), running.end(), [](Word word) { return word != 0; });
+    const auto t = std::uint32_t(lowest - running.begin()) * 64 + std::uint32_t(std::countr_zero(*lowest));
+    if (!fire(after.data(), t) || !complete(after, running, t, trouble)) {
+      found.trouble = {0, t, trouble.value_or(false)};
+      return found;
+    }
+  }
+  table.number(after.data(), 0, 0, fresh);
+  found.offsets.push_back(0);
+  std::vector<Word> marking(words_);
+  for (State state = 0; state < found.states(); ++state) {
+    std::copy_n(found.markings.data() + std::uint64_t(state) * words_, words_, marking.data());
+    std::fill(enabled.begin(), enabled.end(), 0);
+    collect(marking.data(), second_, enabled);
+    each_bit(enabled, [&](std::uint32_t t) {
+      if (found.trouble) return;
+      after = marking;
+      std::fill(running.begin(), running.end(), 0);
+      if (!fire(after.data(), t) || !complete(after, running, t, trouble)) {
+        found.trouble = {state, t, trouble.value_or(false)};
+        return;
+      }
+      const State target = table.number(after.data(), state, t, fresh);
+      ++found.edges;
+      table.grow(found.targets, 1);
+      table.grow(found.labels, 1);
+      found.targets.push_back(target);
+      found.labels.push_back(t);
+    });
+    if (found.trouble) return found;
+    table.grow(found.offsets, 1);
+    found.offsets.push_back(found.edges);
+    if ((state & 0x3F) == 0x3F && !limits.go_on(found.states(), found.edges)) throw Interrupted();
+  }
+  return found;
+}
+
+}  // namespace mcpn

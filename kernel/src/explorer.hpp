@@ -1,0 +1,85 @@
+// Explicit exploration of 1-safe nets: markings as bit sets, breadth first, priorities respected.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mcpn {
+
+using Word = std::uint64_t;
+using State = std::uint32_t;
+
+// What a transition does to a 1-safe marking. Overflow: firing it is unsafe whatever the marking.
+struct Firing {
+  std::vector<std::uint32_t> need, take, put;
+  bool internal = false, overflow = false;
+};
+
+struct Limits {
+  std::uint64_t states, bytes;
+  std::function<bool(std::uint64_t states, std::uint64_t edges)> go_on;  // asked now and then
+};
+
+// Markings in the order in which they were found, and the firings between them if they were asked for.
+struct Exploration {
+  std::uint64_t words = 1, edges = 0, dead = 0, stable = 0, most_tokens = 0;
+  std::vector<Word> markings;          // words for each state
+  std::vector<State> parents;          // the state that each was found from; its own number for the first
+  std::vector<std::uint32_t> via;      // by which transition
+  std::vector<std::uint64_t> offsets;  // edges of state s: offsets[s] to offsets[s + 1]
+  std::vector<State> targets;
+  std::vector<std::uint32_t> labels;
+  struct Trouble {
+    State state;
+    std::uint32_t transition;
+    bool endless;  // else unsafe
+  };
+  std::optional<Trouble> trouble;  // exploration ended there
+
+  std::uint64_t states() const { return parents.size(); }
+  std::uint64_t bytes() const;
+};
+
+class SafeNet {
+ public:
+  SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities);
+
+  // Every reachable marking. The initial one is given by its marked places.
+  Exploration explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const;
+
+  // Stable markings only, and the events between them: each event is run to completion along one interleaving,
+  // the lowest internal transition first. Sound where internal evolution is confluent.
+  Exploration settle(const std::vector<std::uint32_t>& initial, const Limits& limits) const;
+
+ private:
+  struct Part { std::uint32_t word; Word need, take, put; };  // of a transition in one word of a marking
+  struct Level {                                               // transitions of one priority
+    std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need
+    std::vector<std::uint32_t> always;                         // those that need none
+  };
+  class Table;
+
+  bool covers(const Word* marking, std::uint32_t t) const {
+    for (std::uint32_t i = begin_[t]; i < begin_[t + 1]; ++i)
+      if ((marking[parts_[i].word] & parts_[i].need) != parts_[i].need) return false;
+    return true;
+  }
+  bool fire(Word* marking, std::uint32_t t) const;  // false: unsafe
+  bool collect(const Word* marking, const Level& level, std::vector<Word>& enabled) const;
+  bool complete(std::vector<Word>& marking, std::vector<Word>& enabled, std::uint32_t fired,
+                std::optional<bool>& trouble) const;
+  std::vector<Word> marking_of(const std::vector<std::uint32_t>& places) const;
+
+  std::uint32_t places_, words_;
+  std::vector<Firing> firings_;
+  bool priorities_;
+  std::vector<std::uint32_t> begin_;
+  std::vector<Part> parts_;
+  Level first_, second_;  // without priorities all are first
+  std::vector<std::vector<std::uint32_t>> winners_, losers_;  // internal ones that each firing may enable, disable
+};
+
+}  // namespace mcpn

@@ -1,0 +1,100 @@
+// The Python side of explicit exploration: nets in, numpy arrays out.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+#include <memory>
+#include <tuple>
+
+#include "explorer.hpp"
+#include "store.hpp"
+
+namespace nb = nanobind;
+using namespace mcpn;
+
+namespace {
+
+using Places = std::vector<std::uint32_t>;
+using Given = std::tuple<Places, Places, Places, bool, bool>;  // need, take, put, internal, overflow
+
+// The values of a vector as an array, which owns them from now on.
+template <class T> nb::ndarray<nb::numpy, T> array(std::vector<T>&& values, std::uint64_t columns = 0) {
+  auto* kept = new std::vector<T>(std::move(values));
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  if (columns == 0) return {kept->data(), {kept->size()}, owner};
+  return {kept->data(), {kept->size() / columns, std::size_t(columns)}, owner};
+}
+
+template <class Explore> Exploration run(Explore body, std::uint64_t max_states, std::uint64_t max_bytes,
+                                         const nb::object& progress) {
+  auto due = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  bool stopped = false;
+  const Limits limits{max_states, max_bytes, [&](std::uint64_t states, std::uint64_t edges) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < due) return true;
+    due = now + std::chrono::milliseconds(500);
+    const nb::gil_scoped_acquire acquire;
+    stopped = PyErr_CheckSignals() != 0;
+    if (!stopped && !progress.is_none())
+      stopped = PyObject_CallFunction(progress.ptr(), "KK", static_cast<unsigned long long>(states),
+                                      static_cast<unsigned long long>(edges)) == nullptr;
+    return !stopped;
+  }};
+  try {
+    const nb::gil_scoped_release release;
+    return body(limits);
+  } catch (const Interrupted&) {
+    throw nb::python_error();
+  }
+}
+
+}  // namespace
+
+void bind_explorer(nb::module_& module) {
+  nb::exception<StateLimit>(module, "StateLimit");
+  nb::class_<Exploration>(module, "Exploration")
+      .def_prop_ro("states", &Exploration::states)
+      .def_ro("edges", &Exploration::edges)
+      .def_ro("dead", &Exploration::dead)
+      .def_ro("stable", &Exploration::stable)
+      .def_ro("most_tokens", &Exploration::most_tokens)
+      .def_prop_ro("trouble", [](const Exploration& e) -> std::optional<std::tuple<State, std::uint32_t, bool>> {
+        if (!e.trouble) return std::nullopt;
+        return std::tuple(e.trouble->state, e.trouble->transition, e.trouble->endless);
+      })
+      .def("run", [](const Exploration& e, State state) {
+        std::vector<std::uint32_t> fired;
+        if (state >= e.states()) throw std::out_of_range("no such state");
+        for (; state != 0; state = e.parents[state]) fired.push_back(e.via[state]);
+        return std::vector<std::uint32_t>(fired.rbegin(), fired.rend());
+      }, nb::arg("state"))
+      .def("take_markings", [](Exploration& e) { return array(std::move(e.markings), e.words); })
+      .def("take_offsets", [](Exploration& e) { return array(std::move(e.offsets)); })
+      .def("take_targets", [](Exploration& e) { return array(std::move(e.targets)); })
+      .def("take_labels", [](Exploration& e) { return array(std::move(e.labels)); });
+
+  nb::class_<SafeNet>(module, "SafeNet")
+      .def("__init__", [](SafeNet* self, std::uint32_t places, const std::vector<Given>& transitions, bool priorities) {
+        std::vector<Firing> firings;
+        for (const auto& [need, take, put, internal, overflow] : transitions) {
+          for (const Places* side : {&need, &take, &put})
+            for (const std::uint32_t p : *side)
+              if (p >= places) throw std::invalid_argument("no such place");
+          firings.push_back({need, take, put, internal, overflow});
+        }
+        new (self) SafeNet(places, std::move(firings), priorities);
+      }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))
+      .def("explore", [](const SafeNet& net, const Places& initial, bool edges, std::uint64_t max_states,
+                         std::uint64_t max_bytes, const nb::object& progress) {
+        return run([&](const Limits& limits) { return net.explore(initial, edges, limits); }, max_states, max_bytes,
+                   progress);
+      }, nb::arg("initial"), nb::arg("edges"), nb::arg("max_states"), nb::arg("max_bytes"),
+         nb::arg("progress").none() = nb::none())
+      .def("settle", [](const SafeNet& net, const Places& initial, std::uint64_t max_states, std::uint64_t max_bytes,
+                        const nb::object& progress) {
+        return run([&](const Limits& limits) { return net.settle(initial, limits); }, max_states, max_bytes, progress);
+      }, nb::arg("initial"), nb::arg("max_states"), nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
+}
