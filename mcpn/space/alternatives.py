@@ -12,15 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from mcpn_kernel import MemoryLimit, StateLimit
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
+from mcpn.space.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.firing import MaskedNet
 from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
 
 DEFAULT_MAX_STATES = 5_000_000
-MAX_UNRECORDED = 100_000
-"""Internal firings in a row before the direct way starts to look for a marking that comes back."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,32 +157,18 @@ def divergence_error(run: list[str]) -> DivergenceError:
     )
 
 
-class _Direct:
-    """Runs to completion, with or without the proof."""
+class _Proving:
+    """Runs events to completion along every interleaving, and proves that they end alike."""
 
-    def __init__(self, net: PetriNet, proof: bool) -> None:
+    def __init__(self, net: PetriNet) -> None:
         self.net = net
         self.masked = MaskedNet(net)
-        self.prove = proof
         self.ends: dict[int, int] = {}
         self.parents: dict[int, tuple[int, int] | None] = {}
 
     def stabilise(self, marking: int, covered: int, origin: tuple[int, int] | None) -> int:
         self.parents.setdefault(marking, origin)
-        return self.every_end(marking, covered) if self.prove else self.one_end(marking, covered)
-
-    def recorded_end(self, marking: int, covered: int) -> int:
-        """Follows one interleaving as :meth:`one_end` does, noting its run for the error that it ends in."""
-        masked, seen = self.masked, set[int]()
-        while internal := covered & masked.internal:
-            seen.add(marking)
-            t = (internal & -internal).bit_length() - 1
-            before, marking = marking, self.step(marking, t)
-            if marking in seen:
-                raise divergence_error([*self.run(before), self.net.transitions[t].name])
-            self.parents.setdefault(marking, (before, t))
-            covered = masked.covered_after(covered, marking, t)
-        return marking
+        return self.every_end(marking, covered)
 
     def step(self, marking: int, transition: int) -> int:
         after, doubled = self.masked.fire(marking, transition)
@@ -191,27 +177,6 @@ class _Direct:
             name = self.net.transitions[transition].name
             raise UnsafeError(place, name, self.masked.marked(marking), self.run(marking))
         return after
-
-    def one_end(self, marking: int, covered: int) -> int:
-        """Follows one interleaving to its stable end; only internal transitions are kept track of."""
-        masked = self.masked
-        need, take, put, overflow = masked.need, masked.take, masked.put, masked.overflow
-        winners, losers = masked.internal_winners, masked.losers
-        at, internal = marking, covered & masked.internal
-        for _ in range(MAX_UNRECORDED):
-            if not internal:
-                return at
-            t = (internal & -internal).bit_length() - 1
-            kept = at & ~take[t]
-            if kept & put[t] or overflow[t]:
-                break
-            at = kept | put[t]
-            internal &= ~losers[t]
-            for u in winners[t]:
-                if at & need[u] == need[u]:
-                    internal |= 1 << u
-        # Unsafe, or long enough to suspect that it never ends.
-        return self.recorded_end(marking, covered)
 
     def every_end(self, start: int, covered: int) -> int:
         """Explores every transient marking behind one, each once, and proves that their ends agree."""
@@ -303,7 +268,9 @@ def direct(
         UnsafeError: A firing would put a second token in a place.
         LimitError: More stable states than allowed.
     """
-    walk = _Direct(net, proof)
+    if not proof:
+        return _settled(net, max_states, progress)
+    walk = _Proving(net)
     masked = walk.masked
     begin = masked.initial()
     start = walk.stabilise(begin, masked.covered(begin), None)
@@ -325,8 +292,22 @@ def direct(
         if progress and state % 1000 == 999:
             progress(len(queue), len(targets))
     words = pack(queue, len(net.places))
-    how = "every transient marking behind each event explored once, its stable end unique" if proof else None
+    how = "every transient marking behind each event explored once, its stable end unique"
     return _graph(net, words, offsets, targets, labels, "direct", how)
+
+
+def _settled(
+    net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None
+) -> AlternativesGraph:
+    """The graph by one interleaving of each run, in the kernel; the walk here finds the run of an error."""
+    prepared = KernelNet(net)
+    try:
+        found = prepared.kernel.settle(prepared.initial, max_states, DEFAULT_MAX_MEMORY, progress)
+    except (StateLimit, MemoryLimit) as error:
+        raise LimitError(str(error).replace("states", "stable states", 1)) from error
+    if found.trouble is not None:
+        return direct(net, proof=True, max_states=max_states, progress=progress)
+    return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
 
 
 def _graph(

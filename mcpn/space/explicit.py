@@ -86,7 +86,7 @@ class Counts:
         states: Reachable markings.
         edges: Firings between them.
         dead: Markings that enable nothing.
-        stable: Markings that enable no internal transition; all of them in nets without priorities.
+        stable: Markings that enable no internal transition, of nets with priorities.
         max_tokens: Most tokens in a marking.
     """
 

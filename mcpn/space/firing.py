@@ -36,7 +36,6 @@ class MaskedNet:
         self.losers = [_bits(u for p in t.consume for u in users[p]) for t in safe]
         self.winners = [sorted({u for p in t.produce for u in users[p]}) for t in safe]
         self.internal = _bits(i for i, t in enumerate(net.transitions) if t.internal) if net.priorities else 0
-        self.internal_winners = [[u for u in w if self.internal >> u & 1] for w in self.winners]
 
     def initial(self) -> int:
         """The initial marking.
