@@ -36,6 +36,25 @@ template <class T> using Memo = std::unordered_map<std::uint64_t, T, KeyHash>;
 
 }  // namespace
 
+// Calls a function on each node of a diagram, terminals aside, once.
+template <class F> void Store::walk(Node a, F body) {
+  seen_.resize(nodes_.size(), walk_);
+  if (++walk_ == 0) {  // numbers of walks begin anew
+    std::fill(seen_.begin(), seen_.end(), 0);
+    walk_ = 1;
+  }
+  std::vector<Node> stack{a};
+  while (!stack.empty()) {
+    const Node n = stack.back();
+    stack.pop_back();
+    if (n < 2 || seen_[n] == walk_) continue;
+    seen_[n] = walk_;
+    body(n);
+    stack.push_back(lo(n));
+    stack.push_back(hi(n));
+  }
+}
+
 std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<std::uint32_t>& conditions) {
   Memo<Limbs> memo;  // shared: conditions have their ends in common, and every count ends in plain ones
   auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> Limbs {
@@ -59,7 +78,9 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
     return memo[key] = std::move(result);
   };
   std::vector<Limbs> results;
-  for (const std::uint32_t condition : conditions) results.push_back(visit(visit, a, condition));
+  const std::vector<bool> marked = support(a);
+  for (const std::uint32_t condition : conditions)
+    results.push_back(possible(condition, marked) ? visit(visit, a, condition) : Limbs{});
   return results;
 }
 
@@ -96,16 +117,23 @@ std::int64_t Store::largest(Node a, const std::vector<std::int32_t>& weights) {
 }
 
 std::uint64_t Store::size(Node a) {
-  Memo<bool> seen;
-  std::vector<Node> stack{a};
-  while (!stack.empty()) {
-    const Node n = stack.back();
-    stack.pop_back();
-    if (n < 2 || !seen.emplace(n, true).second) continue;
-    stack.push_back(lo(n));
-    stack.push_back(hi(n));
+  std::uint64_t count = 0;
+  walk(a, [&](Node) { ++count; });
+  return count;
+}
+
+std::vector<bool> Store::support(Node a) {
+  std::vector<bool> marked(levels);
+  walk(a, [&](Node n) { marked[level(n)] = true; });
+  return marked;
+}
+
+bool Store::possible(std::uint32_t suffix, const std::vector<bool>& support) const {
+  for (; suffix; suffix = suffixes_[suffix].next) {
+    const Touch touch = suffixes_[suffix].touch;
+    if ((touch == Touch::consume || touch == Touch::read) && !support[suffixes_[suffix].level]) return false;
   }
-  return seen.size();
+  return true;
 }
 
 bool Store::pick(Node a, std::vector<Level>& marking) {

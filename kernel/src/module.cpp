@@ -300,9 +300,10 @@ NB_MODULE(mcpn_kernel, module) {
       }, nb::arg("conditions"))
       .def("first", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
         return measured(a, [&](Store& s) {
+          const std::vector<bool> marked = s.support(a.node);
           std::int64_t found = -1;
           for (std::size_t i = 0; i < conditions.size() && found < 0; ++i)
-            if (s.holds(a.node, conditions[i])) found = std::int64_t(i);
+            if (s.possible(conditions[i], marked) && s.holds(a.node, conditions[i])) found = std::int64_t(i);
           return found;
         });
       }, nb::arg("conditions"))

@@ -264,7 +264,9 @@ Node Store::image(Node a, std::uint32_t event, Node within) {
 // Conditions are taken out one after the other: what is left only shrinks.
 Node Store::without(Node a, const std::vector<std::uint32_t>& conditions) {
   Held left(*this, a);
+  const std::vector<bool> marked = support(a);
   for (const std::uint32_t condition : conditions) {
+    if (!possible(condition, marked)) continue;
     const Held met(*this, filter(left, condition));
     left = minus(left, met);
   }
@@ -273,7 +275,9 @@ Node Store::without(Node a, const std::vector<std::uint32_t>& conditions) {
 
 Node Store::images(Node a, const std::vector<std::uint32_t>& events, Node within) {
   Held all(*this, 0);
+  const std::vector<bool> marked = support(a);
   for (const std::uint32_t event : events) {
+    if (!possible(event, marked)) continue;
     const Held after(*this, image(a, event, within));
     all = join(all, after);
   }
@@ -283,8 +287,10 @@ Node Store::images(Node a, const std::vector<std::uint32_t>& events, Node within
 // Each event takes out what it makes of the others, so that less and less is looked for.
 Node Store::beyond(Node a, Node from, const std::vector<std::uint32_t>& events) {
   Held left(*this, a);
+  const std::vector<bool> marked = support(from);
   for (const std::uint32_t event : events) {
     if (left == 0) break;
+    if (!possible(event, marked)) continue;
     const Held made(*this, image(from, event, left));
     left = minus(left, made);
   }

@@ -65,6 +65,8 @@ class Store {
   bool holds(Node a, std::uint32_t literals);  // whether some marking satisfies them
   std::int64_t largest(Node a, const std::vector<std::int32_t>& weights);  // most weight in one marking
   std::uint64_t size(Node a);
+  std::vector<bool> support(Node a);  // levels that some marking marks
+  bool possible(std::uint32_t suffix, const std::vector<bool>& support) const;  // no level wanted that none marks
   bool pick(Node a, std::vector<Level>& marking);
 
   // --- life ---
@@ -96,6 +98,7 @@ class Store {
   struct Branches { Node lo, hi; };
   enum Op : std::uint64_t { op_join = 1, op_meet, op_minus, op_filter, op_image, op_saturate, op_fire };
 
+  template <class F> void walk(Node a, F body);
   Branches split(Node a, Level at) const {
     return level(a) == at ? Branches{lo(a), hi(a)} : Branches{a, 0};
   }
@@ -132,6 +135,8 @@ class Store {
   std::mutex kept_mutex_;  // handles may die while an operation runs on another thread
   std::unordered_map<Node, std::uint32_t> kept_;
   std::vector<Node> held_;
+  std::vector<std::uint32_t> seen_;  // by node, the last walk that came to it
+  std::uint32_t walk_ = 0;
   std::vector<Suffix> suffixes_;
   std::unordered_map<std::uint64_t, std::uint32_t> suffix_index_;
   std::vector<std::uint32_t> declared_;

@@ -30,11 +30,22 @@ def candidates(net: PetriNet) -> Iterator[tuple[str, Order]]:
         Pairs of name and order, without repeats.
     """
     seen: set[Order] = set()
-    for name, order in _named(net):
-        for suffix, way in (("", order), ("-reversed", order[::-1])):
+    # What composes missions declares resources first and sections in sequence last: read backwards, the
+    # sections stand on top in sequence, over the activities that they start and the resources under these.
+    for name, order in _of_missions(net) if net.priorities else _named(net):
+        ways = (("", order), ("-reversed", order[::-1]))
+        for suffix, way in reversed(ways) if net.priorities else ways:
             if way not in seen:
                 seen.add(way)
                 yield name + suffix, way
+
+
+def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
+    file = tuple(range(len(net.places)))
+    yield "file", file
+    yield "force", force(net, file)
+    yield "units", by_units(net)
+    yield "force-rcm", force(net, cuthill_mckee(net))
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:

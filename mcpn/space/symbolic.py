@@ -20,7 +20,7 @@ from mcpn.net.structure import complements
 from mcpn.space.order import Order, candidates
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET = 20_000
+FIRST_BUDGET = 100_000
 GROWTH = 4
 
 
