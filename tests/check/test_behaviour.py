@@ -1,0 +1,38 @@
+"""Liveness, reversibility and home markings, against their definitions on plain sets."""
+
+from __future__ import annotations
+
+from hypothesis import assume, given
+
+from mcpn.check.behaviour import behaviour
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.symbolic import reach
+from tests.check.formulas import Edges, edges_of
+from tests.net.nets import nets, reachable, state_machines
+
+
+def ahead(edges: Edges, start: Marking) -> set[Marking]:
+    found, stack = {start}, [start]
+    while stack:
+        for _, after in edges[stack.pop()]:
+            if after not in found:
+                found.add(after)
+                stack.append(after)
+    return found
+
+
+@given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]))
+def test_behaviour_by_its_definitions(net: PetriNet) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    from_each = {marking: ahead(edges, marking) for marking in edges}
+    fired = {marking: {t for at in found for t, _ in edges[at]} for marking, found in from_each.items()}
+    found = behaviour(reach(net))
+    everything = range(len(net.transitions))
+    assert found.deadlock == any(not after for after in edges.values())
+    assert found.quasi_live == fired[net.initial]
+    assert found.live == {t for t in everything if all(t in later for later in fired.values())}
+    assert found.reversible == all(net.initial in later for later in from_each.values())
+    assert found.home_markings == sum(all(m in later for later in from_each.values()) for m in edges)
+    constant = {p for p in range(len(net.places)) if len({m[p] for m in edges}) == 1}
+    assert found.constant_places == constant
