@@ -20,7 +20,7 @@ from mcpn.net.structure import complements
 from mcpn.space.order import Order, candidates
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET = 100_000
+FIRST_BUDGET, FIRST_BUDGET_OF_MISSIONS = 20_000, 100_000
 GROWTH = 4
 
 
@@ -187,7 +187,8 @@ def reach(net: PetriNet, *, order: Order | None = None, memory_limit: int = DEFA
 
 
 def _race(net: PetriNet, memory_limit: int) -> SymbolicSpace:
-    budget = FIRST_BUDGET
+    # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
+    budget = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     drawn: list[tuple[str, Order]] = []
     source = candidates(net)
     while True:
