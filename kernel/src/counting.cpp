@@ -1,4 +1,4 @@
-// Exact numbers about a set of markings. Counts need additions only, so limbs are all there is to it.
+// Exact numbers about a set of markings, as limbs.
 #include "store.hpp"
 
 #include <algorithm>
@@ -23,6 +23,22 @@ Limbs sum(const Limbs& a, const Limbs& b) {
     carry >>= 64;
   }
   if (carry) result.push_back(std::uint64_t(carry));
+  return result;
+}
+
+Limbs product(const Limbs& a, const Limbs& b) {
+  if (a.empty() || b.empty()) return {};
+  Limbs result(a.size() + b.size(), 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    unsigned __int128 carry = 0;
+    for (std::size_t j = 0; j < b.size() || carry; ++j) {
+      carry += result[i + j];
+      if (j < b.size()) carry += (unsigned __int128)a[i] * b[j];
+      result[i + j] = std::uint64_t(carry);
+      carry >>= 64;
+    }
+  }
+  while (!result.empty() && result.back() == 0) result.pop_back();
   return result;
 }
 
@@ -77,10 +93,30 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
     if (memo.size() > kMostMemo) memo.clear();
     return memo[key] = std::move(result);
   };
-  std::vector<Limbs> results;
+  // A condition that begins with a marked level is counted from that level's nodes on, each as often as paths
+  // lead to it: nodes above are passed once for all conditions, not once for each.
+  std::vector<std::vector<Node>> by_level(levels);
+  walk(a, [&](Node n) { by_level[level(n)].push_back(n); });
+  std::unordered_map<Node, Limbs, KeyHash> paths;
+  paths[a] = {1};
+  if (conditions.size() > 1)
+    for (const auto& nodes : by_level)
+      for (const Node n : nodes)
+        for (const Node child : {lo(n), hi(n)})
+          if (child > 1) paths[child] = sum(paths[child], paths[n]);
   const std::vector<bool> marked = support(a);
-  for (const std::uint32_t condition : conditions)
-    results.push_back(possible(condition, marked) ? visit(visit, a, condition) : Limbs{});
+  std::vector<Limbs> results;
+  for (const std::uint32_t condition : conditions) {
+    Limbs total;
+    if (possible(condition, marked)) {
+      if (conditions.size() > 1 && condition && suffixes_[condition].touch == Touch::read)
+        for (const Node n : by_level[suffixes_[condition].level])
+          total = sum(total, product(paths[n], visit(visit, hi(n), suffixes_[condition].next)));
+      else
+        total = visit(visit, a, condition);
+    }
+    results.push_back(std::move(total));
+  }
   return results;
 }
 

@@ -1,0 +1,285 @@
+"""Siphons, traps, classes and semiflows of a net: what holds whatever the order of firing.
+
+A read arc counts as consuming and producing a token at once: its place stands before and after the
+transition. Weights are looked at by semiflows only; siphons, traps and classes see which places stand where,
+so that what is said of classes holds for *ordinary* nets.
+
+Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. IEEE 77(4), 1989, sections V
+and VI; J. Martinez, M. Silva, *A simple and fast algorithm to obtain all invariants of a generalised Petri
+net*, 1982.
+
+>>> from mcpn.net.petri import NetBuilder
+>>> builder = NetBuilder("lamp")
+>>> places = builder.place("off", initial=1), builder.place("on")
+>>> builder.transition("press", consume=["off"], produce=["on"])
+>>> builder.transition("again", consume=["on"], produce=["off"])
+>>> net = builder.build()
+>>> siphons(net), traps(net), sorted(classes(net))[:2]
+(((0, 1),), ((0, 1),), ['asymmetric choice', 'extended free choice'])
+>>> p_semiflows(net), t_semiflows(net)
+(({0: 1, 1: 1},), ({0: 1, 1: 1},))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import gcd
+from typing import TypeAlias
+
+from mcpn.errors import LimitError
+from mcpn.net.petri import PetriNet
+from mcpn.net.structure import Sparse, incidence
+
+MAX_STEPS = 200_000
+MAX_ROWS = 5_000
+
+Places: TypeAlias = tuple[int, ...]
+
+
+def surroundings(net: PetriNet) -> list[tuple[int, int]]:
+    """Places before and after each transition, as sets of bits."""
+    return [
+        (_bits(p for p, _ in (*t.consume, *t.read)), _bits(p for p, _ in (*t.produce, *t.read)))
+        for t in net.transitions
+    ]
+
+
+def siphons(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
+    """Every minimal siphon: places that, once without tokens, stay so.
+
+    Args:
+        net: The net.
+        max_steps: How many sets the search may look at; there may be exponentially many siphons.
+
+    Returns:
+        The inclusion-minimal non-empty siphons, sorted.
+
+    Raises:
+        LimitError: The limit was hit.
+    """
+    return _closed(surroundings(net), len(net.places), max_steps, "siphons")
+
+
+def traps(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
+    """Every minimal trap: places that, once they hold a token, always hold one.
+
+    Args:
+        net: The net.
+        max_steps: How many sets the search may look at.
+
+    Returns:
+        The inclusion-minimal non-empty traps, sorted.
+
+    Raises:
+        LimitError: The limit was hit.
+    """
+    turned = [(after, before) for before, after in surroundings(net)]
+    return _closed(turned, len(net.places), max_steps, "traps")
+
+
+def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what: str) -> tuple[Places, ...]:
+    """Minimal sets such that whatever puts into them also takes from them.
+
+    Whatever puts into the set begun and takes nothing from it must be given a place that it takes from: one
+    branch for each.
+    """
+    found: list[int] = []
+    seen: set[int] = set()
+    stack = [1 << p for p in range(places)]
+    while stack:
+        chosen = stack.pop()
+        if chosen in seen or any(known & chosen == known for known in found):
+            continue
+        seen.add(chosen)
+        if len(seen) > max_steps:
+            raise LimitError(
+                f"more than {max_steps} sets looked at: the limit on the search for {what} was hit"
+            )
+        open_ = next((before for before, after in around if after & chosen and not before & chosen), None)
+        if open_ is None:
+            found = [known for known in found if known & chosen != chosen]
+            found.append(chosen)
+        else:
+            stack.extend(chosen | 1 << p for p in _members(open_))
+    return tuple(sorted(tuple(_members(chosen)) for chosen in found))
+
+
+def greatest_trap(net: PetriNet, places: Iterable[int]) -> Places:
+    """The greatest trap inside a set of places."""
+    inside = _bits(places)
+    around = surroundings(net)
+    while True:
+        lost = 0
+        for before, after in around:
+            if not after & inside:
+                lost |= before & inside
+        if not lost:
+            return tuple(_members(inside))
+        inside &= ~lost
+
+
+def commoner(net: PetriNet, *, max_steps: int = MAX_STEPS) -> Places | None:
+    """A minimal siphon that contains no marked trap, or ``None`` where each contains one.
+
+    A free choice net is live exactly where there is none (Commoner's theorem; Hack 1972); an asymmetric
+    choice net is live if there is none.
+
+    Raises:
+        LimitError: The limit on the search for siphons was hit.
+    """
+    for siphon in siphons(net, max_steps=max_steps):
+        if not any(net.initial[p] for p in greatest_trap(net, siphon)):
+            return siphon
+    return None
+
+
+def classes(net: PetriNet) -> frozenset[str]:
+    """Structural classes that the net belongs to.
+
+    Returns:
+        Among ``ordinary`` (all weights 1), ``pure`` (no place both before and after a transition), ``state
+        machine``, ``marked graph``, ``free choice``, ``extended free choice``, ``asymmetric choice``.
+    """
+    around, places = surroundings(net), range(len(net.places))
+    consumers = [frozenset(i for i, (before, _) in enumerate(around) if before >> p & 1) for p in places]
+    producers = [frozenset(i for i, (_, after) in enumerate(around) if after >> p & 1) for p in places]
+    pairs = [(consumers[p], consumers[q]) for p in places for q in range(p) if consumers[p] & consumers[q]]
+    arcs = [w for t in net.transitions for side in (t.consume, t.produce, t.read) for _, w in side]
+    held = {
+        "ordinary": all(w == 1 for w in arcs),
+        "pure": all(not before & after for before, after in around),
+        "state machine": all(b.bit_count() == 1 and a.bit_count() == 1 for b, a in around),
+        "marked graph": all(len(c) <= 1 and len(p) <= 1 for c, p in zip(consumers, producers, strict=True)),
+        "free choice": all(
+            len(consumers[p]) == 1 or before.bit_count() == 1
+            for before, _ in around
+            for p in _members(before)
+        ),
+        "extended free choice": all(c == d for c, d in pairs),
+        "asymmetric choice": all(c <= d or d <= c for c, d in pairs),
+    }
+    return frozenset(name for name, holds in held.items() if holds)
+
+
+# --- semiflows -----------------------------------------------------------------------------------------
+
+
+def p_semiflows(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Sparse, ...]:
+    """Every P-semiflow of minimal support: weights of places whose weighted sum of tokens never changes.
+
+    Args:
+        net: The net.
+        max_rows: How many intermediate vectors there may be.
+
+    Returns:
+        Positive weights by place, without a common divisor.
+
+    Raises:
+        LimitError: The limit was hit.
+    """
+    return _semiflows([dict(row) for row in incidence(net)], max_rows, "P-semiflows")
+
+
+def t_semiflows(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Sparse, ...]:
+    """Every T-semiflow of minimal support: numbers of firings that lead back to the same marking.
+
+    Args:
+        net: The net.
+        max_rows: How many intermediate vectors there may be.
+
+    Returns:
+        Positive numbers by transition, without a common divisor.
+
+    Raises:
+        LimitError: The limit was hit.
+    """
+    effects: list[Sparse] = [{} for _ in net.transitions]
+    for place, row in enumerate(incidence(net)):
+        for t, change in row.items():
+            effects[t][place] = change
+    return _semiflows(effects, max_rows, "T-semiflows")
+
+
+def _semiflows(effects: list[Sparse], max_rows: int, what: str) -> tuple[Sparse, ...]:
+    """Non-negative combinations of effects that add up to nothing (Farkas; Martinez and Silva 1982)."""
+    rows: list[tuple[Sparse, Sparse]] = [({i: 1}, dict(effect)) for i, effect in enumerate(effects)]
+    left = {key for _, effect in rows for key in effect}
+    while left:
+        column = _cheapest(sorted(left), rows)
+        left.discard(column)
+        kept = [row for row in rows if not row[1].get(column)]
+        ups = [row for row in rows if row[1].get(column, 0) > 0]
+        downs = [row for row in rows if row[1].get(column, 0) < 0]
+        for up in ups:
+            for down in downs:
+                a, b = -down[1][column], up[1][column]
+                flow = _sum(up[0], a, down[0], b)
+                effect = _sum(up[1], a, down[1], b)
+                divisor = gcd(*flow.values(), *effect.values())
+                kept.append(
+                    ({k: v // divisor for k, v in flow.items()}, {k: v // divisor for k, v in effect.items()})
+                )
+        rows = _minimal(kept)
+        if len(rows) > max_rows:
+            raise LimitError(f"more than {max_rows} vectors: the limit on {what} was hit")
+    flows = [dict(sorted(flow.items())) for flow, _ in rows]
+    return tuple(sorted(flows, key=lambda flow: sorted(flow.items())))
+
+
+def _cheapest(columns: list[int], rows: list[tuple[Sparse, Sparse]]) -> int:
+    """The column whose elimination makes the fewest new rows."""
+
+    def growth(column: int) -> int:
+        signs = [effect.get(column, 0) for _, effect in rows]
+        ups, downs = sum(sign > 0 for sign in signs), sum(sign < 0 for sign in signs)
+        return ups * downs - ups - downs
+
+    return min(columns, key=growth)
+
+
+def _sum(left: Sparse, a: int, right: Sparse, b: int) -> Sparse:
+    total = {key: a * value for key, value in left.items()}
+    for key, value in right.items():
+        total[key] = total.get(key, 0) + b * value
+    return {key: value for key, value in total.items() if value}
+
+
+def _minimal(rows: list[tuple[Sparse, Sparse]]) -> list[tuple[Sparse, Sparse]]:
+    """Rows whose support holds that of no other; one for each support."""
+    found: list[tuple[int, tuple[Sparse, Sparse]]] = []
+    for row in sorted(rows, key=lambda row: len(row[0])):
+        support = _bits(row[0])
+        if not any(known & support == known for known, _ in found):
+            found.append((support, row))
+    return [row for _, row in found]
+
+
+def state_machine_components(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Places, ...]:
+    """Sets of places that each transition leaves and enters by at most one of them, tokens conserved.
+
+    Args:
+        net: The net.
+        max_rows: As for :func:`p_semiflows`.
+
+    Returns:
+        The supports of P-semiflows that are state machines; those that hold one token initially always do.
+
+    Raises:
+        LimitError: The limit was hit.
+    """
+    around = surroundings(net)
+    found = []
+    for flow in p_semiflows(net, max_rows=max_rows):
+        support = _bits(flow)
+        single = all((b & support).bit_count() < 2 and (a & support).bit_count() < 2 for b, a in around)
+        if single and set(flow.values()) == {1}:
+            found.append(tuple(sorted(flow)))
+    return tuple(found)
+
+
+def _bits(members: Iterable[int]) -> int:
+    return sum(1 << member for member in set(members))
+
+
+def _members(bits: int) -> list[int]:
+    return [i for i in range(bits.bit_length()) if bits >> i & 1]

@@ -1,0 +1,228 @@
+"""Nets whose places may hold many tokens: exploration up to limits, and what is bounded.
+
+Without priorities the coverability tree of Karp and Miller (*Parallel program schemata*, JCSS 1969) decides
+boundedness. With priorities it is undecidable in general (they can test for zero): then only a finite state
+space, or a run of internal transitions that can be repeated for ever, decides it here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mcpn.errors import LimitError
+from mcpn.net.petri import Arcs, Marking, PetriNet
+
+OMEGA = -1
+"""In the bounds of places and in markings of the coverability tree: any number of tokens."""
+
+MAX_STATES = 1_000_000
+MAX_TOKENS = 1_000_000
+
+
+@dataclass(frozen=True)
+class TokenSpace:
+    """The markings of a bounded net.
+
+    Args:
+        states: Reachable markings.
+        edges: Firings between them, priorities respected.
+        dead: A dead marking of shortest distance, with a run to it, if there is one.
+        dead_states: Number of dead markings.
+        bounds: Most tokens of each place.
+        max_tokens: Most tokens in a marking.
+        fired: Transitions that fire somewhere.
+    """
+
+    states: int
+    edges: int
+    dead: tuple[Marking, tuple[str, ...]] | None
+    dead_states: int
+    bounds: tuple[int, ...]
+    max_tokens: int
+    fired: frozenset[int]
+
+
+def explore_tokens(
+    net: PetriNet, *, max_states: int = MAX_STATES, max_tokens: int = MAX_TOKENS
+) -> TokenSpace:
+    """Explores a net marking by marking, breadth first, with as many tokens as there are.
+
+    Args:
+        net: The net, 1-safe or not.
+        max_states: How many markings it may have.
+        max_tokens: How many tokens a place may hold.
+
+    Returns:
+        Sizes and bounds.
+
+    Raises:
+        LimitError: A limit was hit: the net may be unbounded.
+    """
+    index = {net.initial: 0}
+    queue, parents = [net.initial], [(-1, -1)]
+    edges, dead, dead_states, fired = 0, None, 0, set[int]()
+    bounds = list(net.initial)
+    for state, marking in enumerate(queue):  # grows while it is walked
+        enabled = net.enabled(marking)
+        if not enabled:
+            dead_states += 1
+            dead = dead or (marking, tuple(_run(net, parents, state)))
+        for t in enabled:
+            after = net.fire(marking, t)
+            edges += 1
+            fired.add(t)
+            if index.setdefault(after, len(queue)) == len(queue):
+                queue.append(after)
+                parents.append((state, t))
+                bounds = [max(a, b) for a, b in zip(bounds, after, strict=True)]
+                if len(queue) > max_states:
+                    raise LimitError(f"more than {max_states} states: the limit on states was hit")
+                if max(after) > max_tokens:
+                    place = net.places[after.index(max(after))].name
+                    raise LimitError(f"more than {max_tokens} tokens in {place}: the limit on tokens was hit")
+    most = max(sum(marking) for marking in queue)
+    return TokenSpace(len(queue), edges, dead, dead_states, tuple(bounds), most, frozenset(fired))
+
+
+def _run(net: PetriNet, parents: list[tuple[int, int]], state: int) -> list[str]:
+    run = []
+    while state:
+        state, t = parents[state]
+        run.append(net.transitions[t].name)
+    return run[::-1]
+
+
+@dataclass(frozen=True)
+class Boundedness:
+    """Whether a net is bounded.
+
+    Args:
+        bounded: The answer, ``None`` where it is not known.
+        bounds: By place, the most tokens it holds, :data:`OMEGA` where there is no such number; ``None``
+            where that is not known.
+        run: Where the net is unbounded, transitions from the initial marking on,
+        pump: and those that can then be repeated for ever, each time leaving more tokens.
+        reason: What the answer rests on.
+    """
+
+    bounded: bool | None
+    bounds: tuple[int, ...] | None
+    run: tuple[str, ...] = ()
+    pump: tuple[str, ...] = ()
+    reason: str = ""
+
+    @property
+    def bound(self) -> int | None:
+        """The least bound of all places, where the net is bounded."""
+        return max(self.bounds, default=0) if self.bounded and self.bounds is not None else None
+
+
+def boundedness(net: PetriNet, *, max_states: int = MAX_STATES) -> Boundedness:
+    """Decides whether a net is bounded, and by what.
+
+    Args:
+        net: The net.
+        max_states: How many markings, or nodes of the coverability tree, may be looked at.
+
+    Returns:
+        The answer; where priorities leave it open, an honest ``None``.
+
+    Raises:
+        LimitError: The limit was hit in a net without priorities.
+    """
+    return _with_priorities(net, max_states) if net.priorities else _karp_miller(net, max_states)
+
+
+@dataclass
+class _Node:
+    marking: tuple[int, ...]
+    parent: _Node | None
+    transition: int
+
+    def ancestors(self) -> list[_Node]:
+        found, at = list["_Node"](), self.parent
+        while at is not None:
+            found.append(at)
+            at = at.parent
+        return found
+
+
+def _covers(more: Sequence[int], less: Sequence[int]) -> bool:
+    return all(a == OMEGA or (b != OMEGA and a >= b) for a, b in zip(more, less, strict=True))
+
+
+def _enabled(marking: tuple[int, ...], needed: Arcs) -> bool:
+    return all(marking[p] == OMEGA or marking[p] >= w for p, w in needed)
+
+
+def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
+    root = _Node(net.initial, None, -1)
+    stack, nodes, bounds = [root], 1, list(net.initial)
+    seen: set[tuple[int, ...]] = set()
+    first: tuple[tuple[str, ...], tuple[str, ...]] | None = None
+    while stack:
+        node = stack.pop()
+        if node.marking in seen:
+            continue
+        seen.add(node.marking)
+        bounds = [OMEGA if OMEGA in pair else max(pair) for pair in zip(bounds, node.marking, strict=True)]
+        for t, transition in enumerate(net.transitions):
+            if not _enabled(node.marking, (*transition.consume, *transition.read)):
+                continue
+            after = list(node.marking)
+            for arcs, sign in ((transition.consume, -1), (transition.produce, 1)):
+                for p, w in arcs:
+                    after[p] += 0 if after[p] == OMEGA else sign * w
+            child = _Node(tuple(after), node, t)
+            for ancestor in child.ancestors():
+                if child.marking != ancestor.marking and _covers(child.marking, ancestor.marking):
+                    if first is None:
+                        first = _names(net, ancestor), _names(net, child)[len(_names(net, ancestor)) :]
+                    grown = [
+                        OMEGA if a != b else a for a, b in zip(child.marking, ancestor.marking, strict=True)
+                    ]
+                    child.marking = tuple(grown)
+            stack.append(child)
+            nodes += 1
+            if nodes > max_nodes:
+                raise LimitError(f"more than {max_nodes} nodes: the limit on the coverability tree was hit")
+    if first is None:
+        return Boundedness(True, tuple(bounds), reason="the coverability tree holds every marking")
+    return Boundedness(
+        False, tuple(bounds), *first, reason="this run can be repeated with more and more tokens"
+    )
+
+
+def _names(net: PetriNet, node: _Node) -> tuple[str, ...]:
+    path = [n for n in (node, *node.ancestors()) if n.parent is not None]
+    return tuple(net.transitions[n.transition].name for n in reversed(path))
+
+
+def _with_priorities(net: PetriNet, max_states: int) -> Boundedness:
+    """Explores; an internal run that ends in more tokens can be repeated, whatever the priorities.
+
+    Nothing disables an internal transition but the lack of tokens, so that what has fired can fire again.
+    """
+    stack = [_Node(net.initial, None, -1)]
+    seen: set[tuple[int, ...]] = set()
+    bounds = list(net.initial)
+    while stack:
+        node = stack.pop()
+        if node.marking in seen:
+            continue
+        seen.add(node.marking)
+        bounds = [max(pair) for pair in zip(bounds, node.marking, strict=True)]
+        if len(seen) > max_states:
+            reason = f"more than {max_states} markings, and with priorities no run was found that must repeat"
+            return Boundedness(None, None, reason=reason)
+        at = node
+        while at.parent is not None and net.transitions[at.transition].internal:
+            at = at.parent
+            if node.marking != at.marking and _covers(node.marking, at.marking):
+                prefix = _names(net, at)
+                reason = "this internal run can be repeated with more and more tokens"
+                return Boundedness(False, None, prefix, _names(net, node)[len(prefix) :], reason)
+        for t in net.enabled(node.marking):
+            stack.append(_Node(net.fire(node.marking, t), node, t))
+    return Boundedness(True, tuple(bounds), reason="every marking was explored")

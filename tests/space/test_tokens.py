@@ -1,0 +1,104 @@
+"""Nets with many tokens: counts, bounds, and runs that show that there is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from mcpn.errors import LimitError
+from mcpn.net.formats import read_net
+from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.space.tokens import OMEGA, boundedness, explore_tokens
+from tests.net.nets import nets
+
+
+def producer_consumer(*, events: bool = False) -> PetriNet:
+    """The unbounded one of the textbooks: the buffer has no size."""
+    builder = NetBuilder("producer-consumer", priorities=events)
+    for place, tokens in (("ready", 1), ("made", 0), ("buffer", 0), ("hungry", 1), ("full", 0)):
+        builder.place(place, initial=tokens)
+    for name, before, after in (
+        ("make", ["ready"], ["made"]),
+        ("put", ["made"], ["ready", "buffer"]),
+        ("get", ["buffer", "hungry"], ["full"]),
+        ("eat", ["full"], ["hungry"]),
+    ):
+        builder.transition(name, consume=before, produce=after, event=name if events else None)
+    return builder.build()
+
+
+def replay(net: PetriNet, names: tuple[str, ...], marking: tuple[int, ...]) -> tuple[int, ...]:
+    for name in names:
+        t = net.transition_index[name]
+        assert t in net.enabled(marking)
+        marking = net.fire(marking, t)
+    return marking
+
+
+def check_pump(net: PetriNet, run: tuple[str, ...], pump: tuple[str, ...]) -> None:
+    at = replay(net, run, net.initial)
+    for _ in range(3):
+        after = replay(net, pump, at)
+        assert after != at
+        assert all(a >= b for a, b in zip(after, at, strict=True))
+        at = after
+
+
+def test_an_unbounded_buffer_is_found_with_the_run_that_fills_it() -> None:
+    net = producer_consumer()
+    found = boundedness(net)
+    assert found.bounded is False
+    assert found.bounds is not None
+    assert [net.places[p].name for p, bound in enumerate(found.bounds) if bound == OMEGA] == ["buffer"]
+    assert [bound for bound in found.bounds if bound != OMEGA] == [1, 1, 1, 1]
+    check_pump(net, found.run, found.pump)
+    with pytest.raises(LimitError, match="limit on states"):
+        explore_tokens(net, max_states=100)
+    with pytest.raises(LimitError, match="5 tokens in buffer"):
+        explore_tokens(net, max_tokens=5)
+
+
+def test_with_priorities_it_may_be_left_open() -> None:
+    found = boundedness(producer_consumer(events=True), max_states=500)
+    assert found.bounded is None
+    assert found.bounds is None
+    assert "priorities" in found.reason
+
+
+@given(nets(max_weight=2, max_places=4, max_transitions=4))
+def test_bounds_are_those_of_exploration(net: PetriNet) -> None:
+    try:
+        found = boundedness(net, max_states=2_000)
+    except LimitError:
+        return
+    if found.bounded:
+        assert explore_tokens(net).bounds == found.bounds
+        assert found.bound == max(explore_tokens(net).bounds)
+    elif found.bounded is False:
+        check_pump(net, found.run, found.pump)
+        with pytest.raises(LimitError):
+            explore_tokens(net, max_states=3_000, max_tokens=200)
+
+
+SLOW = ("Kanban-PT-00005", "FMS-PT-00005")  # millions of markings
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        "HouseConstruction-PT-00002",
+        "RobotManipulation-PT-00001",
+        "Szymanski-PT-a02",
+        *(pytest.param(model, marks=pytest.mark.slow) for model in SLOW),
+    ],
+)
+def test_the_contest_s_nets_that_are_not_safe(
+    mcc: Path, mcc_oracles: dict[str, dict[str, str]], model: str
+) -> None:
+    row = mcc_oracles[model]
+    found = explore_tokens(read_net(mcc / model / "model.pnml"), max_states=10_000_000)
+    assert (found.states, found.edges) == (int(row["states"]), int(row["edges"]))
+    assert found.max_tokens == int(row["max_tokens_per_marking"])
+    assert (found.dead is not None) == (row["deadlock_exists"] == "TRUE")
