@@ -23,7 +23,7 @@ from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses, TextSection
 from mcpn.check.losing import CriticalEvent, Outlook
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import ObjectivesGraph, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
@@ -33,6 +33,8 @@ from mcpn.space.graph import Mask
 from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, local_graphs
 
 DEFAULT_LOCAL_STATES = 1_000_000
+TEXT_BEYOND = 10
+"""Hardware of an objective beyond which its text is asked, where nothing contends, and no graph is made."""
 MAX_CONTENDED = 10
 """Hardware up to which sets are gone through one by one where resources contend."""
 
@@ -61,7 +63,7 @@ class LocalLosses(Availability):
     ) -> None:
         super().__init__(usage)
         graph = usage.graph
-        small = [s for s in graph.sections if len(section_part(usage, s).faulty) <= MAX_FAULTY]
+        small = [s for s in graph.sections if len(section_part(usage, s).faulty) <= self._most_faulty(s)]
         text = Availability(usage, self.families)
         self._all: dict[str, SectionLosses] = {
             s.name: TextSection(s, text) for s in graph.sections if s not in small
@@ -79,6 +81,11 @@ class LocalLosses(Availability):
         self.composite = Composite(usage, graph, tuple(placed)) if len(placed) == len(self._all) else None
         self.locals = self._entered()
         """The sections that some run enters, by name."""
+
+    def _most_faulty(self, section: Section) -> int:
+        """Hardware up to which a section has a local graph: less where its text says the same."""
+        told = self.exact and isinstance(section, ElementarySection)
+        return TEXT_BEYOND if told else MAX_FAULTY
 
     def _entered(self) -> dict[str, SectionLosses]:
         names = [self.usage.graph.entry]

@@ -152,6 +152,7 @@ def test_text_sections_say_what_local_graphs_say(mission: Mission) -> None:
     with pytest.MonkeyPatch.context() as patch:
         by_graph = find_causes_locally(found)
         patch.setattr(local_losses, "MAX_FAULTY", -1)
+        patch.setattr(local_losses, "TEXT_BEYOND", -1)
         try:
             by_text = find_causes_locally(found)
         except LimitError:
