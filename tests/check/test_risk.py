@@ -91,6 +91,15 @@ def test_branches_succeed_independently() -> None:
     assert found.success == pytest.approx(1 / (1 + LAMBDA * D) / (1 + 2 * LAMBDA * 0.5))
 
 
+def test_what_fails_at_once_is_no_mode() -> None:
+    hardware = [Hardware(name="H1", failure_rate=1e9), Hardware(name="H2", failure_rate=LAMBDA)]
+    block = Parallel(name="both", blocks=(objective("x", "a"), objective("y", "b", 0.5)))
+    found = numbers(mission(hardware, {"a": [("H1",), ()], "b": [("H2",)]}, block))
+    # H1 fails at once: one degraded mode. Where y ends before x, by itself or with H2, x alone is another.
+    first = 2.0 + LAMBDA
+    assert found.degraded_modes == pytest.approx(1 + first / (first + 1 / D), rel=1e-6)
+
+
 def test_an_objective_that_waits_does_not_fail() -> None:
     ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",)], "free": [()], "b": [("H",)]}
     after = Recursive(
