@@ -250,9 +250,10 @@ def test_a_retry_is_another_run() -> None:
     # Once refused, the present run is lost whatever is repaired; the mission is not, for x is tried again.
     lost = outlook.losing(goal, repairs=True)
     assert lost.any()
-    assert {outlook.graph.marking(s) for s in np.flatnonzero(lost)} == {
+    play = Play(found)
+    assert {outlook.graph.marking(s) for s in np.flatnonzero(lost).tolist()} == {
         m
-        for m in (play := Play(found)).reach([play.initial])
+        for m in play.reach([play.initial])
         if play.marks("OBJ_x")(m) and not play.objective_survives(m, "x", frozenset())
     }
     assert not outlook.losing(outlook.mission, repairs=True).any()
