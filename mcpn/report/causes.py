@@ -201,7 +201,7 @@ def _print_critical(console: Console, goal: GoalCauses) -> None:
     for critical in goal.critical:
         during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("no objective",)))
     if during:
-        table = Table("after this event only repair helps", "while one of these runs")
+        table = Table("critical event: after it nothing but repair can help", "while one of these runs")
         for event, objectives in during.items():
             table.add_row(event, "\n".join(objectives))
         console.print()
