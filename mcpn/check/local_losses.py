@@ -21,7 +21,7 @@ from mcpn.check.availability import Availability
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses, TextSection
-from mcpn.check.losing import CriticalEvent, Outlook
+from mcpn.check.losing import CriticalEvent
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import FAIL, SUCCEED
@@ -75,9 +75,8 @@ class LocalLosses(Availability):
             executor=executor,
             max_states=max_states,
         )
-        outlooks = {id(p.local): Outlook(p.local.net, p.local.graph) for p in placed}
         for p in placed:
-            self._all[p.section.name] = GraphSection(p, outlooks[id(p.local)], self)
+            self._all[p.section.name] = GraphSection(p, self, templates)
         self.composite = Composite(usage, graph, tuple(placed)) if len(placed) == len(self._all) else None
         self.locals = self._entered()
         """The sections that some run enters, by name."""

@@ -6,7 +6,7 @@ enumerated; what is lost behind the section's ends may depend on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -20,6 +20,7 @@ from mcpn.check.losing import CriticalEvent, Goal, Outlook
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.model import FAIL
+from mcpn.net.templates import TemplateSet
 from mcpn.space.graph import Mask
 from mcpn.space.local import Outcome, PlacedSection
 
@@ -66,22 +67,23 @@ class SectionLosses(Protocol):
 
 
 class GraphSection:
-    """A section on its local graph.
+    """A section on the local graph of its type, told in its own names.
 
     Args:
         placed: The section with the graph of its type.
-        outlook: The chances of the type on that graph.
         text: The mission's hardware as elements.
+        templates: The set of templates; the paper's by default.
     """
 
-    def __init__(self, placed: PlacedSection, outlook: Outlook, text: Availability) -> None:
+    def __init__(self, placed: PlacedSection, text: Availability, templates: TemplateSet | None) -> None:
         self.section = placed.section
         self.placed = placed
-        self.outlook = outlook
         self.families = text.families
         self.hardware = text.hardware
-        mine = dict(zip(placed.local.faulty, placed.faulty, strict=True))
-        self.losses = Losses(outlook, text.families, text.hardware, [mine[h] for h in outlook.hardware])
+        # Nets of one type are the same but for names, place by place and transition by transition.
+        own = placed.net(templates)
+        self.outlook = Outlook(own, replace(placed.local.graph, net=own.net))
+        self.losses = Losses(self.outlook, text.families, text.hardware)
         self.here: Out = frozenset(self.losses.elements)
 
     @cached_property
@@ -121,26 +123,20 @@ class GraphSection:
 
     # --- goals -----------------------------------------------------------------------------------------
 
-    @cached_property
-    def _names(self) -> Mapping[str, str]:
-        """Objectives of the type by those of the section."""
-        own, of_type = self.placed.part.graph.walk(), self.placed.local.part.graph.walk()
-        return {mine.name: inner.name for mine, inner in zip(own, of_type, strict=True)}
-
     def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
         """Cut sets of the section's objectives."""
-        goals = {mine: self.outlook.objectives[inner] for mine, inner in self._names.items()}
+        goals = self.outlook.objectives
         if moment is Moment.SOMETIME:
             known = list(entries)
-            return {mine: self._at_worst(goal, known) for mine, goal in goals.items()}
-        return {mine: self.losses.cut_sets(goal, moment, goal.name) for mine, goal in goals.items()}
+            return {name: self._at_worst(goal, known) for name, goal in goals.items()}
+        return {name: self.losses.cut_sets(goal, moment, name) for name, goal in goals.items()}
 
     def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
         """Cut sets of the mission in the states of the section that a moment asks for."""
         goal = self._led_on(behind)
         if moment is Moment.SOMETIME:
             return self._at_worst(goal, entries)
-        return self.losses.cut_sets(goal, moment, self.placed.local.part.graph.entry)
+        return self.losses.cut_sets(goal, moment, self.section.name)
 
     def _led_on(self, behind: Behind) -> Goal:
         """The mission's success as a goal on the local graph, its ends told what comes behind."""
@@ -158,8 +154,7 @@ class GraphSection:
 
     def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
         """Critical events of one of its objectives, with or without repairs."""
-        goal = self.outlook.objectives[self._names[objective]]
-        return self._told(np.flatnonzero(self.outlook.crossing(goal, repairs)).tolist())
+        return self.outlook.critical(self.outlook.objectives[objective], repairs)
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Critical events of the mission in the section, without repairs.
@@ -185,14 +180,15 @@ class GraphSection:
             for state in np.flatnonzero(chance).tolist()
             for h in families.support(lost[state])
         ]
-        return [*self._told(crossing), *(self._renamed(critical) for critical in outlook.grouped(besides))]
+        return self.outlook.grouped([*self._named(crossing), *besides])
 
-    def _told(self, edges: Iterable[int]) -> list[CriticalEvent]:
-        """Edges of the local graph as critical events of this section."""
-        transitions, graph = self.outlook.graph.net.transitions, self.outlook.graph
-        named = [(transitions[int(graph.labels[e])].event or "", int(graph.sources[e])) for e in edges]
-        mine = ((self._events.get(event, event), state) for event, state in named)
-        return [self._renamed(critical) for critical in self.outlook.grouped(mine)]
+    def _named(self, edges: Iterable[int]) -> Iterator[tuple[str, int]]:
+        """Events of some edges with the states before them."""
+        graph = self.outlook.graph
+        for edge in edges:
+            event = graph.net.transitions[int(graph.labels[edge])].event
+            assert event is not None, "only events label the alternatives graph"
+            yield event, int(graph.sources[edge])
 
     def critical_with_repairs(
         self, good: Mask, traps: Mapping[Outcome, Mask], first: bool
@@ -212,35 +208,7 @@ class GraphSection:
             crossing[edges] = good[graph.sources[edges]] & traps[outcome][after]
         if first and good[local.entry].any():
             crossing |= local.before[graph.sources] & local.inside[graph.targets] & ~good[graph.targets]
-        return self._told(np.flatnonzero(crossing).tolist())
-
-    @cached_property
-    def _events(self) -> Mapping[str, str]:
-        """Events of the section by those of its type."""
-        pairs = zip(self.placed.local.faulty, self.placed.faulty, strict=True)
-        hardware = {f"{inner}_EV_OOS": f"{mine}_EV_OOS" for inner, mine in pairs}
-        ends = ("OK", "FAIL")
-        named = {f"OBJ_{i}_EV_{end}": f"OBJ_{m}_EV_{end}" for m, i in self._names.items() for end in ends}
-        return hardware | named
-
-    @cached_property
-    def _activities(self) -> Mapping[tuple[str, str], tuple[str, str]]:
-        """Activities with their alternatives, by those of the type."""
-        pairs = zip(self.placed.local.part.parts.activities, self.placed.part.parts.activities, strict=True)
-        return {
-            (inner.name, i.name): (mine.name, m.name)
-            for inner, mine in pairs
-            for i, m in zip(inner.alternatives, mine.alternatives, strict=True)
-        }
-
-    def _renamed(self, critical: CriticalEvent) -> CriticalEvent:
-        """The same with objectives and modes in the names of this section."""
-        mine = {inner: name for name, inner in self._names.items()}
-        return replace(
-            critical,
-            objectives=tuple(mine[name] for name in critical.objectives),
-            mode=dict(self._activities[pair] for pair in critical.mode.items()),
-        )
+        return self.outlook.grouped(self._named(np.flatnonzero(crossing).tolist()))
 
 
 class TextSection:
