@@ -6,7 +6,7 @@ enumerated; what is lost behind the section's ends may depend on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -33,6 +33,8 @@ class Behind(NamedTuple):
 
     success: Family
     failure: Family
+    by_mask: Mapping[Outcome, Sequence[Family]] | None = None
+    """The same by the mask of the section's hardware that is out of service at its end, where that counts."""
 
 
 class SectionLosses(Protocol):
@@ -85,6 +87,14 @@ class GraphSection:
         self.outlook = Outlook(own, replace(placed.local.graph, net=own.net))
         self.losses = Losses(self.outlook, text.families, text.hardware)
         self.here: Out = frozenset(self.losses.elements)
+        self.reached = np.ones(self.outlook.graph.states, np.bool_)
+        """States that the mission reaches, those before and after the section among them."""
+
+    @property
+    def goals(self) -> Mapping[str, Goal]:
+        """Success of each of its objectives, in states that the mission reaches."""
+        found = self.outlook.objectives.items()
+        return {name: replace(goal, running=goal.running & self.reached) for name, goal in found}
 
     @cached_property
     def succeeding(self) -> Family:
@@ -107,10 +117,13 @@ class GraphSection:
 
     def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
         """What is out of service when forced runs from an entry leave by success, and by failure."""
-        seen, ended = self.after_entry(out), self.placed.local.ended
+        graph, usable = (
+            self.outlook.graph,
+            self.outlook.forced & self.after_entry(out)[self.outlook.graph.sources],
+        )
         well, badly = (
-            {self.losses.out(s) | out - self.here for s in np.flatnonzero(seen & ended[outcome]).tolist()}
-            for outcome in ended
+            {self.losses.out(s) | out - self.here for s in graph.targets[edges[usable[edges]]].tolist()}
+            for edges in self.placed.local.leaving.values()
         )
         return well, badly
 
@@ -125,11 +138,10 @@ class GraphSection:
 
     def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
         """Cut sets of the section's objectives."""
-        goals = self.outlook.objectives
         if moment is Moment.SOMETIME:
             known = list(entries)
-            return {name: self._at_worst(goal, known) for name, goal in goals.items()}
-        return {name: self.losses.cut_sets(goal, moment, name) for name, goal in goals.items()}
+            return {name: self._at_worst(goal, known) for name, goal in self.goals.items()}
+        return {name: self.losses.cut_sets(goal, moment, name) for name, goal in self.goals.items()}
 
     def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
         """Cut sets of the mission in the states of the section that a moment asks for."""
@@ -146,15 +158,43 @@ class GraphSection:
         for route, ended in ((self.section.success, success), (self.section.failure, failure)):
             failed |= ended if route == FAIL else False
         ended = success | failure
-        goal = Goal("mission", "beyond", ~ended | failed, ended, self.outlook.allowed(True))
-        self.losses.lead_on(goal, [(success, behind.success), (failure, behind.failure)])
+        # What follows an end belongs to the next section.
+        along = ~ended[self.outlook.graph.sources]
+        goal = Goal("mission", "beyond", (~ended | failed) & self.reached, ended, along)
+        ends = [(success, behind.success), (failure, behind.failure)]
+        if behind.by_mask is not None:
+            local = self.placed.local
+            ends = [
+                (local.ended[outcome] & (local.out_of_service == mask), lost)
+                for outcome, by_mask in behind.by_mask.items()
+                for mask, lost in enumerate(by_mask)
+            ]
+        self.losses.lead_on(goal, ends)
         return goal
+
+    def at_start(self, behind: Behind) -> Family:
+        """Cut sets of the mission before it begins with this section."""
+        return self.losses.in_every(self._led_on(behind), ~self.outlook.begun)
+
+    def entering(self, behind: Behind) -> list[Family]:
+        """When the mission is lost just after the entry, by the mask of the hardware out of service there."""
+        functions = self.losses.functions(self._led_on(behind))
+        return [functions[state] for state in self.placed.local.entry.tolist()]
+
+    def lost_behind(self, behind: Behind) -> list[Family]:
+        """By state, when the mission is lost without repairs, as a function of the hardware not used here."""
+        functions, families = self.losses.functions(self._led_on(behind)), self.families
+        others = frozenset(range(families.elements)) - self.here
+        return [
+            families.inside(families.assuming(loss, self.losses.out(s)), others)
+            for s, loss in enumerate(functions)
+        ]
 
     # --- critical events -------------------------------------------------------------------------------
 
     def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
         """Critical events of one of its objectives, with or without repairs."""
-        return self.outlook.critical(self.outlook.objectives[objective], repairs)
+        return self.outlook.critical(self.goals[objective], repairs)
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Critical events of the mission in the section, without repairs.
@@ -163,12 +203,7 @@ class GraphSection:
         ends depends on it.
         """
         goal, outlook, graph, families = self._led_on(behind), self.outlook, self.outlook.graph, self.families
-        # What is lost in each state, as a function of the hardware that the section does not know.
-        others = frozenset(range(families.elements)) - self.here
-        lost = [
-            families.inside(families.assuming(loss, self.losses.out(s)), others)
-            for s, loss in enumerate(self.losses.functions(goal))
-        ]
+        lost = self.lost_behind(behind)
         chance = goal.running & np.array([loss != ALWAYS for loss in lost], np.bool_)
         if not first:
             chance &= outlook.begun
