@@ -275,7 +275,7 @@ class LocalLosses(Availability):
         return []
 
     def critical(self) -> list[CriticalEvent]:
-        """Critical events of the mission without repairs, section by section."""
+        """Critical events of the mission without repairs, section by section, where nothing contends."""
         first = self.usage.graph.entry
         return [
             critical
