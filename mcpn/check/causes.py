@@ -27,7 +27,8 @@ class GoalCauses:
         name: Of the mission or the objective.
         cut_sets: Minimal cut sets: of the mission at its start, of an objective at its entry.
         moments: Minimal cut sets by moment, see :class:`mcpn.check.cutsets.Moment`.
-        critical: Events that cross into the losing region where nothing is repaired.
+        critical: Events that cross into the losing region where nothing is repaired; ``None`` for a mission
+            by composition in which resources contend.
         critical_with_repairs: The same where hardware may be repaired; ``None`` where some section is too
             large for a local graph.
         runs: For each of the cut sets a shortest run to failure, where there is one; empty without the graph
@@ -38,15 +39,15 @@ class GoalCauses:
     name: str
     cut_sets: list[CutSet]
     moments: dict[str, list[CutSet]]
-    critical: list[CriticalEvent]
+    critical: list[CriticalEvent] | None
     critical_with_repairs: list[CriticalEvent] | None
     runs: dict[CutSet, tuple[Step, ...] | None]
     nonmonotone: Nonmonotone | None
 
     @property
-    def critical_events(self) -> list[str]:
+    def critical_events(self) -> list[str] | None:
         """Names of the events after which only a repair helps, or nothing."""
-        return sorted({critical.event for critical in self.critical})
+        return None if self.critical is None else sorted({critical.event for critical in self.critical})
 
 
 @dataclass(frozen=True)
@@ -176,8 +177,9 @@ def find_causes_locally(mission_net: MissionNet, *, max_states: int = DEFAULT_LO
     name = mission_net.mission.name
     known = [m for m in Moment if m is not Moment.SOMETIME or local.worst_known]
     moments = {m.value: listed(local.mission_at(m)) for m in known if m is not Moment.ENTRY}
-    critical, repairable = local.critical(), local.critical_with_repairs()
-    mission = GoalCauses(name, moments[Moment.START.value], moments, critical, repairable, {}, None)
+    events = local.critical() if local.exact else None
+    with_repairs = local.critical_with_repairs()
+    mission = GoalCauses(name, moments[Moment.START.value], moments, events, with_repairs, {}, None)
     during = {m.value: local.objective_at(m) for m in known if m is not Moment.START}
     found = {}
     for objective in (section.name for section in mission_net.graph.walk()):

@@ -68,7 +68,6 @@ class Losses:
         families: Where to make the functions, and what its elements are, where the graph is one of several
             that share them; by default the elements are the graph's faulty hardware.
         hardware: Names of the elements.
-        named: What the graph's faulty hardware is called among them, where the graph stands for a type.
     """
 
     def __init__(
@@ -76,12 +75,11 @@ class Losses:
         outlook: Outlook,
         families: Families | None = None,
         hardware: Sequence[str] | None = None,
-        named: Sequence[str] | None = None,
     ) -> None:
         self.outlook = outlook
         self.hardware = tuple(outlook.hardware if hardware is None else hardware)
         self.families = families or Families(len(self.hardware))
-        self.elements = [self.hardware.index(name) for name in named or outlook.hardware]
+        self.elements = [self.hardware.index(name) for name in outlook.hardware]
         self._functions: dict[tuple[str, str], list[Family]] = {}
 
     def functions(self, goal: Goal) -> list[Family]:

@@ -222,6 +222,22 @@ class Families:
 
         return visit(family)
 
+    def models(self, family: Family, among: frozenset[int]) -> int:
+        """How many subsets of some elements the function is true of; it must depend on no others."""
+        order = sorted(among)
+        place = {element: i for i, element in enumerate(order)} | {self.elements: len(order)}
+        memo: dict[Family, int] = {NEVER: 0, ALWAYS: 1}
+
+        def visit(node: Family) -> int:
+            """Models over the elements from the node's own on."""
+            if node not in memo:
+                here = place[self._top[node]]
+                low, with_it = self._low[node], self.either(self._low[node], self._high[node])
+                memo[node] = sum(visit(n) << (place[self._top[n]] - here - 1) for n in (low, with_it))
+            return memo[node]
+
+        return visit(family) << place[self._top[family]]
+
     def least(self, family: Family) -> int | None:
         """The size of the smallest solution, or ``None`` where there is none."""
         memo: dict[Family, int | None] = {NEVER: None, ALWAYS: 0}

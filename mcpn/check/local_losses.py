@@ -3,9 +3,11 @@
 Between two sections every activity is stopped and every software resource is gone: all that one hands to the
 next is which hardware is out of service (:mod:`mcpn.space.local` checks it). So the functions of each section
 for leaving by success and by failure, worked out on its local graph, take the place of those read from the
-mission's text (:mod:`mcpn.check.availability`), and contention inside a section counts. A set that stays out
-of service may be taken to be all that is out when the next section is entered: whatever else is out could
-have been repaired before.
+mission's text (:mod:`mcpn.check.availability`), and contention inside a section counts.
+
+Where nothing contends, a set that stays out of service may be taken to be all that is out when the next
+section is entered: whatever else is out could have been repaired before. Where something does, an activity
+may even need a resource to be out of service, so that functions go by the hardware out at each entry.
 """
 
 from __future__ import annotations
@@ -21,18 +23,20 @@ from mcpn.check.availability import Availability
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses, TextSection
-from mcpn.check.losing import CriticalEvent, Outlook
+from mcpn.check.losing import CriticalEvent
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import ObjectivesGraph, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import ENDS, Composite
 from mcpn.space.graph import Mask
-from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, local_graphs
+from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, PlacedSection, local_graphs
 
 DEFAULT_LOCAL_STATES = 1_000_000
+TEXT_BEYOND = 10
+"""Hardware of an objective beyond which its text is asked, where nothing contends, and no graph is made."""
 MAX_CONTENDED = 10
 """Hardware up to which sets are gone through one by one where resources contend."""
 
@@ -61,7 +65,7 @@ class LocalLosses(Availability):
     ) -> None:
         super().__init__(usage)
         graph = usage.graph
-        small = [s for s in graph.sections if len(section_part(usage, s).faulty) <= MAX_FAULTY]
+        small = [s for s in graph.sections if len(section_part(usage, s).faulty) <= self._most_faulty(s)]
         text = Availability(usage, self.families)
         self._all: dict[str, SectionLosses] = {
             s.name: TextSection(s, text) for s in graph.sections if s not in small
@@ -73,12 +77,20 @@ class LocalLosses(Availability):
             executor=executor,
             max_states=max_states,
         )
-        outlooks = {id(p.local): Outlook(p.local.net, p.local.graph) for p in placed}
         for p in placed:
-            self._all[p.section.name] = GraphSection(p, outlooks[id(p.local)], self)
+            self._all[p.section.name] = GraphSection(p, self, templates)
         self.composite = Composite(usage, graph, tuple(placed)) if len(placed) == len(self._all) else None
+        if self.composite is not None:
+            for name, reached in self.composite.reached.items():
+                local = self._graph_section(name)
+                local.reached = reached | ~local.placed.local.inside
         self.locals = self._entered()
         """The sections that some run enters, by name."""
+
+    def _most_faulty(self, section: Section) -> int:
+        """Hardware up to which a section has a local graph: less where its text says the same."""
+        told = self.exact and isinstance(section, ElementarySection)
+        return TEXT_BEYOND if told else MAX_FAULTY
 
     def _entered(self) -> dict[str, SectionLosses]:
         names = [self.usage.graph.entry]
@@ -144,9 +156,70 @@ class LocalLosses(Availability):
 
     def _behind(self, name: str) -> Behind:
         """What the mission loses behind the two ends of a section."""
-        lost = {SUCCEED: NEVER, FAIL: ALWAYS, **self.mission_from}
         section = self.usage.graph.section(name)
+        if not self.exact:
+            return self._behind_masks(name, self._entering)
+        lost = {SUCCEED: NEVER, FAIL: ALWAYS, **self.mission_from}
         return Behind(lost[section.success], lost[section.failure])
+
+    # --- where resources contend -----------------------------------------------------------------------
+
+    @property
+    def mission(self) -> Family:
+        """When the mission cannot succeed from its start."""
+        if self.exact:
+            return super().mission
+        entry = self.usage.graph.entry
+        return self._graph_section(entry).at_start(self._behind(entry))
+
+    def _graph_section(self, name: str) -> GraphSection:
+        local = self._all[name]
+        assert isinstance(local, GraphSection), "asked for where each section has a graph"
+        return local
+
+    @cached_property
+    def _entering(self) -> dict[str, list[Family]]:
+        """When the mission is lost just after each section is entered, by the mask of its hardware then.
+
+        Where resources contend, an activity may need a resource to be out of service, so that it counts with
+        which hardware the section before can end.
+        """
+        found = {n: [ALWAYS] * (1 << len(self._graph_section(n).placed.faulty)) for n in self.locals}
+        changed = True
+        while changed:
+            changed = False
+            for name in reversed(list(found)):
+                now = self._graph_section(name).entering(self._behind_masks(name, found))
+                changed |= now != found[name]
+                found[name] = now
+        return found
+
+    def _behind_masks(self, name: str, entering: Mapping[str, list[Family]]) -> Behind:
+        placed, section = self._graph_section(name).placed, self.usage.graph.section(name)
+        by_mask: dict[Outcome, list[Family]] = {}
+        for outcome, route in zip(OUTCOMES, (section.success, section.failure), strict=True):
+            masks = range(1 << len(placed.faulty))
+            if route in entering:
+                by_mask[outcome] = [self._passed_on(placed, mask, route, entering[route]) for mask in masks]
+            else:
+                by_mask[outcome] = [NEVER if route == SUCCEED else ALWAYS for _ in masks]
+        return Behind(ALWAYS, ALWAYS, by_mask)
+
+    def _passed_on(self, placed: PlacedSection, mask: int, route: str, entering: list[Family]) -> Family:
+        """What is lost behind an end: all ways to enter the next section, its own hardware in any state."""
+        target = self._graph_section(route).placed
+        found = ALWAYS
+        for other, lost in enumerate(entering):
+            free, fits = [], True
+            for bit, name in enumerate(target.faulty):
+                out = bool(other >> bit & 1)
+                if name in placed.faulty:
+                    fits &= out == bool(mask >> placed.faulty.index(name) & 1)
+                elif not out:
+                    free.append(self.hardware.index(name))
+            if fits:
+                found = self.families.both(found, self.families.either(self.families.any_of(free), lost))
+        return found
 
     @property
     def worst_known(self) -> bool:
@@ -202,7 +275,7 @@ class LocalLosses(Availability):
         return []
 
     def critical(self) -> list[CriticalEvent]:
-        """Critical events of the mission without repairs, section by section."""
+        """Critical events of the mission without repairs, section by section, where nothing contends."""
         first = self.usage.graph.entry
         return [
             critical
@@ -220,8 +293,7 @@ class LocalLosses(Availability):
         good = composite.leading_to(["success"])
         found: list[CriticalEvent] = []
         for name in good:
-            local = self._all[name]
-            assert isinstance(local, GraphSection), "a composite has a graph for each section"
+            local = self._graph_section(name)
             traps = {outcome: self._traps(composite, name, outcome, good) for outcome in OUTCOMES}
             found += local.critical_with_repairs(good[name], traps, name == self.usage.graph.entry)
         return found
@@ -232,3 +304,46 @@ class LocalLosses(Availability):
         if route in ENDS:
             return np.full(1 << len(placed.faulty), ENDS[route] == "failure")
         return composite.welcomed(placed, composite.by_name[route], ~good[route])
+
+    # --- the losing region -----------------------------------------------------------------------------
+
+    def losing_states(self, repairs: bool, objective: str | None = None) -> int | None:
+        """The size of a losing region of the whole mission, exact, without listing its states.
+
+        Args:
+            repairs: Whether hardware may be repaired.
+            objective: An elementary objective; the mission by default.
+
+        Returns:
+            Number of stable states, or ``None`` where a section has no local graph.
+        """
+        composite = self.composite
+        if composite is None:
+            return None
+        total = 0 if objective is not None else self._losing_outside(composite, repairs)
+        good = composite.leading_to(["success"])
+        for name, reached in composite.reached.items():
+            local = self._graph_section(name)
+            free = len(self.hardware) - len(local.here)
+            if objective is not None:
+                goal = local.outlook.objectives.get(objective)
+                if goal is not None:
+                    total += int((local.outlook.losing(goal, repairs) & reached).sum()) << free
+            elif repairs:
+                total += int((reached & ~good[name]).sum()) << free
+            else:
+                lost = local.lost_behind(self._behind(name))
+                others = frozenset(range(len(self.hardware))) - local.here
+                states = np.flatnonzero(reached).tolist()
+                total += sum(self.families.models(lost[s], others) for s in states)
+        return total
+
+    def _losing_outside(self, composite: Composite, repairs: bool) -> int:
+        """Losing states before the mission begins and after it has failed."""
+        count = len(self.hardware)
+        failed = 1 << count if "failure" in composite.ends else 0
+        if repairs:
+            entry = composite.by_name[self.usage.graph.entry]
+            hopeful = composite.leading_to(["success"])[self.usage.graph.entry][entry.local.entry].any()
+            return failed + (0 if hopeful else 1 << count)
+        return failed + self.families.models(self.mission, frozenset(range(count)))

@@ -6,7 +6,7 @@ enumerated; what is lost behind the section's ends may depend on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -20,6 +20,7 @@ from mcpn.check.losing import CriticalEvent, Goal, Outlook
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.model import FAIL
+from mcpn.net.templates import TemplateSet
 from mcpn.space.graph import Mask
 from mcpn.space.local import Outcome, PlacedSection
 
@@ -32,6 +33,8 @@ class Behind(NamedTuple):
 
     success: Family
     failure: Family
+    by_mask: Mapping[Outcome, Sequence[Family]] | None = None
+    """The same by the mask of the section's hardware that is out of service at its end, where that counts."""
 
 
 class SectionLosses(Protocol):
@@ -66,23 +69,32 @@ class SectionLosses(Protocol):
 
 
 class GraphSection:
-    """A section on its local graph.
+    """A section on the local graph of its type, told in its own names.
 
     Args:
         placed: The section with the graph of its type.
-        outlook: The chances of the type on that graph.
         text: The mission's hardware as elements.
+        templates: The set of templates; the paper's by default.
     """
 
-    def __init__(self, placed: PlacedSection, outlook: Outlook, text: Availability) -> None:
+    def __init__(self, placed: PlacedSection, text: Availability, templates: TemplateSet | None) -> None:
         self.section = placed.section
         self.placed = placed
-        self.outlook = outlook
         self.families = text.families
         self.hardware = text.hardware
-        mine = dict(zip(placed.local.faulty, placed.faulty, strict=True))
-        self.losses = Losses(outlook, text.families, text.hardware, [mine[h] for h in outlook.hardware])
+        # Nets of one type are the same but for names, place by place and transition by transition.
+        own = placed.net(templates)
+        self.outlook = Outlook(own, replace(placed.local.graph, net=own.net))
+        self.losses = Losses(self.outlook, text.families, text.hardware)
         self.here: Out = frozenset(self.losses.elements)
+        self.reached = np.ones(self.outlook.graph.states, np.bool_)
+        """States that the mission reaches, those before and after the section among them."""
+
+    @property
+    def goals(self) -> Mapping[str, Goal]:
+        """Success of each of its objectives, in states that the mission reaches."""
+        found = self.outlook.objectives.items()
+        return {name: replace(goal, running=goal.running & self.reached) for name, goal in found}
 
     @cached_property
     def succeeding(self) -> Family:
@@ -105,10 +117,13 @@ class GraphSection:
 
     def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
         """What is out of service when forced runs from an entry leave by success, and by failure."""
-        seen, ended = self.after_entry(out), self.placed.local.ended
+        graph, usable = (
+            self.outlook.graph,
+            self.outlook.forced & self.after_entry(out)[self.outlook.graph.sources],
+        )
         well, badly = (
-            {self.losses.out(s) | out - self.here for s in np.flatnonzero(seen & ended[outcome]).tolist()}
-            for outcome in ended
+            {self.losses.out(s) | out - self.here for s in graph.targets[edges[usable[edges]]].tolist()}
+            for edges in self.placed.local.leaving.values()
         )
         return well, badly
 
@@ -121,26 +136,19 @@ class GraphSection:
 
     # --- goals -----------------------------------------------------------------------------------------
 
-    @cached_property
-    def _names(self) -> Mapping[str, str]:
-        """Objectives of the type by those of the section."""
-        own, of_type = self.placed.part.graph.walk(), self.placed.local.part.graph.walk()
-        return {mine.name: inner.name for mine, inner in zip(own, of_type, strict=True)}
-
     def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
         """Cut sets of the section's objectives."""
-        goals = {mine: self.outlook.objectives[inner] for mine, inner in self._names.items()}
         if moment is Moment.SOMETIME:
             known = list(entries)
-            return {mine: self._at_worst(goal, known) for mine, goal in goals.items()}
-        return {mine: self.losses.cut_sets(goal, moment, goal.name) for mine, goal in goals.items()}
+            return {name: self._at_worst(goal, known) for name, goal in self.goals.items()}
+        return {name: self.losses.cut_sets(goal, moment, name) for name, goal in self.goals.items()}
 
     def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
         """Cut sets of the mission in the states of the section that a moment asks for."""
         goal = self._led_on(behind)
         if moment is Moment.SOMETIME:
             return self._at_worst(goal, entries)
-        return self.losses.cut_sets(goal, moment, self.placed.local.part.graph.entry)
+        return self.losses.cut_sets(goal, moment, self.section.name)
 
     def _led_on(self, behind: Behind) -> Goal:
         """The mission's success as a goal on the local graph, its ends told what comes behind."""
@@ -150,16 +158,43 @@ class GraphSection:
         for route, ended in ((self.section.success, success), (self.section.failure, failure)):
             failed |= ended if route == FAIL else False
         ended = success | failure
-        goal = Goal("mission", "beyond", ~ended | failed, ended, self.outlook.allowed(True))
-        self.losses.lead_on(goal, [(success, behind.success), (failure, behind.failure)])
+        # What follows an end belongs to the next section.
+        along = ~ended[self.outlook.graph.sources]
+        goal = Goal("mission", "beyond", (~ended | failed) & self.reached, ended, along)
+        ends = [(success, behind.success), (failure, behind.failure)]
+        if behind.by_mask is not None:
+            local = self.placed.local
+            ends = [
+                (local.ended[outcome] & (local.out_of_service == mask), lost)
+                for outcome, by_mask in behind.by_mask.items()
+                for mask, lost in enumerate(by_mask)
+            ]
+        self.losses.lead_on(goal, ends)
         return goal
+
+    def at_start(self, behind: Behind) -> Family:
+        """Cut sets of the mission before it begins with this section."""
+        return self.losses.in_every(self._led_on(behind), ~self.outlook.begun)
+
+    def entering(self, behind: Behind) -> list[Family]:
+        """When the mission is lost just after the entry, by the mask of the hardware out of service there."""
+        functions = self.losses.functions(self._led_on(behind))
+        return [functions[state] for state in self.placed.local.entry.tolist()]
+
+    def lost_behind(self, behind: Behind) -> list[Family]:
+        """By state, when the mission is lost without repairs, as a function of the hardware not used here."""
+        functions, families = self.losses.functions(self._led_on(behind)), self.families
+        others = frozenset(range(families.elements)) - self.here
+        return [
+            families.inside(families.assuming(loss, self.losses.out(s)), others)
+            for s, loss in enumerate(functions)
+        ]
 
     # --- critical events -------------------------------------------------------------------------------
 
     def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
         """Critical events of one of its objectives, with or without repairs."""
-        goal = self.outlook.objectives[self._names[objective]]
-        return self._told(np.flatnonzero(self.outlook.crossing(goal, repairs)).tolist())
+        return self.outlook.critical(self.goals[objective], repairs)
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Critical events of the mission in the section, without repairs.
@@ -168,12 +203,7 @@ class GraphSection:
         ends depends on it.
         """
         goal, outlook, graph, families = self._led_on(behind), self.outlook, self.outlook.graph, self.families
-        # What is lost in each state, as a function of the hardware that the section does not know.
-        others = frozenset(range(families.elements)) - self.here
-        lost = [
-            families.inside(families.assuming(loss, self.losses.out(s)), others)
-            for s, loss in enumerate(self.losses.functions(goal))
-        ]
+        lost = self.lost_behind(behind)
         chance = goal.running & np.array([loss != ALWAYS for loss in lost], np.bool_)
         if not first:
             chance &= outlook.begun
@@ -185,14 +215,15 @@ class GraphSection:
             for state in np.flatnonzero(chance).tolist()
             for h in families.support(lost[state])
         ]
-        return [*self._told(crossing), *(self._renamed(critical) for critical in outlook.grouped(besides))]
+        return self.outlook.grouped([*self._named(crossing), *besides])
 
-    def _told(self, edges: Iterable[int]) -> list[CriticalEvent]:
-        """Edges of the local graph as critical events of this section."""
-        transitions, graph = self.outlook.graph.net.transitions, self.outlook.graph
-        named = [(transitions[int(graph.labels[e])].event or "", int(graph.sources[e])) for e in edges]
-        mine = ((self._events.get(event, event), state) for event, state in named)
-        return [self._renamed(critical) for critical in self.outlook.grouped(mine)]
+    def _named(self, edges: Iterable[int]) -> Iterator[tuple[str, int]]:
+        """Events of some edges with the states before them."""
+        graph = self.outlook.graph
+        for edge in edges:
+            event = graph.net.transitions[int(graph.labels[edge])].event
+            assert event is not None, "only events label the alternatives graph"
+            yield event, int(graph.sources[edge])
 
     def critical_with_repairs(
         self, good: Mask, traps: Mapping[Outcome, Mask], first: bool
@@ -212,35 +243,7 @@ class GraphSection:
             crossing[edges] = good[graph.sources[edges]] & traps[outcome][after]
         if first and good[local.entry].any():
             crossing |= local.before[graph.sources] & local.inside[graph.targets] & ~good[graph.targets]
-        return self._told(np.flatnonzero(crossing).tolist())
-
-    @cached_property
-    def _events(self) -> Mapping[str, str]:
-        """Events of the section by those of its type."""
-        pairs = zip(self.placed.local.faulty, self.placed.faulty, strict=True)
-        hardware = {f"{inner}_EV_OOS": f"{mine}_EV_OOS" for inner, mine in pairs}
-        ends = ("OK", "FAIL")
-        named = {f"OBJ_{i}_EV_{end}": f"OBJ_{m}_EV_{end}" for m, i in self._names.items() for end in ends}
-        return hardware | named
-
-    @cached_property
-    def _activities(self) -> Mapping[tuple[str, str], tuple[str, str]]:
-        """Activities with their alternatives, by those of the type."""
-        pairs = zip(self.placed.local.part.parts.activities, self.placed.part.parts.activities, strict=True)
-        return {
-            (inner.name, i.name): (mine.name, m.name)
-            for inner, mine in pairs
-            for i, m in zip(inner.alternatives, mine.alternatives, strict=True)
-        }
-
-    def _renamed(self, critical: CriticalEvent) -> CriticalEvent:
-        """The same with objectives and modes in the names of this section."""
-        mine = {inner: name for name, inner in self._names.items()}
-        return replace(
-            critical,
-            objectives=tuple(mine[name] for name in critical.objectives),
-            mode=dict(self._activities[pair] for pair in critical.mode.items()),
-        )
+        return self.outlook.grouped(self._named(np.flatnonzero(crossing).tolist()))
 
 
 class TextSection:

@@ -77,10 +77,8 @@ def _goal(goal: GoalCauses) -> dict[str, Any]:
         "condition": sentence(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
-            "without_repairs": [_critical(c) for c in goal.critical],
-            "with_repairs": None
-            if goal.critical_with_repairs is None
-            else [_critical(c) for c in goal.critical_with_repairs],
+            "without_repairs": _all_critical(goal.critical),
+            "with_repairs": _all_critical(goal.critical_with_repairs),
         },
         "runs": [
             {"cut_set": list(names), "events": None if run is None else [step.event for step in run]}
@@ -88,6 +86,10 @@ def _goal(goal: GoalCauses) -> dict[str, Any]:
         ],
         "monotone": goal.nonmonotone is None,
     }
+
+
+def _all_critical(found: Sequence[CriticalEvent] | None) -> list[dict[str, Any]] | None:
+    return None if found is None else [_critical(critical) for critical in found]
 
 
 def _critical(critical: CriticalEvent) -> dict[str, Any]:
@@ -198,10 +200,10 @@ def _print_run(console: Console, what: str, run: Sequence[Step] | None) -> None:
 
 def _print_critical(console: Console, goal: GoalCauses) -> None:
     during: dict[str, dict[str, None]] = {}
-    for critical in goal.critical:
+    for critical in goal.critical or ():
         during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("no objective",)))
     if during:
-        table = Table("after this event only repair helps", "while one of these runs")
+        table = Table("critical event: after it nothing but repair can help", "while one of these runs")
         for event, objectives in during.items():
             table.add_row(event, "\n".join(objectives))
         console.print()

@@ -11,7 +11,17 @@ from mcpn.check.cutsets import Losses, Moment
 from mcpn.check.losing import Outlook
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import flatten
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    Robot,
+    Software,
+)
 from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
@@ -46,6 +56,25 @@ def agree(found: MissionNet) -> None:
         if goal.running.any():
             assert text.objectives[section.name] == losses.cut_sets(goal, Moment.WHENEVER)
             assert text.objectives[section.name] == losses.cut_sets(goal, Moment.ENTRY, section.name)
+
+
+def test_a_block_is_not_left_while_a_branch_never_ends() -> None:
+    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),))
+    free = Activity(name="free", alternatives=(Alternative(name="free"),))
+    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use, free))
+    wanted = Objective(name="wanted", activities=("use",))
+
+    def lost_with(success: str) -> list[tuple[int, ...]]:
+        again = Objective(name="again", activities=("free",), success=success, failure="again")
+        beside = Recursive(name="beside", blocks=(again,), mandatory=False)
+        block = Parallel(name="block", blocks=(wanted, beside), failure="succeed")
+        found = compose(Mission(name="m", robots=(robot,), blocks=(block,)))
+        agree(found)
+        text = Availability(found.usage)
+        return text.families.members(text.mission)
+
+    assert lost_with("succeed") == []  # whether wanted succeeds or fails
+    assert lost_with("again") == [()]
 
 
 def redundant(activities: int, ways: int) -> Mission:

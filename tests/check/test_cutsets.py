@@ -17,7 +17,7 @@ from mcpn.check.losing import Outlook
 from mcpn.check.resolve import resolve
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
 from mcpn.space.graph import StateGraph
@@ -238,3 +238,22 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
     assert found is not None
     assert found.lost == ("thruster_actuator",)
     assert found.larger == ("GPS_sensor", "thruster_actuator")
+
+
+def test_a_retry_is_another_run() -> None:
+    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),))
+    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use,))
+    again = Objective(name="x", activities=("use",), failure="x")
+    found = compose(Mission(name="m", robots=(robot,), blocks=(again,)))
+    outlook = Outlook(found, direct(found.net))
+    (goal,) = outlook.objectives.values()
+    # Once refused, the present run is lost whatever is repaired; the mission is not, for x is tried again.
+    lost = outlook.losing(goal, repairs=True)
+    assert lost.any()
+    play = Play(found)
+    assert {outlook.graph.marking(s) for s in np.flatnonzero(lost).tolist()} == {
+        m
+        for m in play.reach([play.initial])
+        if play.marks("OBJ_x")(m) and not play.objective_survives(m, "x", frozenset())
+    }
+    assert not outlook.losing(outlook.mission, repairs=True).any()

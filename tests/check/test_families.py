@@ -54,6 +54,8 @@ def test_operations_are_those_of_monotone_functions(one: Sets, other: Sets) -> N
     assert families.support(f) == sorted(frozenset().union(*minimal(one)))
     for d in SUBSETS:
         assert families.holds(f, d) == (d in solutions(one))
+        inside = families.inside(f, d)
+        assert families.models(inside, d) == sum(e <= d and e in solutions(one) for e in SUBSETS)
         rest = frozenset(s - d for s in one)
         assert read(families, families.assuming(f, d)) == minimal(rest)
         assert read(families, families.inside(f, d)) == {s for s in minimal(one) if s <= d}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import statistics
 from collections.abc import Collection
 from dataclasses import replace
 
@@ -90,6 +91,27 @@ def test_branches_succeed_independently() -> None:
     assert found.success == pytest.approx(1 / (1 + LAMBDA * D) / (1 + 2 * LAMBDA * 0.5))
 
 
+def test_what_fails_at_once_is_no_mode() -> None:
+    hardware = [Hardware(name="H1", failure_rate=1e9), Hardware(name="H2", failure_rate=LAMBDA)]
+    block = Parallel(name="both", blocks=(objective("x", "a"), objective("y", "b", 0.5)))
+    found = numbers(mission(hardware, {"a": [("H1",), ()], "b": [("H2",)]}, block))
+    # H1 fails at once: one degraded mode. Where y ends before x, by itself or with H2, x alone is another.
+    first = 2.0 + LAMBDA
+    assert found.degraded_modes == pytest.approx(1 + first / (first + 1 / D), rel=1e-6)
+
+
+def test_an_objective_that_waits_does_not_fail() -> None:
+    ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",)], "free": [()], "b": [("H",)]}
+    after = Recursive(
+        name="after", blocks=(objective("z", "free"), objective("y", "b", 0.1, failure_probability=0.3))
+    )
+    block = Parallel(name="both", blocks=(objective("x", "a", 5.0), after))
+    found = numbers(mission([Hardware(name="H", faulty=False)], ways, block))
+    # Whenever x gives the resource back, y ends one way or the other by its own probability.
+    assert found.success == pytest.approx(0.7)
+    assert found.failure == pytest.approx(0.3)
+
+
 def test_a_mission_that_never_ends_has_neither() -> None:
     h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
     ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",), ()]}
@@ -112,6 +134,8 @@ class Simulation:
         self.sections = {s.name: s for s in found.graph.walk()}
         self.hardware = {h.name: h for h in found.mission.hardware}
         self.lost: dict[tuple[tuple[int, ...], str], bool] = {}
+        self.roles = found.roles
+        self.first = {f"{a.name}.{a.alternatives[0].name}" for a in found.mission.activities}
 
     def is_lost(self, marking: tuple[int, ...], name: str) -> bool:
         key = marking, name
@@ -120,13 +144,14 @@ class Simulation:
             self.lost[key] = not self.play.objective_survives(marking, name, for_ever)
         return self.lost[key]
 
-    def run(self, seed: random.Random, longest: int = 2000) -> str | None:
-        play = self.play
-        marking = play.after(play.initial, ["MISSION_EV_START"])
+    def run(self, seed: random.Random, longest: int = 2000) -> tuple[str | None, int]:
+        """How a run ends, and how often it came into another mode that is degraded."""
+        play, modes = self.play, 0
+        marking, last = play.after(play.initial, ["MISSION_EV_START"]), self.mode(play.initial)
         for _ in range(longest):
             for end in ("success", "failure"):
                 if play.marks(f"MISSION_{end}")(marking):
-                    return end
+                    return end, modes
             edges = dict(play.edges(marking))
             at_once = [
                 e
@@ -134,6 +159,9 @@ class Simulation:
                 if e.endswith("_EV_FAIL")
                 and self.is_lost(marking, e.removeprefix("OBJ_").removesuffix("_EV_FAIL"))
             ]
+            if not at_once and self.mode(marking) != last and self.mode(marking)[1]:
+                modes += 1
+            last = self.mode(marking)
             if at_once:
                 marking = edges[seed.choice(at_once)]
                 continue
@@ -144,9 +172,15 @@ class Simulation:
                 key=lambda p: p[0],
             )
             if first is None:
-                return None
+                return None, modes
             marking = edges[first[1]]
-        return None
+        return None, modes
+
+    def mode(self, marking: tuple[int, ...]) -> tuple[frozenset[int], bool]:
+        """What runs in which alternatives, and whether one of these is not the first."""
+        running = {i for i, (kind, _) in self.roles.items() if kind in ("active", "objective") and marking[i]}
+        alternatives = {self.roles[i][1] for i in running if self.roles[i][0] == "active"}
+        return frozenset(running), bool(alternatives - self.first)
 
     def rate(self, event: str, edges: Collection[str]) -> float:
         name, _, kind = event.removeprefix("OBJ_").rpartition("_EV_")
@@ -189,9 +223,14 @@ def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) 
         return
     simulation, seed = Simulation(found), random.Random(7)
     runs = 400
-    ends = [simulation.run(seed) for _ in range(runs)]
+    ended = [simulation.run(seed) for _ in range(runs)]
+    ends = [end for end, _ in ended]
     for outcome, probability in (("success", computed.success), ("failure", computed.failure)):
         share = ends.count(outcome) / runs
         # Five standard deviations: a false alarm in a million comparisons.
         width = 5 * math.sqrt(max(probability * (1 - probability), 1 / runs) / runs)
         assert abs(share - probability) <= width
+    if None not in ends:
+        modes = [count for _, count in ended]
+        width = 5 * math.sqrt(max(statistics.variance(modes), 1 / runs) / runs)
+        assert abs(statistics.fmean(modes) - computed.degraded_modes) <= width

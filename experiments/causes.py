@@ -1,0 +1,135 @@
+"""Failure causes: the tables of papers/causes.md, each cut set confirmed, and missions with redundancy.
+
+python experiments/causes.py            cut sets and FMECA of Ulysse
+python experiments/causes.py --growth   seconds for missions with more and more hardware
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+from mcpn.check.causes import Causes, find_causes, find_causes_locally
+from mcpn.check.conditions import enumeration
+from mcpn.check.ctl import Evaluation, SymbolicMarkings
+from mcpn.check.fmeca import fmeca
+from mcpn.check.language import parse
+from mcpn.check.losing import Outlook
+from mcpn.check.resolve import resolve
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.report.causes import fmeca_rows
+from mcpn.space.confluence import direct_with_proof
+from mcpn.space.symbolic import reach
+
+ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
+
+
+def ulysse() -> None:
+    """Prints the cut sets of Ulysse, confirmed for every subset of its hardware, and its FMECA table."""
+    found = compose(read_mission(ULYSSE))
+    outlook = Outlook(found, direct_with_proof(found.net))
+    causes = find_causes(found, outlook)
+    confirm(found, causes)
+    print("| fails | if |\n|---|---|")
+    for goal in (causes.mission, *causes.objectives.values()):
+        told = ", or ".join(enumeration(names) for names in goal.cut_sets) or "never by hardware"
+        print(f"| {goal.name} | {told} |")
+    shown = ("local_effect", "mission_effect", "compensation", "recovery", "severity", "with_others")
+    print(f"\n| hardware | objective | {' | '.join(shown)} |\n{'|---' * (len(shown) + 2)}|")
+    for row in fmeca_rows(fmeca(outlook)):
+        print("| " + " | ".join(row[c] for c in ("hardware", "objective", *shown)) + " |")
+
+
+def confirm(found: MissionNet, causes: Causes) -> None:
+    """Holds the mission's cut sets against CTL on its net, for every subset of hardware, and composition.
+
+    Raises:
+        AssertionError: Some subset says otherwise.
+    """
+    hardware = [h.name for h in found.mission.hardware if h.faulty]
+    for size in range(len(hardware) + 1):
+        for dead in combinations(hardware, size):
+            lost = any(set(names) <= set(dead) for names in causes.mission.cut_sets)
+            assert success_reachable(found, dead) is not lost, dead
+    assert find_causes_locally(found).mission.moments == causes.mission.moments
+    print(f"confirmed by CTL for {2 ** len(hardware)} subsets, and by composition\n")
+
+
+def success_reachable(found: MissionNet, dead: tuple[str, ...]) -> bool:
+    """Whether some run succeeds with hardware out of service from the initial marking on, not repaired."""
+    tokens = {f"{h}_{place}": int(place == "OOS") for h in dead for place in ("free", "available", "OOS")}
+    places = tuple(replace(p, initial=tokens.get(p.name, p.initial)) for p in found.net.places)
+    kept = tuple(t for t in found.net.transitions if t.event not in {f"{h}_EV_RD" for h in dead})
+    net = replace(found.net, places=places, transitions=kept)
+    return Evaluation(SymbolicMarkings(reach(net))).holds(resolve(parse("EF success"), net, found))
+
+
+def in_a_row(objectives: int, ways: int) -> Mission:
+    """Objectives in a row, each with its own activity, of so many alternatives with a sensor each."""
+    hardware = [[f"h{i}_{k}" for k in range(ways)] for i in range(objectives)]
+    activities = tuple(
+        Activity(name=f"a{i}", alternatives=tuple(Alternative(name=f"by_{h}", consumes=(h,)) for h in own))
+        for i, own in enumerate(hardware)
+    )
+    robot = Robot(
+        name="robot",
+        hardware=tuple(Hardware(name=h) for own in hardware for h in own),
+        activities=activities,
+    )
+    blocks = tuple(Objective(name=f"x{i}", activities=(f"a{i}",)) for i in range(objectives))
+    return Mission(name="in_a_row", robots=(robot,), blocks=blocks)
+
+
+def in_a_chain(resources: int, ways: int) -> Mission:
+    """One objective on a chain of software: each is made in so many ways, of a sensor and the one before."""
+    hardware = [[f"h{i}_{k}" for k in range(ways)] for i in range(resources)]
+    makers = tuple(
+        Activity(
+            name=f"make{i}",
+            produces=(f"s{i}",),
+            alternatives=tuple(
+                Alternative(name=f"by_{h}", consumes=(h, *([f"s{i - 1}"] if i else []))) for h in own
+            ),
+        )
+        for i, own in enumerate(hardware)
+    )
+    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=(f"s{resources - 1}",)),))
+    robot = Robot(
+        name="robot",
+        hardware=tuple(Hardware(name=h) for own in hardware for h in own),
+        software=tuple(Software(name=f"s{i}") for i in range(resources)),
+        activities=(*makers, use),
+    )
+    return Mission(name="in_a_chain", robots=(robot,), blocks=(Objective(name="go", activities=("use",)),))
+
+
+def growth() -> None:
+    """Prints seconds by the graph of the whole mission, where that ends, and by composition."""
+    print(
+        "| mission | hardware | cut sets | path sets | whole, s | composition, s |\n|---|---|---|---|---|---|"
+    )
+    for shape in (in_a_row, in_a_chain):
+        for parts in (2, 3, 4, 10, 20):
+            found = compose(shape(parts, 3))
+            started = time.perf_counter()
+            local = find_causes_locally(found)
+            seconds = time.perf_counter() - started
+            # Closed form: any of the parts with its three ways.
+            assert len(local.mission.cut_sets) == parts
+            whole = "-"
+            if parts <= 3:
+                started = time.perf_counter()
+                outlook = Outlook(found, direct_with_proof(found.net))
+                assert find_causes(found, outlook).mission.moments == local.mission.moments
+                whole = f"{time.perf_counter() - started:.2f}"
+            sizes = f"{3 * parts} | {parts} | {3**parts}"
+            print(f"| {shape.__name__} of {parts} | {sizes} | {whole} | {seconds:.2f} |")
+
+
+if __name__ == "__main__":
+    growth() if "--growth" in sys.argv else ulysse()
