@@ -20,6 +20,7 @@ from mcpn.space.alternatives import AlternativesGraph, by_reduction
 from mcpn.space.composite import Composite
 from mcpn.space.explicit import Progress, explore
 from mcpn.space.graph import Mask, StateGraph
+from mcpn.space.symbolic import SymbolicSpace
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
@@ -59,6 +60,7 @@ class MissionCheck:
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
         composite: The local graphs glued, where they were built instead.
+        space: The reachable markings as a diagram, where they were built instead.
     """
 
     mission_net: MissionNet
@@ -68,11 +70,22 @@ class MissionCheck:
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
     composite: Composite | None = None
+    space: SymbolicSpace | None = None
 
     @property
     def stable_sizes(self) -> tuple[int, int] | None:
         """Stable states and event edges of the whole mission, exact; ``None`` where they are not known."""
+        if self.space is not None and self.space.stable is not None and self.verdicts["confluent"].holds:
+            # Every event leads from a stable marking to one stable marking.
+            fired, transitions = self.space.fired, self.mission_net.net.transitions
+            return self.space.stable.count(), sum(n for t, n in fired.items() if not transitions[t].internal)
         graph = self.composite or self.alternatives
+        return None if graph is None else (graph.states, graph.edges)
+
+    @property
+    def marking_sizes(self) -> tuple[int, int] | None:
+        """Reachable markings and firings between them, exact; ``None`` where they were not counted."""
+        graph = self.space or self.markings
         return None if graph is None else (graph.states, graph.edges)
 
     @property
@@ -106,7 +119,7 @@ def check_mission(
     try:
         markings = explore(mission_net.net, progress=progress, **limits)
     except UnsafeError as error:
-        note("safe", False, str(error), _told(mission_net, error))
+        note("safe", False, str(error), told(mission_net, error))
         return MissionCheck(mission_net, verdicts)
     note("safe", True, "no firing puts a second token in a place")
     note("bounded", True, "a 1-safe net is bounded")
@@ -115,7 +128,7 @@ def check_mission(
         alternatives = by_reduction(markings)
         note("confluent", True, alternatives.proof or "")
     except (ConfluenceError, DivergenceError) as error:
-        note("confluent", False, _explain(mission_net, error), _told(mission_net, error))
+        note("confluent", False, explain_error(mission_net, error), told(mission_net, error))
     graph: StateGraph = markings if alternatives is None else alternatives
     for verdict in _reachability(mission_net, graph):
         verdicts[verdict.name] = verdict
@@ -223,11 +236,10 @@ def find_unselectable(usage: Usage, happened: Happened) -> tuple[Problem, ...]:
     )
 
 
-def _told(mission_net: MissionNet, error: SemanticsError) -> list[list[Step]]:
+def told(mission_net: MissionNet, error: SemanticsError) -> tuple[tuple[Step, ...], ...]:
     """The runs of an error: its events in words, and the internal firings where two runs part."""
-    runs = [list(run) for run in error.runs]
-    told = []
-    for run in runs:
+    runs = []
+    for run in map(list, error.runs):
         last_event = max(
             (i for i, name in enumerate(run) if _event(mission_net, name) is not None), default=-1
         )
@@ -237,8 +249,8 @@ def _told(mission_net: MissionNet, error: SemanticsError) -> list[list[Step]]:
             if (event := step.event)
         ]
         steps += [Step(name, f"internal: {name}") for name in run[last_event + 1 :]]
-        told.append(steps)
-    return told
+        runs.append(tuple(steps))
+    return tuple(runs)
 
 
 def _event(mission_net: MissionNet, name: str) -> str | None:
@@ -246,7 +258,7 @@ def _event(mission_net: MissionNet, name: str) -> str | None:
     return net.transitions[net.transition_index[name]].event
 
 
-def _explain(mission_net: MissionNet, error: McpnError) -> str:
+def explain_error(mission_net: MissionNet, error: McpnError) -> str:
     """The error, with the contentions that may be its reason."""
     contentions = mission_net.usage.contentions
     if isinstance(error, ConfluenceError) and contentions:

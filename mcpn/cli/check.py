@@ -19,24 +19,29 @@ from mcpn.cli.shared import (
     json_option,
     limit_option,
     mission_net_of,
+    net_of,
     progress_line,
     scheduler_option,
 )
 
 if TYPE_CHECKING:
-    pass
+    from mcpn.net.petri import PetriNet
 
 
 @click.command()
-@click.argument("mission", type=FILE)
-@click.option("--engine", type=click.Choice(["explicit", "local"]), default="explicit", show_default=True)
+@click.argument("file", type=FILE)
+@click.option("--structure", is_flag=True, help="Tell what the net's arcs prove without its markings.")
+@click.option(
+    "--engine", type=click.Choice(["explicit", "symbolic", "local"]), default="explicit", show_default=True
+)
 @jobs_option
 @scheduler_option
 @limit_option
 @import_option
 @json_option
 def check(
-    mission: Path,
+    file: Path,
+    structure: bool,
     engine: str,
     jobs: int,
     scheduler: str | None,
@@ -44,19 +49,27 @@ def check(
     import_root: Path | None,
     as_json: bool,
 ) -> None:
-    """Verify MISSION: verdicts with their runs, sizes, functioning modes, warnings."""
+    """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
+    from mcpn.net.formats import READABLE
+
+    if structure or file.suffix.lower() in READABLE:
+        _check_net(net_of(file, import_root), structure, max_states, as_json)
+        return
+    from mcpn.check.by_diagrams import check_by_diagrams
     from mcpn.check.composition import check_by_composition
     from mcpn.check.properties import check_mission
     from mcpn.mission.validate import find_warnings
 
     started = time.perf_counter()
-    mission_net = mission_net_of(mission, import_root)
+    mission_net = mission_net_of(file, import_root)
     with progress_line(as_json) as progress:
         if engine == "local":
             with executor_of(jobs, scheduler) as executor:
                 found = check_by_composition(
                     mission_net, executor=executor, max_states=max_states, progress=progress
                 )
+        elif engine == "symbolic":
+            found = check_by_diagrams(mission_net, max_states=max_states)
         else:
             found = check_mission(mission_net, max_states=max_states, progress=progress)
     seconds = time.perf_counter() - started
@@ -70,14 +83,25 @@ def check(
         sys.exit(EXIT_FAILED)
 
 
+def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
+    from mcpn.check.foreign import check_net, examine_structure
+    from mcpn.report.nets import net_object, print_net, print_structure, structure_object
+
+    if structure:
+        examined = examine_structure(net)
+        emit_json(structure_object(examined)) if as_json else print_structure(examined)
+        return
+    found = check_net(net) if max_states is None else check_net(net, max_states=max_states)
+    emit_json(net_object(found)) if as_json else print_net(found)
+
+
 def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
     net = found.mission_net.net
-    markings = (found.markings.states, found.markings.edges) if found.markings else (None, None)
     return {
         "mission": found.mission_net.mission.name,
         "places": len(net.places),
         "transitions": len(net.transitions),
-        "markings": dict(zip(("states", "edges"), markings, strict=True)),
+        "markings": dict(zip(("states", "edges"), found.marking_sizes or (None, None), strict=True)),
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {

@@ -30,8 +30,8 @@ from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse, incidence
 
-MAX_STEPS = 200_000
-MAX_ROWS = 5_000
+MAX_STEPS = 20_000
+MAX_ROWS = 1_000
 
 Places: TypeAlias = tuple[int, ...]
 

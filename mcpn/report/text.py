@@ -81,8 +81,9 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     console = Console(highlight=False, soft_wrap=True)
     net = check.mission_net.net
     sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
-    if check.markings is not None:
-        sizes.append(f"{check.markings.states} markings, {check.markings.edges} edges")
+    if check.marking_sizes is not None:
+        states, edges = check.marking_sizes
+        sizes.append(f"{states} markings, {edges} edges")
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
         sizes.append(f"{states} stable states, {edges} event edges")

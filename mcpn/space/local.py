@@ -27,7 +27,7 @@ from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.confluence import direct_with_proof, open_conflicts
 from mcpn.space.graph import Ints, Mask
-from mcpn.space.symbolic import reach
+from mcpn.space.symbolic import SymbolicSpace, reach
 
 Outcome: TypeAlias = Literal["success", "failure"]
 OUTCOMES: tuple[Outcome, Outcome] = ("success", "failure")
@@ -254,8 +254,15 @@ def _junctions(
     return dict(found.values())
 
 
-def prove_confluent(net: PetriNet, *, max_states: int) -> None:
+def prove_confluent(
+    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, space: SymbolicSpace | None = None
+) -> None:
     """Proves that internal evolution of a net is confluent and ends, without building its graph if it can.
+
+    Args:
+        net: A net with priorities.
+        max_states: How many stable states there may be, where it must be decided edge by edge.
+        space: Its reachable markings, where they are known.
 
     Raises:
         ConfluenceError: It is not confluent.
@@ -263,7 +270,7 @@ def prove_confluent(net: PetriNet, *, max_states: int) -> None:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
     """
-    space = reach(net)
+    space = space or reach(net)
     assert space.stable is not None, "nets of missions have priorities"
     encoding = space.encoding
     internal = [t for t in encoding.events if net.transitions[t].internal]

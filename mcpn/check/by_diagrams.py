@@ -1,0 +1,144 @@
+"""The verdicts of a mission on decision diagrams: no marking is ever listed."""
+
+from __future__ import annotations
+
+from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicGraph, SymbolicMarkings
+from mcpn.check.formula import EU, And, Const, Core, Deadlock, Or
+from mcpn.check.modes import Mode
+from mcpn.check.properties import (
+    INFORMATIVE,
+    REQUIRED,
+    Happened,
+    MissionCheck,
+    Verdict,
+    explain_error,
+    find_unselectable,
+    told,
+)
+from mcpn.check.resolve import marked, negation
+from mcpn.check.runs import replay
+from mcpn.check.witness import explain
+from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
+from mcpn.net.compose import MissionNet
+from mcpn.space.confluence import PROOF
+from mcpn.space.local import prove_confluent
+from mcpn.space.symbolic import SymbolicSpace, reach
+
+
+def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None) -> MissionCheck:
+    """Checks a mission symbolically: the verdicts are those of :func:`mcpn.check.properties.check_mission`.
+
+    Args:
+        mission_net: The mission's net.
+        max_states: Limit on stable states where confluence must be decided edge by edge.
+
+    Returns:
+        Every verdict with its runs.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+    try:
+        space = reach(mission_net.net)
+    except UnsafeError as error:
+        verdicts["safe"] = Verdict("safe", False, str(error), told(mission_net, error))
+        return MissionCheck(mission_net, verdicts)
+    verdicts["safe"] = Verdict("safe", True, "no firing puts a second token in a place")
+    verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
+    graph: SymbolicGraph = SymbolicMarkings(space)
+    try:
+        limits = {} if max_states is None else {"max_states": max_states}
+        prove_confluent(mission_net.net, space=space, **limits)
+        verdicts["confluent"] = Verdict("confluent", True, PROOF)
+        graph = SymbolicAlternatives(space)
+    except (ConfluenceError, DivergenceError) as error:
+        found = explain_error(mission_net, error)
+        verdicts["confluent"] = Verdict("confluent", False, found, told(mission_net, error))
+    for verdict in _reachability(mission_net, Evaluation(graph)):
+        verdicts[verdict.name] = verdict
+    unselectable = find_unselectable(mission_net.usage, _happened(mission_net, space))
+    text = f"{len(unselectable)} found" if unselectable else "nothing found"
+    verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
+    modes = _modes(mission_net, space)
+    return MissionCheck(mission_net, verdicts, modes=modes, unselectable=unselectable, space=space)
+
+
+def _reachability(mission_net: MissionNet, evaluation: Evaluation) -> list[Verdict]:
+    success, failure = marked((mission_net.success,)), marked((mission_net.failure,))
+    finished = Or((success, failure))
+    stuck = negation(EU(Const(True), finished))
+
+    def reached(name: str, goal: Core, good: bool, found: str, none: str) -> Verdict:
+        formula = EU(Const(True), goal)
+        if not evaluation.holds(formula):
+            return Verdict(name, not good, none)
+        names = [mission_net.net.transitions[t].name for t in explain(evaluation, formula).firings]
+        return Verdict(name, good, found, (tuple(replay(mission_net, names)),))
+
+    return [
+        reached(
+            "deadlock_free",
+            And((Deadlock(), negation(finished))),
+            False,
+            "a marking that is no end of the mission allows no event",
+            "every marking but the mission's ends allows some event",
+        ),
+        reached(
+            "success_reachable", success, True, "a run leads to success", "no run leads to mission success"
+        ),
+        reached(
+            "can_always_finish",
+            stuck,
+            False,
+            "after this run the mission can no longer end",
+            "from every marking some run leads to an end of the mission",
+        ),
+        reached(
+            "failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"
+        ),
+    ]
+
+
+def _happened(mission_net: MissionNet, space: SymbolicSpace) -> Happened:
+    assert space.stable is not None, "nets of missions have priorities"
+    stable, condition = space.stable, space.encoding.condition
+    events = {mission_net.net.transitions[t].event for t, count in space.fired.items() if count}
+    selected, entered = (
+        frozenset(
+            name
+            for place, name in mission_net.saying(kind).items()
+            if (wanted := condition([place])) is not None and stable.first([wanted]) >= 0
+        )
+        for kind in ("active", "objective")
+    )
+    return Happened(selected, entered, frozenset(event for event in events if event))
+
+
+def _modes(mission_net: MissionNet, space: SymbolicSpace) -> dict[str, list[Mode]]:
+    """Functioning modes: one stable marking is picked for each, and all that are like it are taken away."""
+    assert space.stable is not None, "nets of missions have priorities"
+    usage, encoding = mission_net.usage, space.encoding
+    active = mission_net.saying("active")
+    found: dict[str, list[Mode]] = {}
+    for section in mission_net.graph.walk():
+        closure = frozenset[str]().union(*(usage.closure(a) for a in section.activities))
+        places = {p: name for p, name in active.items() if name.split(".", 1)[0] in closure}
+        (objective,) = mission_net.by_role["objective", section.name]
+        runs = encoding.condition([objective])
+        left = space.stable - space.stable.without([] if runs is None else [runs])
+        rows = []
+        while (picked := left.pick()) is not None:
+            marking = encoding.marking(picked)
+            row = tuple(bool(marking[p]) for p in places)
+            rows.append(row)
+            on = [p for p, there in zip(places, row, strict=True) if there]
+            like = encoding.condition(on, [p for p in places if p not in on])
+            assert like is not None, "the marking that was picked satisfies it"
+            left = left.without([like])
+        modes = [
+            dict(n.split(".", 1) for n, on in zip(places.values(), row, strict=True) if on)
+            for row in sorted(rows, reverse=True)  # first alternatives first
+        ]
+        found[section.name] = [m for m in modes if all(a in m for a in section.activities)]
+    return found

@@ -1,0 +1,189 @@
+"""What can be said of a net that is of no mission: its behaviour, and its structure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from mcpn.check.behaviour import behaviour
+from mcpn.check.ctl import Evaluation, SymbolicMarkings
+from mcpn.check.formula import EU, Const, Deadlock
+from mcpn.check.witness import explain
+from mcpn.errors import LimitError, UnsafeError
+from mcpn.net.petri import PetriNet
+from mcpn.net.siphons import (
+    Places,
+    classes,
+    commoner,
+    p_semiflows,
+    siphons,
+    state_machine_components,
+    t_semiflows,
+    traps,
+)
+from mcpn.net.structure import Sparse
+from mcpn.space.symbolic import reach
+from mcpn.space.tokens import Boundedness, boundedness, explore_tokens
+
+
+@dataclass(frozen=True)
+class NetCheck:
+    """The behaviour of a net; ``None`` where it is not known.
+
+    Args:
+        net: The net.
+        safe: Whether no place ever holds two tokens.
+        bounded: Whether it is bounded, with runs that show that it is not.
+        bound: Most tokens that a place holds.
+        states: Reachable markings.
+        deadlock: A shortest run to a dead marking; empty where the initial one is dead.
+        dead_transitions: Names of transitions that never fire.
+        not_live: Names of those that some day fire no more.
+        reversible: Whether every marking leads back to the initial one.
+        home_markings: Number of markings that every marking leads to.
+    """
+
+    net: PetriNet
+    safe: bool
+    bounded: Boundedness
+    bound: int | None = None
+    states: int | None = None
+    deadlock: tuple[str, ...] | None = None
+    deadlock_free: bool | None = None
+    dead_transitions: tuple[str, ...] | None = None
+    not_live: tuple[str, ...] | None = None
+    reversible: bool | None = None
+    home_markings: int | None = None
+
+
+def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
+    """Decides the behavioural properties of a net.
+
+    Args:
+        net: Any net. A 1-safe one is explored as diagrams; another marking by marking, up to the limit.
+        max_states: Limit for nets that are not 1-safe.
+
+    Returns:
+        The properties; those that need every marking of an unbounded net are left open.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    try:
+        space = reach(net)
+    except UnsafeError:
+        return _check_tokens(net, max_states)
+    found = behaviour(space)
+    deadlock = None
+    if found.deadlock:
+        witness = explain(Evaluation(SymbolicMarkings(space)), EU(Const(True), Deadlock()))
+        deadlock = tuple(net.transitions[t].name for t in witness.firings)
+    names = [t.name for t in net.transitions]
+    bound = int(any(c for t, c in space.fired.items()) or any(net.initial))
+    return NetCheck(
+        net,
+        True,
+        Boundedness(True, None, reason="a 1-safe net is bounded"),
+        bound,
+        space.states,
+        deadlock,
+        not found.deadlock,
+        tuple(name for t, name in enumerate(names) if t not in found.quasi_live),
+        tuple(name for t, name in enumerate(names) if t not in found.live),
+        found.reversible,
+        found.home_markings,
+    )
+
+
+def _check_tokens(net: PetriNet, max_states: int) -> NetCheck:
+    bounded = boundedness(net, max_states=max_states)
+    if not bounded.bounded:
+        return NetCheck(net, False, bounded)
+    space = explore_tokens(net, max_states=max_states)
+    dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in space.fired)
+    run = None if space.dead is None else space.dead[1]
+    return NetCheck(net, False, bounded, bounded.bound, space.states, run, space.dead is None, dead)
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What the arcs of a net tell without its markings; a part whose limit was hit is left out and named.
+
+    Args:
+        net: The net.
+        classes: See :func:`mcpn.net.siphons.classes`.
+        p_semiflows: Weights by place whose weighted sum of tokens never changes.
+        t_semiflows: Numbers of firings that change nothing.
+        siphons: Minimal ones.
+        traps: Minimal ones.
+        components: State machine components.
+        unmarked_siphon: A minimal siphon without a marked trap, if there is one.
+        left_out: What was left out, and which limit was hit.
+    """
+
+    net: PetriNet
+    classes: frozenset[str]
+    p_semiflows: tuple[Sparse, ...] | None = None
+    t_semiflows: tuple[Sparse, ...] | None = None
+    siphons: tuple[Places, ...] | None = None
+    traps: tuple[Places, ...] | None = None
+    components: tuple[Places, ...] | None = None
+    unmarked_siphon: Places | None = None
+    left_out: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def conservative(self) -> bool | None:
+        """Whether some positive weighting of all places never changes; then the net is bounded."""
+        if self.p_semiflows is None:
+            return None
+        return set().union(*self.p_semiflows) == set(range(len(self.net.places)))
+
+    @property
+    def covered(self) -> bool | None:
+        """Whether every place is in some state machine component."""
+        if self.components is None:
+            return None
+        return set().union(*self.components) == set(range(len(self.net.places)))
+
+    @property
+    def proves(self) -> list[str]:
+        """What follows, whatever the order of firing."""
+        found = []
+        if self.conservative:
+            found.append("bounded, whatever the initial marking: every place is in a P-semiflow")
+        if self.components is not None and "ordinary" in self.classes:
+            initial = self.net.initial
+            single = [c for c in self.components if sum(initial[p] for p in c) == 1]
+            if set().union(*single) == set(range(len(self.net.places))):
+                found.append("1-safe: every place is in a state machine component with one token")
+        decided = {"ordinary", "free choice"} <= self.classes and not self.net.priorities
+        if decided and self.siphons is not None and self.traps is not None:
+            live = self.unmarked_siphon is None
+            why = "every minimal siphon contains" if live else "a minimal siphon does not contain"
+            found.append(f"{'live' if live else 'not live'}: free choice, and {why} a marked trap")
+        return found
+
+
+def examine_structure(net: PetriNet) -> Structure:
+    """Looks at the arcs of a net alone.
+
+    Args:
+        net: Any net.
+
+    Returns:
+        Its structure, as far as the limits go.
+    """
+    left_out: dict[str, str] = {}
+    parts: dict[str, object] = {}
+    for name, find in (
+        ("p_semiflows", p_semiflows),
+        ("t_semiflows", t_semiflows),
+        ("siphons", siphons),
+        ("traps", traps),
+        ("components", state_machine_components),
+        ("unmarked_siphon", commoner),
+    ):
+        try:
+            parts[name] = find(net)
+        except LimitError as error:
+            left_out[name] = str(error)
+    return Structure(net, classes(net), left_out=left_out, **parts)  # type: ignore[arg-type]

@@ -1,0 +1,134 @@
+"""What a person reads of a net, its behaviour and its structure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from rich.console import Console
+
+from mcpn.check.foreign import NetCheck, Structure
+from mcpn.net.petri import PetriNet
+from mcpn.net.structure import Sparse
+
+SHOWN = 20
+
+
+def net_object(check: NetCheck) -> dict[str, Any]:
+    """The behaviour of a net as one JSON object."""
+    pump = {"run": check.bounded.run, "repeat": check.bounded.pump} if check.bounded.pump else None
+    return {
+        "net": check.net.name,
+        "places": len(check.net.places),
+        "transitions": len(check.net.transitions),
+        "states": check.states,
+        "safe": check.safe,
+        "bounded": check.bounded.bounded,
+        "bound": check.bound,
+        "unbounded_by": pump,
+        "deadlock_free": check.deadlock_free,
+        "deadlock": check.deadlock,
+        "dead_transitions": check.dead_transitions,
+        "live": None if check.not_live is None else not check.not_live,
+        "not_live": check.not_live,
+        "reversible": check.reversible,
+        "home_markings": check.home_markings,
+    }
+
+
+def structure_object(structure: Structure) -> dict[str, Any]:
+    """The structure of a net as one JSON object, places and transitions by name."""
+    net = structure.net
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+
+    def sets(found: Iterable[tuple[int, ...]] | None) -> list[list[str]] | None:
+        return None if found is None else [[places[p] for p in members] for members in found]
+
+    def flows(found: Iterable[Sparse] | None, names: list[str]) -> list[dict[str, int]] | None:
+        return None if found is None else [{names[i]: w for i, w in flow.items()} for flow in found]
+
+    return {
+        "net": net.name,
+        "classes": sorted(structure.classes),
+        "p_semiflows": flows(structure.p_semiflows, places),
+        "t_semiflows": flows(structure.t_semiflows, transitions),
+        "siphons": sets(structure.siphons),
+        "traps": sets(structure.traps),
+        "state_machine_components": sets(structure.components),
+        "conservative": structure.conservative,
+        "covered_by_state_machines": structure.covered,
+        "proves": structure.proves,
+        "left_out": structure.left_out,
+    }
+
+
+def print_net(check: NetCheck) -> None:
+    """Prints the behaviour of a net."""
+    console = Console(highlight=False, soft_wrap=True)
+    net = check.net
+    sizes = f"{len(net.places)} places, {len(net.transitions)} transitions"
+    states = "" if check.states is None else f", {check.states} markings"
+    console.print(f"net {net.name}: {sizes}{states}", markup=False)
+    answers = {True: "yes", False: "no", None: "not known"}
+    console.print(f"1-safe          {answers[check.safe]}")
+    bound = "" if check.bound is None else f"  at most {check.bound} tokens in a place"
+    console.print(
+        f"bounded         {answers[check.bounded.bounded]}{bound}  {check.bounded.reason}", markup=False
+    )
+    if check.bounded.pump:
+        console.print(f"    run: {' '.join(check.bounded.run)}", markup=False)
+        console.print(f"    repeat: {' '.join(check.bounded.pump)}", markup=False)
+    console.print(f"deadlock free   {answers[check.deadlock_free]}")
+    if check.deadlock is not None:
+        console.print(f"    run: {' '.join(check.deadlock)}", markup=False)
+    for word, names in (("quasi-live", check.dead_transitions), ("live", check.not_live)):
+        holds = None if names is None else not names
+        without = f"  not: {_some(names)}" if names else ""
+        console.print(f"{word:15} {answers[holds]}{without}", markup=False)
+    console.print(f"reversible      {answers[check.reversible]}")
+    if check.home_markings is not None:
+        console.print(f"home markings   {check.home_markings}")
+
+
+def print_structure(structure: Structure) -> None:
+    """Prints the structure of a net; long lists are cut, and said to be."""
+    console = Console(highlight=False, soft_wrap=True)
+    net = structure.net
+    console.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}", markup=False)
+    _list(console, "P-semiflows", [_invariant(net, flow) for flow in structure.p_semiflows or ()])
+    names = [t.name for t in net.transitions]
+    flows = [" + ".join(_term(n, names[t]) for t, n in flow.items()) for flow in structure.t_semiflows or ()]
+    _list(console, "T-semiflows", flows)
+    for title, found in (
+        ("minimal siphons", structure.siphons),
+        ("minimal traps", structure.traps),
+        ("state machine components", structure.components),
+    ):
+        _list(console, title, [", ".join(net.places[p].name for p in members) for members in found or ()])
+    for sentence in structure.proves:
+        console.print(f"proved: {sentence}", markup=False)
+    for part, reason in structure.left_out.items():
+        console.print(f"left out: {part.replace('_', ' ')}: {reason}", markup=False)
+
+
+def _invariant(net: PetriNet, flow: Sparse) -> str:
+    total = sum(weight * net.initial[p] for p, weight in flow.items())
+    return f"{' + '.join(_term(w, net.places[p].name) for p, w in flow.items())} = {total}"
+
+
+def _term(weight: int, name: str) -> str:
+    return name if weight == 1 else f"{weight} {name}"
+
+
+def _some(names: Iterable[str]) -> str:
+    listed = list(names)
+    more = f" and {len(listed) - SHOWN} more" if len(listed) > SHOWN else ""
+    return ", ".join(listed[:SHOWN]) + more
+
+
+def _list(console: Console, title: str, lines: list[str]) -> None:
+    console.print(f"{title}: {len(lines)}")
+    for line in lines[:SHOWN]:
+        console.print(f"    {line}", markup=False)
+    if len(lines) > SHOWN:
+        console.print(f"    and {len(lines) - SHOWN} more (--json lists all)")
