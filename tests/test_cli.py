@@ -100,6 +100,7 @@ def test_states_of_ulysse(engine: str) -> None:
     found = output("states", ULYSSE, "--engine", engine)
     assert found.pop("seconds") > 0
     assert (found.pop("nodes") is None) == (engine == "explicit")
+    assert (found.pop("order") is None) == (engine == "explicit")
     assert found == {
         "places": 133,
         "transitions": 150,
@@ -280,3 +281,89 @@ def test_no_bytes_make_a_mission_crash(tmp_path_factory: pytest.TempPathFactory,
     path.write_bytes(data)
     with pytest.raises(McpnError):
         read_mission(path)
+
+
+# --- orders, formulas, nets from elsewhere ---------------------------------------------------------------
+
+
+def test_an_order_is_saved_and_read_again(tmp_path: Path) -> None:
+    order = tmp_path / "ulysse.order"
+    raced = mcpn("states", ULYSSE, "--engine", "symbolic", "--save-order", order, "--json")
+    given = mcpn("states", ULYSSE, "--engine", "symbolic", "--order", order, "--json")
+    first, second = json.loads(raced.stdout), json.loads(given.stdout)
+    assert first["states"] == second["states"] == 44299
+    assert first["nodes"] == second["nodes"]
+    assert second["order"] == "given"
+    lines = order.read_text().splitlines()
+    order.write_text("\n".join([*lines[:-2], lines[1], "nowhere"]))
+    wrong = mcpn("states", ULYSSE, "--engine", "symbolic", "--order", order)
+    assert wrong.returncode == 2
+    assert "again, after line 2" in wrong.stderr
+    assert f"{order}:{len(lines)}: found 'nowhere', expected a place of the net" in wrong.stderr
+    assert "places are missing" in wrong.stderr
+    assert mcpn("states", ULYSSE, "--order", order).returncode == 2
+
+
+def test_formulas_are_answered(tmp_path: Path) -> None:
+    scn = tmp_path / "run.scn"
+    run = mcpn("ctl", ULYSSE, "EF failure", "--on", "alternatives", "--scn", scn, "--json")
+    (answer,) = json.loads(run.stdout)
+    assert run.returncode == 0
+    assert answer["holds"] is True
+    assert answer["witness"]["events"][0] == "MISSION_EV_START"
+    assert [line.strip("{}") for line in scn.read_text().splitlines()] == answer["witness"]["firings"]
+    failing = mcpn("ctl", ULYSSE, "AF (success | failure)")
+    assert failing.returncode == 1
+    assert "for ever: GPS_sensor_EV_OOS GPS_sensor_EV_RD" in failing.stdout
+    assert mcpn("ctl", ULYSSE, "AF (success | failure)", "--fair", "progress").returncode == 0
+    wrong = mcpn("ctl", ULYSSE, "AG EF sucess(")
+    assert wrong.returncode == 2
+    assert "column 13" in wrong.stderr
+    assert "Traceback" not in wrong.stderr
+    assert mcpn("ctl", ULYSSE).returncode == 2
+
+
+def test_property_files_are_answered_as_the_contest_does(mcc: Path) -> None:
+    folder = mcc / "Eratosthenes-PT-010"
+    run = mcpn(
+        "ctl", folder / "model.pnml", "--properties", folder / "UpperBounds.xml", "--examination", "Liveness"
+    )
+    assert run.returncode == 0
+    assert run.stdout.splitlines()[-1] == "FORMULA Eratosthenes-PT-010-Liveness FALSE"
+    assert run.stdout.startswith("FORMULA Eratosthenes-PT-010-UpperBounds-")
+    wrong = mcpn("ctl", folder / "model.pnml", "--properties", folder / "model.pnml")
+    assert wrong.returncode == 2
+    assert "expected <property-set>" in wrong.stderr
+
+
+def test_nets_from_elsewhere_are_checked(tmp_path: Path) -> None:
+    net = tmp_path / "buffer.net"
+    net.write_text("net buffer\npl ready (1)\ntr make ready -> ready full\n")
+    run = mcpn("check", net)
+    assert run.returncode == 0
+    assert "bounded         no" in run.stdout
+    assert "repeat: make" in run.stdout
+    found = json.loads(mcpn("check", net, "--json").stdout)
+    assert found["bounded"] is False
+    assert found["unbounded_by"] == {"run": [], "repeat": ["make"]}
+    net.write_text("net lamp\npl off (1)\ntr press off -> on\ntr again on -> off\n")
+    structure = json.loads(mcpn("check", net, "--structure", "--json").stdout)
+    assert structure["p_semiflows"] == [{"off": 1, "on": 1}]
+    assert any(sentence.startswith("live") for sentence in structure["proves"])
+    behaviour = json.loads(mcpn("check", net, "--json").stdout)
+    assert (behaviour["live"], behaviour["reversible"], behaviour["home_markings"]) == (True, True, 2)
+
+
+@pytest.mark.parametrize("engine", ["symbolic", "local"])
+def test_a_mission_is_checked_by_every_engine(engine: str) -> None:
+    found = json.loads(mcpn("check", ULYSSE, "--engine", engine, "--json").stdout)
+    assert found["alternatives"] == {"states": 260, "edges": 1332}
+    assert found["engine"] == engine
+
+
+def test_a_controller_in_two_levels_is_written(tmp_path: Path) -> None:
+    run = mcpn("controller", ULYSSE, "--hierarchical", "-o", tmp_path)
+    assert "5 sections of 2 types" in run.stdout
+    document = json.loads((tmp_path / "controller.json").read_text())
+    assert document["format"] == "mcpn-hierarchical-controller"
+    assert len(document["sections"]) == 5

@@ -23,7 +23,9 @@ from mcpn.cli.shared import (
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
+    from mcpn.net.petri import PetriNet
     from mcpn.space.alternatives import AlternativesGraph
+    from mcpn.space.summary import SpaceSummary
 
 
 @click.command()
@@ -34,22 +36,49 @@ if TYPE_CHECKING:
     default="explicit",
     show_default=True,
 )
+@click.option("--order", type=FILE, help="Read the diagram's order of places instead of racing several.")
+@click.option("--save-order", type=FILE, help="Write the order of places that was used.")
 @limit_option
 @import_option
 @json_option
-def states(file: Path, engine: str, max_states: int | None, import_root: Path | None, as_json: bool) -> None:
+def states(
+    file: Path,
+    engine: str,
+    order: Path | None,
+    save_order: Path | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
     """Count the reachable markings of FILE, a mission or a net."""
     from dataclasses import asdict
 
     from mcpn.space.summary import summarise
 
+    if (order or save_order) and engine != "symbolic":
+        raise click.UsageError("--order and --save-order are of the symbolic engine")
     if engine == "local":
         emit_counts(_local_counts(mission_net_of(file, import_root), max_states, as_json), as_json)
         return
     net = net_of(file, import_root)
+    if order or save_order:
+        emit_counts(asdict(_in_order(net, order, save_order)), as_json)
+        return
     with progress_line(as_json) as progress:
         counts = asdict(summarise(net, engine, max_states=max_states, progress=progress))
     emit_counts(counts, as_json)
+
+
+def _in_order(net: PetriNet, order: Path | None, save_order: Path | None) -> SpaceSummary:
+    from mcpn.space.order import read_order, write_order
+    from mcpn.space.summary import summary_of
+    from mcpn.space.symbolic import reach
+
+    started = time.perf_counter()
+    space = reach(net, order=read_order(order, net) if order else None)
+    if save_order:
+        write_order(save_order, net, space.places, space.order)
+    return summary_of(space, started)
 
 
 def _local_counts(mission_net: MissionNet, max_states: int | None, quiet: bool) -> dict[str, object]:

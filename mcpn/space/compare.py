@@ -66,7 +66,9 @@ def _run(net: PetriNet, engine: str, max_states: int | None) -> Measurement:
 
 def disagreement(found: list[Measurement]) -> SemanticsError | None:
     """The error that says how engines disagree, or ``None`` where all agree."""
-    sizes = {m.engine: replace(m.summary, nodes=None, engine="", seconds=0) for m in found if m.summary}
+    sizes = {
+        m.engine: replace(m.summary, nodes=None, order=None, engine="", seconds=0) for m in found if m.summary
+    }
     if len(set(sizes.values())) < 2:
         return None
     told = "; ".join(

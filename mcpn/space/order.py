@@ -8,16 +8,20 @@ Saturation works from the bottom, so each order is tried in both directions.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from mcpn.errors import InputError, Problem, Source
+from mcpn.files import read_bounded, write_atomically
 from mcpn.net.petri import PetriNet
 
 Order = tuple[int, ...]
 """Indices of places, the first on top."""
 
 MAX_ROUNDS = 200
+MAX_BYTES = 100_000_000
 
 
 def candidates(net: PetriNet) -> Iterator[tuple[str, Order]]:
@@ -38,6 +42,62 @@ def candidates(net: PetriNet) -> Iterator[tuple[str, Order]]:
             if way not in seen:
                 seen.add(way)
                 yield name + suffix, way
+
+
+def read_order(path: Path, net: PetriNet) -> Order:
+    """Reads an order: names of places, one a line, the first on top; empty lines and ``#`` comments aside.
+
+    Args:
+        path: The file, UTF-8.
+        net: The net whose places it orders.
+
+    Returns:
+        The order.
+
+    Raises:
+        InputError: A line names no place of the net or names one again, or places are missing.
+    """
+    try:
+        lines = read_bounded(path, MAX_BYTES).decode().splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError.at(Source(str(path)), "not UTF-8 text") from error
+    order: dict[int, int] = {}
+    problems = []
+    for number, line in enumerate(lines, 1):
+        name = line.strip()
+        place = net.place_index.get(name)
+        if place is not None and place not in order:
+            order[place] = number
+        elif place is not None:
+            found = f"place {name} again, after line {order[place]}"
+            problems.append(Problem(Source(str(path), number), found))
+        elif name and not name.startswith("#"):
+            problems.append(
+                Problem(Source(str(path), number), f"found {name!r}, expected a place of the net")
+            )
+    missing = [place.name for i, place in enumerate(net.places) if i not in order]
+    if missing:
+        more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
+        problems.append(Problem(Source(str(path)), f"places are missing: {', '.join(missing[:3])}{more}"))
+    if problems:
+        raise InputError(problems)
+    return tuple(order)
+
+
+def write_order(path: Path, net: PetriNet, order: Order, name: str) -> None:
+    """Writes an order so that :func:`read_order` reads it.
+
+    Args:
+        path: The file; it is replaced at once or not at all.
+        net: The net.
+        order: Indices of places, the first on top.
+        name: What the order is called, for a comment.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    lines = [f"# {name}", *(net.places[p].name for p in order)]
+    write_atomically(path, "\n".join(lines) + "\n")
 
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
+
+if TYPE_CHECKING:
+    from mcpn.space.symbolic import SymbolicSpace
 
 ENGINES = ("explicit", "symbolic", "pyeda")
 """The engines that count: marking by marking, by decision diagrams, and the small independent reference."""
@@ -29,6 +33,7 @@ class SpaceSummary:
         nodes: Of the final decision diagram; ``None`` where there is none.
         engine: One of :data:`ENGINES`.
         seconds: Wall-clock time of the engine.
+        order: Name of the diagram's order of places; ``None`` where there is none.
     """
 
     places: int
@@ -41,6 +46,7 @@ class SpaceSummary:
     nodes: int | None
     engine: str
     seconds: float
+    order: str | None = None
 
 
 def summarise(
@@ -62,19 +68,45 @@ def summarise(
         LimitError: A limit was hit, or the engine is not installed.
     """
     started = time.perf_counter()
+    if engine == "symbolic":
+        from mcpn.space.symbolic import reach
+
+        return summary_of(reach(net), started)
     if engine == "explicit":
         counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
-    elif engine == "symbolic":
-        counts = _symbolic(net)
     else:
         counts = _pyeda(net)
-    states, edges, stable, dead, tokens, nodes = counts
+    states, edges, stable, dead, tokens = counts
     seconds = time.perf_counter() - started
     sizes = len(net.places), len(net.transitions)
-    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, nodes, engine, seconds)
+    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, None, engine, seconds)
 
 
-_Counts = tuple[int, int, int | None, int, int, int | None]
+def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
+    """The sizes of markings reached as a diagram.
+
+    Args:
+        space: The reachable markings.
+        started: When reaching them began, by :func:`time.perf_counter`.
+    """
+    net = space.encoding.net
+    stable = None if space.stable is None else space.stable.count()
+    return SpaceSummary(
+        len(net.places),
+        len(net.transitions),
+        space.states,
+        space.edges,
+        stable,
+        space.dead_states,
+        space.max_tokens,
+        space.reachable.nodes(),
+        "symbolic",
+        time.perf_counter() - started,
+        space.order,
+    )
+
+
+_Counts = tuple[int, int, int | None, int, int]
 
 
 def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
@@ -82,16 +114,7 @@ def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], Non
 
     found = count(net, max_states=max_states, progress=progress)
     stable = found.stable if net.priorities else None
-    return found.states, found.edges, stable, found.dead, found.max_tokens, None
-
-
-def _symbolic(net: PetriNet) -> _Counts:
-    from mcpn.space.symbolic import reach
-
-    space = reach(net)
-    stable = None if space.stable is None else space.stable.count()
-    nodes = space.reachable.nodes()
-    return space.states, space.edges, stable, space.dead_states, space.max_tokens, nodes
+    return found.states, found.edges, stable, found.dead, found.max_tokens
 
 
 def _pyeda(net: PetriNet) -> _Counts:
@@ -101,5 +124,4 @@ def _pyeda(net: PetriNet) -> _Counts:
         found = count(net)
     except ImportError as error:
         raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
-    tokens = found.max_tokens
-    return found.states, found.edges, found.stable_states, found.dead_states, tokens, None
+    return found.states, found.edges, found.stable_states, found.dead_states, found.max_tokens

@@ -114,6 +114,7 @@ class SymbolicSpace:
         reachable: The reachable markings.
         stable: Those that enable no internal transition, where the net has priorities.
         order: The order's name.
+        places: The order itself.
         peak_nodes: Most nodes at once while they were reached.
     """
 
@@ -121,6 +122,7 @@ class SymbolicSpace:
     reachable: Zdd
     stable: Zdd | None
     order: str
+    places: Order
     peak_nodes: int
 
     @cached_property
@@ -219,7 +221,7 @@ def _close(net: PetriNet, name: str, order: Order, memory_limit: int, budget: in
     encoding = Encoding(net, order, memory_limit)
     if not net.priorities:
         everything = encoding.initial().saturate(list(encoding.events.values()), budget)
-        return SymbolicSpace(encoding, everything, None, name, encoding.store.peak_nodes)
+        return SymbolicSpace(encoding, everything, None, name, order, encoding.store.peak_nodes)
     internal = [e for t, e in encoding.events.items() if net.transitions[t].internal]
     events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
     unstable = [c for t, c in encoding.enabling.items() if c is not None and net.transitions[t].internal]
@@ -233,7 +235,7 @@ def _close(net: PetriNet, name: str, order: Order, memory_limit: int, budget: in
         peak = max(peak, encoding.store.peak_nodes)
         new = after - reachable
         reachable |= after
-    return SymbolicSpace(encoding, reachable, stable, name, peak)
+    return SymbolicSpace(encoding, reachable, stable, name, order, peak)
 
 
 def _refuse_unsafe(space: SymbolicSpace) -> None:
