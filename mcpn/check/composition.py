@@ -21,7 +21,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import Composite
-from mcpn.space.local import LocalGraph, Progress, local_graphs
+from mcpn.space.local import OUTCOMES, LocalGraph, Progress, local_graphs
 
 
 def check_by_composition(
@@ -120,13 +120,18 @@ class _Verdicts:
         return Verdict("deadlock_free", False, found, self.run(legs))
 
     def can_always_finish(self) -> Verdict:
-        stuck = {n: mask for n, mask in self.composite.losing(("success", "failure")).items() if mask.any()}
+        composite = self.composite
+        stuck = {n: mask for n, mask in composite.losing(OUTCOMES).items() if mask.any()}
         if not stuck:
             found = "from every marking some run leads to an end of the mission"
             return Verdict("can_always_finish", True, found)
+        found = "after this run the mission can no longer end"
+        first = composite.by_name[composite.graph.entry]
+        if not composite.leading_to(OUTCOMES)[composite.graph.entry][first.local.entry].any():
+            # No start, whatever hardware is out of service, leads to an end: it is lost before any event.
+            return Verdict("can_always_finish", False, found, ((),))
         legs = self.journeys.find(states=stuck)
         assert legs is not None, "reached states have a run"
-        found = "after this run the mission can no longer end"
         return Verdict("can_always_finish", False, found, self.run(legs))
 
 
