@@ -22,7 +22,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.space.confluence import PROOF
 from mcpn.space.local import prove_confluent
-from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.space.symbolic import reach
 
 
 def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None) -> MissionCheck:
@@ -57,10 +57,10 @@ def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None)
         verdicts["confluent"] = Verdict("confluent", False, found, told(mission_net, error))
     for verdict in _reachability(mission_net, Evaluation(graph)):
         verdicts[verdict.name] = verdict
-    unselectable = find_unselectable(mission_net.usage, _happened(mission_net, space))
+    unselectable = find_unselectable(mission_net.usage, _happened(mission_net, graph))
     text = f"{len(unselectable)} found" if unselectable else "nothing found"
     verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
-    modes = _modes(mission_net, space)
+    modes = _modes(mission_net, graph)
     return MissionCheck(mission_net, verdicts, modes=modes, unselectable=unselectable, space=space)
 
 
@@ -100,25 +100,23 @@ def _reachability(mission_net: MissionNet, evaluation: Evaluation) -> list[Verdi
     ]
 
 
-def _happened(mission_net: MissionNet, space: SymbolicSpace) -> Happened:
-    assert space.stable is not None, "nets of missions have priorities"
-    stable, condition = space.stable, space.encoding.condition
-    events = {mission_net.net.transitions[t].event for t, count in space.fired.items() if count}
+def _happened(mission_net: MissionNet, graph: SymbolicGraph) -> Happened:
+    condition = graph.space.encoding.condition
+    events = {mission_net.net.transitions[t].event for t, count in graph.space.fired.items() if count}
     selected, entered = (
         frozenset(
             name
             for place, name in mission_net.saying(kind).items()
-            if (wanted := condition([place])) is not None and stable.first([wanted]) >= 0
+            if (wanted := condition([place])) is not None and graph.states.first([wanted]) >= 0
         )
         for kind in ("active", "objective")
     )
     return Happened(selected, entered, frozenset(event for event in events if event))
 
 
-def _modes(mission_net: MissionNet, space: SymbolicSpace) -> dict[str, list[Mode]]:
-    """Functioning modes: one stable marking is picked for each, and all that are like it are taken away."""
-    assert space.stable is not None, "nets of missions have priorities"
-    usage, encoding = mission_net.usage, space.encoding
+def _modes(mission_net: MissionNet, graph: SymbolicGraph) -> dict[str, list[Mode]]:
+    """Functioning modes: one state is picked for each, and all that are like it are taken away."""
+    usage, encoding = mission_net.usage, graph.space.encoding
     active = mission_net.saying("active")
     found: dict[str, list[Mode]] = {}
     for section in mission_net.graph.walk():
@@ -126,7 +124,7 @@ def _modes(mission_net: MissionNet, space: SymbolicSpace) -> dict[str, list[Mode
         places = {p: name for p, name in active.items() if name.split(".", 1)[0] in closure}
         (objective,) = mission_net.by_role["objective", section.name]
         runs = encoding.condition([objective])
-        left = space.stable - space.stable.without([] if runs is None else [runs])
+        left = graph.states - graph.states.without([] if runs is None else [runs])
         rows = []
         while (picked := left.pick()) is not None:
             marking = encoding.marking(picked)
