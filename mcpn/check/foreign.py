@@ -95,13 +95,35 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
 
 
 def _check_tokens(net: PetriNet, max_states: int) -> NetCheck:
-    bounded = boundedness(net, max_states=max_states)
-    if not bounded.bounded:
-        return NetCheck(net, False, bounded)
-    space = explore_tokens(net, max_states=max_states)
+    if _conserves(net):
+        space = explore_tokens(net, max_states=max_states)
+        reason = "every place is in a P-semiflow"
+        bounded = Boundedness(True, space.bounds, reason=reason)
+    else:
+        bounded = boundedness(net, max_states=max_states)
+        if not bounded.bounded:
+            return NetCheck(net, False, bounded)
+        space = explore_tokens(net, max_states=max_states)
     dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in space.fired)
     run = None if space.dead is None else space.dead[1]
     return NetCheck(net, False, bounded, bounded.bound, space.states, run, space.dead is None, dead)
+
+
+def _conserves(net: PetriNet) -> bool:
+    """Whether P-semiflows cover the net, so that it is bounded: no coverability tree is needed then."""
+    try:
+        flows = p_semiflows(net)
+    except LimitError:
+        return False
+    return set[int]().union(*flows) == set(range(len(net.places)))
+
+
+def marking_after(net: PetriNet, run: tuple[str, ...]) -> dict[str, int]:
+    """The tokens of each marked place after a run."""
+    marking = net.initial
+    for name in run:
+        marking = net.fire(marking, net.transition_index[name])
+    return {place.name: tokens for place, tokens in zip(net.places, marking, strict=True) if tokens}
 
 
 @dataclass(frozen=True)

@@ -121,8 +121,8 @@ def greatest_trap(net: PetriNet, places: Iterable[int]) -> Places:
 def commoner(net: PetriNet, *, max_steps: int = MAX_STEPS) -> Places | None:
     """A minimal siphon that contains no marked trap, or ``None`` where each contains one.
 
-    A free choice net is live exactly where there is none (Commoner's theorem; Hack 1972); an asymmetric
-    choice net is live if there is none.
+    An ordinary free choice net is live exactly where there is none (Commoner's theorem; Hack 1972); an
+    asymmetric choice net is live if there is none.
 
     Raises:
         LimitError: The limit on the search for siphons was hit.

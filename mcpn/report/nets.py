@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 from rich.console import Console
 
-from mcpn.check.foreign import NetCheck, Structure
+from mcpn.check.foreign import NetCheck, Structure, marking_after
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
+from mcpn.space.tokens import OMEGA
 
 SHOWN = 20
+
+T = TypeVar("T")
 
 
 def net_object(check: NetCheck) -> dict[str, Any]:
@@ -28,6 +31,8 @@ def net_object(check: NetCheck) -> dict[str, Any]:
         "unbounded_by": pump,
         "deadlock_free": check.deadlock_free,
         "deadlock": check.deadlock,
+        "dead_marking": None if check.deadlock is None else marking_after(check.net, check.deadlock),
+        "bounds": _bounds(check),
         "dead_transitions": check.dead_transitions,
         "live": None if check.not_live is None else not check.not_live,
         "not_live": check.not_live,
@@ -81,6 +86,8 @@ def print_net(check: NetCheck) -> None:
     console.print(f"deadlock free   {answers[check.deadlock_free]}")
     if check.deadlock is not None:
         console.print(f"    run: {' '.join(check.deadlock)}", markup=False)
+        told = (p if n == 1 else f"{p} {n}" for p, n in marking_after(net, check.deadlock).items())
+        console.print(f"    dead marking: {', '.join(told)}", markup=False)
     for word, names in (("quasi-live", check.dead_transitions), ("live", check.not_live)):
         holds = None if names is None else not names
         without = f"  not: {_some(names)}" if names else ""
@@ -95,25 +102,40 @@ def print_structure(structure: Structure) -> None:
     console = Console(highlight=False, soft_wrap=True)
     net = structure.net
     console.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}", markup=False)
-    _list(console, "P-semiflows", [_invariant(net, flow) for flow in structure.p_semiflows or ()])
-    names = [t.name for t in net.transitions]
-    flows = [" + ".join(_term(n, names[t]) for t, n in flow.items()) for flow in structure.t_semiflows or ()]
-    _list(console, "T-semiflows", flows)
+    transitions = [t.name for t in net.transitions]
+    _list(console, "P-semiflows", _told(structure.p_semiflows, lambda flow: _invariant(net, flow)))
+    _list(console, "T-semiflows", _told(structure.t_semiflows, lambda flow: _combined(flow, transitions)))
     for title, found in (
         ("minimal siphons", structure.siphons),
         ("minimal traps", structure.traps),
         ("state machine components", structure.components),
     ):
-        _list(console, title, [", ".join(net.places[p].name for p in members) for members in found or ()])
+        _list(console, title, _told(found, lambda members: ", ".join(net.places[p].name for p in members)))
     for sentence in structure.proves:
         console.print(f"proved: {sentence}", markup=False)
     for part, reason in structure.left_out.items():
         console.print(f"left out: {part.replace('_', ' ')}: {reason}", markup=False)
 
 
+def _bounds(check: NetCheck) -> dict[str, int | None] | None:
+    """By place, the most tokens it holds; null where there is no such number."""
+    bounds = check.bounded.bounds
+    if bounds is None:
+        return None
+    return {p.name: None if b == OMEGA else b for p, b in zip(check.net.places, bounds, strict=True)}
+
+
 def _invariant(net: PetriNet, flow: Sparse) -> str:
     total = sum(weight * net.initial[p] for p, weight in flow.items())
-    return f"{' + '.join(_term(w, net.places[p].name) for p, w in flow.items())} = {total}"
+    return f"{_combined(flow, [p.name for p in net.places])} = {total}"
+
+
+def _combined(flow: Sparse, names: list[str]) -> str:
+    return " + ".join(_term(weight, names[i]) for i, weight in flow.items())
+
+
+def _told(found: Iterable[T] | None, tell: Callable[[T], str]) -> list[str] | None:
+    return None if found is None else [tell(each) for each in found]
 
 
 def _term(weight: int, name: str) -> str:
@@ -126,7 +148,9 @@ def _some(names: Iterable[str]) -> str:
     return ", ".join(listed[:SHOWN]) + more
 
 
-def _list(console: Console, title: str, lines: list[str]) -> None:
+def _list(console: Console, title: str, lines: list[str] | None) -> None:
+    if lines is None:
+        return  # told among what is left out
     console.print(f"{title}: {len(lines)}")
     for line in lines[:SHOWN]:
         console.print(f"    {line}", markup=False)

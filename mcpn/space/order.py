@@ -102,10 +102,10 @@ def write_order(path: Path, net: PetriNet, order: Order, name: str) -> None:
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
     file = tuple(range(len(net.places)))
-    yield "file", file
     yield "force", force(net, file)
-    yield "units", by_units(net)
+    yield "file", file
     yield "force-rcm", force(net, cuthill_mckee(net))
+    yield "units", by_units(net)
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:

@@ -20,7 +20,7 @@ from mcpn.net.structure import complements
 from mcpn.space.order import Order, candidates
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET, FIRST_BUDGET_OF_MISSIONS = 20_000, 100_000
+FIRST_BUDGET, FIRST_BUDGET_OF_MISSIONS = 20_000, 400_000
 GROWTH = 4
 
 

@@ -59,6 +59,8 @@ def explore_tokens(
     Raises:
         LimitError: A limit was hit: the net may be unbounded.
     """
+    if max(net.initial, default=0) > max_tokens:
+        raise LimitError(f"more than {max_tokens} tokens in a place: the limit on tokens was hit")
     index = {net.initial: 0}
     queue, parents = [net.initial], [(-1, -1)]
     edges, dead, dead_states, fired = 0, None, 0, set[int]()

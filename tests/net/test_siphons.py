@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import chain, combinations
+from itertools import chain, combinations, product
 
 import pytest
 from hypothesis import given
@@ -74,6 +74,17 @@ def test_semiflows_change_nothing_and_are_of_minimal_support(net: PetriNet) -> N
     for flows in (places, transitions):
         supports = [frozenset(flow) for flow in flows]
         assert len(minimal(supports)) == len(supports)
+    # None is missed: every small combination that changes nothing holds one of them.
+    for chosen in product(range(3), repeat=min(len(net.places), 5)):
+        solves = all(
+            sum(w * change(t, p) for p, w in enumerate(chosen)) == 0 for t in range(len(net.transitions))
+        )
+        if any(chosen) and solves:
+            assert any(all(chosen[p] for p in flow) for flow in places if max(flow) < len(chosen))
+    for counts in product(range(3), repeat=min(len(net.transitions), 5)):
+        cycles = all(sum(n * change(t, p) for t, n in enumerate(counts)) == 0 for p in range(len(net.places)))
+        if any(counts) and cycles:
+            assert any(all(counts[t] for t in flow) for flow in transitions if max(flow) < len(counts))
 
 
 def textbook(*transitions: tuple[str, str], marked: str = "") -> PetriNet:

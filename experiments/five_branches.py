@@ -1,0 +1,90 @@
+"""Ulysse with a parallel block of branches on disjoint resources: what interleaving costs each way.
+
+Usage: ``python experiments/five_branches.py [--branches 5]``
+
+After Ulysse's own blocks comes a parallel one, each child with a sensor of its own that may fail. The
+markings graph holds every interleaving of their internal steps; the direct way, with its proof on diagrams,
+does not. The reduction is left out where there are more markings than ``--most`` (five branches have
+253,598,916).
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from mcpn import __version__
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Block,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    Robot,
+    Software,
+)
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.space.alternatives import by_reduction
+from mcpn.space.confluence import direct_with_proof
+from mcpn.space.explicit import explore
+from mcpn.space.symbolic import reach
+
+ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
+
+
+def with_branches(mission: Mission, count: int) -> Mission:
+    """The mission with a block of so many branches after its own blocks, each on resources of its own."""
+    hardware = tuple(Hardware(name=f"extra_sensor{i}") for i in range(count))
+    software = tuple(Software(name=f"extra_data{i}") for i in range(count))
+    activities: list[Activity] = []
+    branches: list[Block] = []
+    for i in range(count):
+        read = Alternative(name=f"extra_read{i}", consumes=(f"extra_sensor{i}",))
+        use = Alternative(name=f"extra_use{i}", consumes=(f"extra_data{i}",))
+        activities.append(Activity(name=f"extra_read{i}", alternatives=(read,), produces=(f"extra_data{i}",)))
+        activities.append(Activity(name=f"extra_use{i}", alternatives=(use,)))
+        branches.append(Objective(name=f"extra{i}", activities=(f"extra_use{i}",)))
+    robot = Robot(name="extra", hardware=hardware, software=software, activities=tuple(activities))
+    block = Parallel(name="extra_block", blocks=tuple(branches))
+    own = Recursive(name="own", blocks=mission.blocks)
+    return replace(
+        mission, name=f"ulysse-{count}-branches", blocks=(own, block), robots=(*mission.robots, robot)
+    )
+
+
+def main() -> None:
+    """Both ways in one run, from the net to the same alternatives graph."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--branches", type=int, default=5)
+    parser.add_argument("--most", type=int, default=20_000_000)
+    arguments = parser.parse_args()
+    net = compose(with_branches(read_mission(ULYSSE), arguments.branches)).net
+    started = time.process_time()
+    direct = direct_with_proof(net)
+    direct_seconds = time.process_time() - started
+    print(f"{net.name}: {len(net.places)} places, {direct.states} stable states, {direct.edges} edges")
+    print(f"directly, proof included: {direct_seconds:.2f} s ({direct.proof})", flush=True)
+    markings = reach(net).states
+    print(f"markings: {markings}", flush=True)
+    if markings > arguments.most:
+        print(f"by reduction: left out, more than {arguments.most} markings")
+        return
+    started = time.process_time()
+    reduced = by_reduction(explore(net))
+    seconds = time.process_time() - started
+    assert (reduced.states, reduced.edges) == (direct.states, direct.edges)
+    print(
+        f"by reduction of the markings graph: {seconds:.2f} s, {seconds / direct_seconds:.1f} times as long"
+    )
+    print(f"seconds of CPU; mcpn {__version__}, Python {platform.python_version()}, {platform.machine()}")
+
+
+if __name__ == "__main__":
+    main()
