@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,11 +48,11 @@ def executor_of(jobs: int, scheduler: str | None) -> Iterator[Executor | None]:
     """Where local graphs are made: a cluster, processes, or this process."""
     if scheduler is not None:
         try:
-            from distributed import Client
+            distributed: Any = import_module("distributed")
         except ImportError as error:
             raise LimitError("--scheduler needs dask: pip install 'mcpn[distributed]'") from error
         try:
-            client: Any = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
+            client = distributed.Client(scheduler, timeout="10s")
         except (OSError, ValueError) as error:
             raise InputError.at(None, f"no dask scheduler answers at {scheduler}: {error}") from error
         with client:
