@@ -1,0 +1,59 @@
+"""What formulas on the Ulysse mission take, once its markings are reached.
+
+Usage: ``python experiments/formulas.py [MISSION]``
+"""
+
+from __future__ import annotations
+
+import platform
+import sys
+import time
+from pathlib import Path
+
+from mcpn import __version__
+from mcpn.check.answers import Questions
+from mcpn.check.language import parse
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+
+ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
+FORMULAS: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("AG EF (success | failure)", ()),
+    ("AF (success | failure)", ()),
+    ("AF (success | failure)", ("progress",)),
+    ("EF failure", ()),
+    ("EF (oos(thruster_actuator) & !success & E[oos(thruster_actuator) U success])", ()),
+    ("EF (oos(GPS_sensor) & !success & E[oos(GPS_sensor) U success])", ()),
+)
+
+
+def main() -> None:
+    """Prints for each formula and graph the answer and milliseconds of CPU, its run apart."""
+    mission_net = compose(read_mission(Path(sys.argv[1]) if len(sys.argv) > 1 else ULYSSE))
+    for on in ("markings", "alternatives"):
+        questions = Questions(
+            mission_net.net, mission_net, on="markings" if on == "markings" else "alternatives"
+        )
+        started = time.process_time()
+        space = questions.space
+        reached = (time.process_time() - started) * 1000
+        print(f"{on}: reached in {reached:.0f} ms, {space.states} markings")
+        for text, fair in FORMULAS:
+            asked = Questions(mission_net.net, mission_net, on=on, fair=fair)
+            asked.space = space  # reached once for all
+            core = asked.core(parse(text))
+            evaluation = asked.symbolic
+            started = time.process_time()
+            holds = evaluation.holds(core)
+            decided = (time.process_time() - started) * 1000
+            started = time.process_time()
+            answer = asked.answer(text, core)
+            shown = (time.process_time() - started) * 1000
+            steps = 0 if answer.witness is None else len(answer.witness.steps)
+            under = f" under {', '.join(fair)}" if fair else ""
+            print(f"  {holds!s:5} {decided:7.1f} ms, run of {steps} steps {shown:7.1f} ms  {text}{under}")
+    print(f"CPU; mcpn {__version__}, Python {platform.python_version()}, {platform.machine()}")
+
+
+if __name__ == "__main__":
+    main()
