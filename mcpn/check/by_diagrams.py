@@ -14,9 +14,10 @@ from mcpn.check.properties import (
     explain_error,
     find_unselectable,
     told,
+    verdict_of,
 )
 from mcpn.check.resolve import marked, negation
-from mcpn.check.runs import replay
+from mcpn.check.runs import Step, replay
 from mcpn.check.witness import explain
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.net.compose import MissionNet
@@ -67,37 +68,21 @@ def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None)
 def _reachability(mission_net: MissionNet, evaluation: Evaluation) -> list[Verdict]:
     success, failure = marked((mission_net.success,)), marked((mission_net.failure,))
     finished = Or((success, failure))
-    stuck = negation(EU(Const(True), finished))
+    goals: dict[str, Core] = {
+        "deadlock_free": And((Deadlock(), negation(finished))),
+        "success_reachable": success,
+        "can_always_finish": negation(EU(Const(True), finished)),
+        "failure_reachable": failure,
+    }
+    return [verdict_of(name, _run_to(mission_net, evaluation, goal)) for name, goal in goals.items()]
 
-    def reached(name: str, goal: Core, good: bool, found: str, none: str) -> Verdict:
-        formula = EU(Const(True), goal)
-        if not evaluation.holds(formula):
-            return Verdict(name, not good, none)
-        names = [mission_net.net.transitions[t].name for t in explain(evaluation, formula).firings]
-        return Verdict(name, good, found, (tuple(replay(mission_net, names)),))
 
-    return [
-        reached(
-            "deadlock_free",
-            And((Deadlock(), negation(finished))),
-            False,
-            "a marking that is no end of the mission allows no event",
-            "every marking but the mission's ends allows some event",
-        ),
-        reached(
-            "success_reachable", success, True, "a run leads to success", "no run leads to mission success"
-        ),
-        reached(
-            "can_always_finish",
-            stuck,
-            False,
-            "after this run the mission can no longer end",
-            "from every marking some run leads to an end of the mission",
-        ),
-        reached(
-            "failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"
-        ),
-    ]
+def _run_to(mission_net: MissionNet, evaluation: Evaluation, goal: Core) -> list[Step] | None:
+    formula = EU(Const(True), goal)
+    if not evaluation.holds(formula):
+        return None
+    names = [mission_net.net.transitions[t].name for t in explain(evaluation, formula).firings]
+    return replay(mission_net, names)
 
 
 def _happened(mission_net: MissionNet, graph: SymbolicGraph) -> Happened:

@@ -13,6 +13,7 @@ from mcpn.check.properties import (
     MissionCheck,
     Verdict,
     find_unselectable,
+    verdict_of,
 )
 from mcpn.check.runs import Step
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
@@ -88,51 +89,37 @@ class _Verdicts:
             Verdict("safe", True, "no firing puts a second token in a place of a section"),
             Verdict("bounded", True, "a 1-safe net is bounded"),
             Verdict("confluent", True, proof),
-            self.deadlock_free(),
-            self.reached("success_reachable", SUCCEED, "success", good=True),
-            self.can_always_finish(),
-            self.reached("failure_reachable", FAIL, "failure", good=True),
+            verdict_of("deadlock_free", self.run(self.dead())),
+            verdict_of("success_reachable", self.run(self.journeys.find([SUCCEED]))),
+            verdict_of("can_always_finish", self.run(self.stuck())),
+            verdict_of("failure_reachable", self.run(self.journeys.find([FAIL]))),
         ]
 
-    def run(self, legs: list[Leg]) -> tuple[tuple[Step, ...], ...]:
-        return (tuple(told(legs, self.templates)),)
+    def run(self, legs: list[Leg] | None) -> list[Step] | None:
+        return None if legs is None else told(legs, self.templates)
 
-    def reached(self, name: str, end: str, word: str, *, good: bool) -> Verdict:
-        legs = self.journeys.find([end])
-        if legs is None:
-            return Verdict(name, not good, f"no run leads to mission {word}")
-        return Verdict(name, good, f"a run leads to {word}", self.run(legs))
-
-    def deadlock_free(self) -> Verdict:
+    def dead(self) -> list[Leg] | None:
+        """A run to a state that is no end and allows no event."""
         composite = self.composite
-        dead = {}
-        for name, reached in composite.reached.items():
-            placed = composite.by_name[name]
-            if len(placed.faulty) == len(composite.faulty):  # else some other hardware can always change
-                stuck = reached & placed.local.graph.dead
-                if stuck.any():
-                    dead[name] = stuck
-        if not dead:
-            return Verdict("deadlock_free", True, "every marking but the mission's ends allows some event")
-        legs = self.journeys.find(states=dead)
-        assert legs is not None, "reached states have a run"
-        found = "a marking that is no end of the mission allows no event"
-        return Verdict("deadlock_free", False, found, self.run(legs))
+        dead = {
+            name: reached & composite.by_name[name].local.graph.dead
+            for name, reached in composite.reached.items()
+            # Else some other hardware can always change.
+            if len(composite.by_name[name].faulty) == len(composite.faulty)
+        }
+        return self.journeys.find(states=dead) if any(mask.any() for mask in dead.values()) else None
 
-    def can_always_finish(self) -> Verdict:
+    def stuck(self) -> list[Leg] | None:
+        """A run to where no end is reached any more."""
         composite = self.composite
-        stuck = {n: mask for n, mask in composite.losing(OUTCOMES).items() if mask.any()}
-        if not stuck:
-            found = "from every marking some run leads to an end of the mission"
-            return Verdict("can_always_finish", True, found)
-        found = "after this run the mission can no longer end"
+        stuck = composite.losing(OUTCOMES)
+        if not any(mask.any() for mask in stuck.values()):
+            return None
         first = composite.by_name[composite.graph.entry]
         if not composite.leading_to(OUTCOMES)[composite.graph.entry][first.local.entry].any():
             # No start, whatever hardware is out of service, leads to an end: it is lost before any event.
-            return Verdict("can_always_finish", False, found, ((),))
-        legs = self.journeys.find(states=stuck)
-        assert legs is not None, "reached states have a run"
-        return Verdict("can_always_finish", False, found, self.run(legs))
+            return []
+        return self.journeys.find(states=stuck)
 
 
 def _happened(composite: Composite) -> Happened:

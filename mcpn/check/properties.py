@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -140,39 +141,56 @@ def check_mission(
     return MissionCheck(mission_net, verdicts, markings, alternatives, modes, unselectable)
 
 
+class _Reached(NamedTuple):
+    """What a run to some states, or that there is none, says."""
+
+    good: bool
+    found: str
+    none: str
+
+
+_REACHED = {
+    "deadlock_free": _Reached(
+        False,
+        "a marking that is no end of the mission allows no event",
+        "every marking but the mission's ends allows some event",
+    ),
+    "success_reachable": _Reached(True, "a run leads to success", "no run leads to mission success"),
+    "can_always_finish": _Reached(
+        False,
+        "after this run the mission can no longer end",
+        "from every marking some run leads to an end of the mission",
+    ),
+    "failure_reachable": _Reached(True, "a run leads to failure", "no run leads to mission failure"),
+}
+
+
+def verdict_of(name: str, run: Sequence[Step] | None) -> Verdict:
+    """The verdict that a run to what it asks for decides, whichever engine looked for one.
+
+    Args:
+        name: ``deadlock_free`` (a run to a dead marking that is no end), ``success_reachable``,
+            ``can_always_finish`` (to where no end is reached any more) or ``failure_reachable``.
+        run: The run, or ``None`` where there is none.
+    """
+    good, found, none = _REACHED[name]
+    return Verdict(name, not good, none) if run is None else Verdict(name, good, found, (tuple(run),))
+
+
 def _reachability(mission_net: MissionNet, graph: StateGraph) -> list[Verdict]:
     """Verdicts that the same definitions give on the markings graph and on the alternatives graph."""
     success, failure = graph.marked(mission_net.success), graph.marked(mission_net.failure)
     finished = success | failure
-
-    def reached(name: str, goal: Mask, good: bool, found: str, none: str) -> Verdict:
-        run = graph.run_to(goal)
-        if run is None:
-            return Verdict(name, not good, none)
-        return Verdict(name, good, found, (tuple(run_in_words(mission_net, graph, run)),))
-
-    stuck = ~graph.reaching(finished)
+    goals: dict[str, Mask] = {
+        "deadlock_free": graph.dead & ~finished,
+        "success_reachable": success,
+        "can_always_finish": ~graph.reaching(finished),
+        "failure_reachable": failure,
+    }
+    runs = {name: graph.run_to(goal) for name, goal in goals.items()}
     return [
-        reached(
-            "deadlock_free",
-            graph.dead & ~finished,
-            False,
-            "a marking that is no end of the mission allows no event",
-            "every marking but the mission's ends allows some event",
-        ),
-        reached(
-            "success_reachable", success, True, "a run leads to success", "no run leads to mission success"
-        ),
-        reached(
-            "can_always_finish",
-            stuck,
-            False,
-            "after this run the mission can no longer end",
-            "from every marking some run leads to an end of the mission",
-        ),
-        reached(
-            "failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"
-        ),
+        verdict_of(name, None if run is None else run_in_words(mission_net, graph, run))
+        for name, run in runs.items()
     ]
 
 
