@@ -199,7 +199,7 @@ Exploration SafeNet::explore(const std::vector<std::uint32_t>& initial, bool edg
         return;
       }
       const State target = table.number(after.data(), state, t, fresh);
-      ++found.edges;
+      if ((++found.edges & 0xFFFF) == 0 && !limits.go_on(found.states(), found.edges)) throw Interrupted();
       if (edges) {
         table.grow(found.targets, 1);
         table.grow(found.labels, 1);

@@ -38,9 +38,12 @@ template <class Explore> Exploration run(Explore body, std::uint64_t max_states,
     due = now + std::chrono::milliseconds(500);
     const nb::gil_scoped_acquire acquire;
     stopped = PyErr_CheckSignals() != 0;
-    if (!stopped && !progress.is_none())
-      stopped = PyObject_CallFunction(progress.ptr(), "KK", static_cast<unsigned long long>(states),
-                                      static_cast<unsigned long long>(edges)) == nullptr;
+    if (!stopped && !progress.is_none()) {
+      PyObject* told = PyObject_CallFunction(progress.ptr(), "KK", static_cast<unsigned long long>(states),
+                                             static_cast<unsigned long long>(edges));
+      Py_XDECREF(told);
+      stopped = told == nullptr;
+    }
     return !stopped;
   }};
   try {

@@ -62,7 +62,9 @@ class Watch {
     const auto now = std::chrono::steady_clock::now();
     if (progress_.is_none() || now < due_) return false;
     due_ = now + std::chrono::seconds(1);
-    return PyObject_CallFunction(progress_.ptr(), "K", static_cast<unsigned long long>(store_.live())) == nullptr;
+    PyObject* told = PyObject_CallFunction(progress_.ptr(), "K", static_cast<unsigned long long>(store_.live()));
+    Py_XDECREF(told);
+    return told == nullptr;
   }
 
  private:

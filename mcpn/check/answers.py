@@ -163,7 +163,10 @@ class Questions:
     def property(self, asked: Property) -> str:
         """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
         if asked.formula is not None:
-            core = self.core(asked.formula)
+            try:
+                core = self.core(asked.formula)
+            except InputError as error:
+                raise InputError.at(asked.source, f"{asked.name}: {error}") from error
             evaluation = self.symbolic if self.engine == "symbolic" else self.explicit
             return str(evaluation.holds(core)).upper()
         weights: dict[int, int] = {}

@@ -5,6 +5,7 @@ Reference: the contest's manual of property files (https://mcc.lip6.fr/); namesp
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -165,8 +166,10 @@ class _Reader:
         match self.tag(element):
             case "integer-constant":
                 text = (element.text or "").strip()
-                if not text.lstrip("-").isdigit():
-                    raise InputError.at(self.source(element), f"found {text!r}, expected an integer")
+                if not re.fullmatch(r"-?[0-9]{1,18}", text):
+                    raise InputError.at(
+                        self.source(element), f"found {text!r}, expected an integer of at most 18 digits"
+                    )
                 return Sum(int(text))
             case "tokens-count":
                 return Sum(0, self.names(element, "place"))

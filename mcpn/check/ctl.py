@@ -258,7 +258,9 @@ class Evaluation:
                 return found
             case TokenBound(weights, bound):
                 levels, constant = graph.space.encoding.weigh(dict(weights))
-                return graph.states.weighing(levels, LEAST, bound - constant)
+                # Sums of tokens are far from these bounds, which the kernel can say.
+                most = max(LEAST, min(bound - constant, -LEAST))
+                return graph.states.weighing(levels, LEAST, most)
             case Fires(transitions):
                 return graph.enabling(transitions)
             case Deadlock():

@@ -51,6 +51,7 @@ from mcpn.errors import InputError
 
 MAX_DEPTH = 200
 MAX_LENGTH = 1_000_000
+MAX_DIGITS = 18
 
 _UNARY: dict[str, Callable[[Formula], Formula]] = {"EX": EX, "AX": AX, "EF": EF, "AF": AF, "EG": EG, "AG": AG}
 _PLAIN: dict[str, Formula] = {
@@ -176,9 +177,18 @@ class _Build(Transformer[Token, Formula]):
         return Word(word, str(argument), None if value is None else str(value), argument.column)
 
     def name(self, token: Token) -> Token:
-        return token.update(value=json.loads(token)) if token.type == "QUOTED" else token
+        if token.type != "QUOTED":
+            return token
+        try:
+            return token.update(value=json.loads(token))
+        except ValueError:
+            message = f"formula, column {token.column}: {token} is no quoted name"
+            raise InputError.at(None, message) from None
 
     def integer(self, token: Token) -> tuple[int, tuple[Token, ...]]:
+        if len(token) > MAX_DIGITS:
+            message = f"formula, column {token.column}: a number of more than {MAX_DIGITS} digits"
+            raise InputError.at(None, f"{message}: the limit was hit")
         return int(token), ()
 
     def tokens(self, *names: Token) -> tuple[int, tuple[Token, ...]]:
@@ -310,6 +320,8 @@ def _show(formula: Formula, around: int) -> str:
             return _name(place)
         case Compare(left, relation, right):
             return bind(_ATOM, f"{_sum(left)} {relation} {_sum(right)}")
+        case Enabled(()):
+            return "false"
         case Enabled(names):
             return f"enabled({', '.join(map(_name, names))})"
         case Word(kind, None, _):

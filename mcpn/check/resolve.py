@@ -38,12 +38,14 @@ from mcpn.check.formula import (
     Sum,
     TokenBound,
     Word,
+    operands,
 )
-from mcpn.errors import InputError
+from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 
 TRUE = Const(True)
+MAX_CORE = 50_000
 
 
 def resolve(formula: Formula, net: PetriNet, mission_net: MissionNet | None = None) -> Core:
@@ -59,8 +61,20 @@ def resolve(formula: Formula, net: PetriNet, mission_net: MissionNet | None = No
 
     Raises:
         InputError: A name is unknown; the message has its column and the nearest names that exist.
+        LimitError: The core would have more than :data:`MAX_CORE` operators; ``<->`` and ``A[ U ]`` say what
+            is in them twice there.
     """
+    if _size(formula) > MAX_CORE:
+        raise LimitError(f"the formula says more than {MAX_CORE} operators in full: the limit was hit")
     return _Resolver(net, mission_net).core(formula)
+
+
+def _size(formula: Formula) -> int:
+    """How many operators the core of a formula has."""
+    sizes = [_size(inside) for inside in operands(formula)]
+    if isinstance(formula, Iff):
+        return 5 + 2 * sum(sizes)
+    return 7 + sizes[0] + 3 * sizes[1] if isinstance(formula, AU) else 3 + sum(sizes)
 
 
 def negation(formula: Core) -> Core:

@@ -9,7 +9,7 @@ every transient marking behind an event is explored once, and its one stable end
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from mcpn_kernel import MemoryLimit, StateLimit
@@ -306,7 +306,8 @@ def _settled(
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error).replace("states", "stable states", 1)) from error
     if found.trouble is not None:
-        return direct(net, proof=True, max_states=max_states, progress=progress)
+        # Unsafe, endless, or a very long run: the walk through every interleaving tells which.
+        return replace(direct(net, max_states=max_states, progress=progress), proof=None)
     return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
 
 

@@ -8,6 +8,7 @@ Saturation works from the bottom, so each order is tried in both directions.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy.typing as npt
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded, write_atomically
 from mcpn.net.petri import PetriNet
+from mcpn.net.structure import state_machine_units
 
 Order = tuple[int, ...]
 """Indices of places, the first on top."""
@@ -115,6 +117,9 @@ def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
     yield "force", force(net, file)
     if net.units:
         yield "units", by_units(net)
+    components = state_machine_units(net)
+    if components:
+        yield "components", by_units(replace(net, units=components))
 
 
 def _touched(net: PetriNet) -> list[list[int]]:

@@ -217,13 +217,18 @@ def _again(
         yield candidate
 
 
+def distinct(events: Iterable[int]) -> list[int]:
+    """Each event once: transitions that do the same are one event of the store."""
+    return list(dict.fromkeys(events))
+
+
 def _close(net: PetriNet, name: str, order: Order, memory_limit: int, budget: int) -> SymbolicSpace:
     encoding = Encoding(net, order, memory_limit)
     if not net.priorities:
-        everything = encoding.initial().saturate(list(encoding.events.values()), budget)
+        everything = encoding.initial().saturate(distinct(encoding.events.values()), budget)
         return SymbolicSpace(encoding, everything, None, name, order, encoding.store.peak_nodes)
-    internal = [e for t, e in encoding.events.items() if net.transitions[t].internal]
-    events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
+    internal = distinct(e for t, e in encoding.events.items() if net.transitions[t].internal)
+    events = distinct(e for t, e in encoding.events.items() if not net.transitions[t].internal)
     unstable = [c for t, c in encoding.enabling.items() if c is not None and net.transitions[t].internal]
     stable = encoding.store.empty()
     reachable = new = encoding.initial().saturate(internal, budget)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mcpn.check.formula import EU, And, Compare, Formula, Not, Or, Sum, Word
 from mcpn.check.language import MAX_DEPTH, parse, show
 from mcpn.check.resolve import resolve
-from mcpn.errors import InputError
+from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import NetBuilder
 from tests.check.formulas import formulas
@@ -65,6 +65,8 @@ def test_texts(text: str, formula: Formula) -> None:
         ("p &\n  (q | )", "line 2, column 8: found ')', expected a formula"),
         ("p @ q", "column 3: found '@'"),
         ("tokens(p,) < 1", "column 10: found ')', expected a name"),
+        ('"a\\q"', "column 1: "),
+        ("p < " + "9" * 5000, "a number of more than 18 digits"),
         ("!" * (MAX_DEPTH + 1) + "p", f"more than {MAX_DEPTH} operators deep"),
     ],
 )
@@ -72,6 +74,14 @@ def test_errors_say_where_and_what(text: str, told: str) -> None:
     with pytest.raises(InputError) as caught:
         parse(text)
     assert told in str(caught.value)
+
+
+def test_what_is_said_twice_is_bounded() -> None:
+    builder = NetBuilder("n")
+    builder.place("p")
+    for text in ("p" + " <-> p" * 30, "A[p U " * 30 + "p" + "]" * 30):
+        with pytest.raises(LimitError, match="operators in full"):
+            resolve(parse(text), builder.build())
 
 
 def test_parentheses_of_any_depth_are_read() -> None:
