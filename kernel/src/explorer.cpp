@@ -269,7 +269,7 @@ Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Lim
         return;
       }
       const State target = table.number(after.data(), state, t, fresh);
-      ++found.edges;
+      if ((++found.edges & 0xFFF) == 0 && !limits.go_on(found.states(), found.edges)) throw Interrupted();
       table.grow(found.targets, 1);
       table.grow(found.labels, 1);
       found.targets.push_back(target);

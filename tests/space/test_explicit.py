@@ -12,7 +12,7 @@ from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.explicit import explore
+from mcpn.space.explicit import count, explore
 from mcpn.space.graph import StateGraph
 from tests.net.nets import nets, reachable
 
@@ -172,3 +172,27 @@ def test_the_contest_s_unsafe_nets_are_found_unsafe(
         with pytest.raises(UnsafeError) as caught:
             explore(net)
         check_unsafe_run(net, caught.value)
+
+
+@pytest.mark.parametrize("width", [40, 1500])
+def test_progress_is_told_and_its_errors_stop_the_exploration(width: int) -> None:
+    class Enough(Exception):
+        pass
+
+    told: list[tuple[int, int]] = []
+
+    def progress(states: int, edges: int) -> None:
+        told.append((states, edges))
+        raise Enough
+
+    with pytest.raises(Enough):
+        count(switches(width), progress=progress)
+    ((states, edges),) = told
+    assert 0 < states < edges + 2
+
+
+def test_counts_have_limits_that_say_which() -> None:
+    with pytest.raises(LimitError, match="limit on states"):
+        count(switches(30), max_states=1000)
+    with pytest.raises(LimitError, match="limit on memory"):
+        count(switches(30), max_memory=3_000_000)
