@@ -1,8 +1,8 @@
 """Siphons, traps, classes and semiflows of a net: what holds whatever the order of firing.
 
 A read arc counts as consuming and producing a token at once: its place stands before and after the
-transition. Weights are looked at by semiflows only; siphons, traps and classes see which places stand where,
-so that what is said of classes holds for *ordinary* nets.
+transition, unless the transition consumes from it besides. Weights are looked at by semiflows only; siphons,
+traps and classes see which places stand where, so that what is said of classes holds for *ordinary* nets.
 
 Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. IEEE 77(4), 1989, sections V
 and VI; J. Martinez, M. Silva, *A simple and fast algorithm to obtain all invariants of a generalised Petri
@@ -37,11 +37,15 @@ Places: TypeAlias = tuple[int, ...]
 
 
 def surroundings(net: PetriNet) -> list[tuple[int, int]]:
-    """Places before and after each transition, as sets of bits."""
-    return [
-        (_bits(p for p, _ in (*t.consume, *t.read)), _bits(p for p, _ in (*t.produce, *t.read)))
-        for t in net.transitions
-    ]
+    """Places before and after each transition, as sets of bits.
+
+    A place that is read as well as consumed from stands before only: its token does not stay.
+    """
+    found = []
+    for t in net.transitions:
+        taken, put, still = (_bits(p for p, _ in arcs) for arcs in (t.consume, t.produce, t.read))
+        found.append((taken | still, put | still & ~taken))
+    return found
 
 
 def siphons(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
@@ -127,7 +131,12 @@ def commoner(net: PetriNet, *, max_steps: int = MAX_STEPS) -> Places | None:
     Raises:
         LimitError: The limit on the search for siphons was hit.
     """
+    touched = 0
+    for before, after in surroundings(net):
+        touched |= before | after
     for siphon in siphons(net, max_steps=max_steps):
+        if not _bits(siphon) & touched:
+            continue  # a place without arcs hinders nothing
         if not any(net.initial[p] for p in greatest_trap(net, siphon)):
             return siphon
     return None

@@ -31,7 +31,10 @@ def subsets(count: int) -> list[frozenset[int]]:
 
 def sides(net: PetriNet) -> list[tuple[set[int], set[int]]]:
     return [
-        ({p for p, _ in (*t.consume, *t.read)}, {p for p, _ in (*t.produce, *t.read)})
+        (
+            {p for p, _ in (*t.consume, *t.read)},
+            {p for p, _ in t.produce} | ({p for p, _ in t.read} - {p for p, _ in t.consume}),
+        )
         for t in net.transitions
     ]
 
@@ -50,9 +53,9 @@ def test_siphons_and_traps_by_their_definitions(net: PetriNet) -> None:
     for chosen in subsets(len(net.places))[:20]:
         inside = [t for t in all_traps if t <= chosen]
         assert frozenset(greatest_trap(net, chosen)) == frozenset[int]().union(*inside)
-    unmarked = [
-        s for s in minimal(all_siphons) if not any(net.initial[p] for t in all_traps if t <= s for p in t)
-    ]
+    touched = set[int]().union(*(b | a for b, a in around))
+    marked_traps = [t for t in all_traps if any(net.initial[p] for p in t)]
+    unmarked = [s for s in minimal(all_siphons) if s & touched and not any(t <= s for t in marked_traps)]
     assert (commoner(net) is None) == (not unmarked)
 
 
@@ -125,6 +128,21 @@ def test_a_mutual_exclusion_is_covered_by_state_machines() -> None:
         "".join(mutex.places[p].name for p in component) for component in state_machine_components(mutex)
     }
     assert found == {"ab", "cd", "bdm"}
+
+
+def test_what_does_not_stay_is_no_trap_and_a_place_alone_hinders_nothing() -> None:
+    builder = NetBuilder("once")
+    builder.place("p", initial=1)
+    builder.transition("t", consume=["p"], read=["p"])
+    once = builder.build()
+    assert traps(once) == ()
+    assert commoner(once) == (0,)  # it fires once, and never again
+    builder = NetBuilder("alone")
+    for place, tokens in (("off", 1), ("on", 0), ("alone", 0)):
+        builder.place(place, initial=tokens)
+    builder.transition("press", consume=["off"], produce=["on"])
+    builder.transition("again", consume=["on"], produce=["off"])
+    assert commoner(builder.build()) is None
 
 
 def test_limits_say_which() -> None:
