@@ -302,6 +302,8 @@ def test_an_order_is_saved_and_read_again(tmp_path: Path) -> None:
     assert f"{order}:{len(lines)}: found 'nowhere', expected a place of the net" in wrong.stderr
     assert "places are missing" in wrong.stderr
     assert mcpn("states", ULYSSE, "--order", order).returncode == 2
+    seeded = json.loads(mcpn("states", ULYSSE, "--engine", "symbolic", "--seed", 3, "--json").stdout)
+    assert seeded["states"] == 44299
 
 
 def test_formulas_are_answered(tmp_path: Path) -> None:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     show_default=True,
 )
 @click.option("--order", type=FILE, help="Read the diagram's order of places instead of racing several.")
+@click.option("--seed", type=int, help="Draw one more order for the race; the same seed, the same race.")
 @click.option("--save-order", type=FILE, help="Write the order of places that was used.")
 @limit_option
 @import_option
@@ -45,6 +46,7 @@ def states(
     file: Path,
     engine: str,
     order: Path | None,
+    seed: int | None,
     save_order: Path | None,
     max_states: int | None,
     import_root: Path | None,
@@ -55,27 +57,28 @@ def states(
 
     from mcpn.space.summary import summarise
 
-    if (order or save_order) and engine != "symbolic":
-        raise click.UsageError("--order and --save-order are of the symbolic engine")
+    chosen = order is not None or save_order is not None or seed is not None
+    if chosen and engine != "symbolic":
+        raise click.UsageError("--order, --seed and --save-order are of the symbolic engine")
     if engine == "local":
         emit_counts(_local_counts(mission_net_of(file, import_root), max_states, as_json), as_json)
         return
     net = net_of(file, import_root)
-    if order or save_order:
-        emit_counts(asdict(_in_order(net, order, save_order)), as_json)
+    if chosen:
+        emit_counts(asdict(_in_order(net, order, seed, save_order)), as_json)
         return
     with progress_line(as_json) as progress:
         counts = asdict(summarise(net, engine, max_states=max_states, progress=progress))
     emit_counts(counts, as_json)
 
 
-def _in_order(net: PetriNet, order: Path | None, save_order: Path | None) -> SpaceSummary:
+def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
     from mcpn.space.order import read_order, write_order
     from mcpn.space.summary import summary_of
     from mcpn.space.symbolic import reach
 
     started = time.perf_counter()
-    space = reach(net, order=read_order(order, net) if order else None)
+    space = reach(net, order=read_order(order, net) if order else None, seed=seed)
     if save_order:
         write_order(save_order, net, space.places, space.order)
     return summary_of(space, started)

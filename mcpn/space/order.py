@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import numpy.typing as npt
@@ -26,19 +28,21 @@ MAX_ROUNDS = 200
 MAX_BYTES = 100_000_000
 
 
-def candidates(net: PetriNet) -> Iterator[tuple[str, Order]]:
+def candidates(net: PetriNet, seed: int | None = None) -> Iterator[tuple[str, Order]]:
     """Orders worth trying, with their names, the most often good first; each is made when it is asked for.
 
     Args:
         net: The net.
+        seed: Where given, FORCE from an order drawn with it is tried first.
 
     Yields:
-        Pairs of name and order, without repeats.
+        Pairs of name and order, without repeats; the same for the same net and seed.
     """
     seen: set[Order] = set()
     # What composes missions declares resources first and sections in sequence last: read backwards, the
     # sections stand on top in sequence, over the activities that they start and the resources under these.
-    for name, order in _of_missions(net) if net.priorities else _named(net):
+    named = _of_missions(net) if net.priorities else _named(net)
+    for name, order in chain(_drawn(net, seed), named):
         ways = (("", order), ("-reversed", order[::-1]))
         for suffix, way in reversed(ways) if net.priorities else ways:
             if way not in seen:
@@ -100,6 +104,13 @@ def write_order(path: Path, net: PetriNet, order: Order, name: str) -> None:
     """
     lines = [f"# {name}", *(net.places[p].name for p in order)]
     write_atomically(path, "\n".join(lines) + "\n")
+
+
+def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
+    if seed is not None:
+        start = list(range(len(net.places)))
+        Random(seed).shuffle(start)
+        yield f"force-seed-{seed}", force(net, tuple(start))
 
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:

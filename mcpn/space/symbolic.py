@@ -161,13 +161,20 @@ class SymbolicSpace:
         return self.reachable.largest(weights) + always
 
 
-def reach(net: PetriNet, *, order: Order | None = None, memory_limit: int = DEFAULT_MEMORY) -> SymbolicSpace:
+def reach(
+    net: PetriNet,
+    *,
+    order: Order | None = None,
+    seed: int | None = None,
+    memory_limit: int = DEFAULT_MEMORY,
+) -> SymbolicSpace:
     """Reaches every marking of a 1-safe net.
 
     Args:
         net: The net.
         order: Places from the top on; by default orders are raced under growing budgets of nodes, and the
             first that ends wins. The race is repeatable.
+        seed: Draws one more order for the race.
         memory_limit: Bytes that each diagram store may take.
 
     Returns:
@@ -181,18 +188,18 @@ def reach(net: PetriNet, *, order: Order | None = None, memory_limit: int = DEFA
         if place.initial > 1:
             raise UnsafeError(place.name, "", net.marked(net.initial), [])
     try:
-        space = _close(net, "given", order, memory_limit, 0) if order else _race(net, memory_limit)
+        space = _close(net, "given", order, memory_limit, 0) if order else _race(net, memory_limit, seed)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
     _refuse_unsafe(space)
     return space
 
 
-def _race(net: PetriNet, memory_limit: int) -> SymbolicSpace:
+def _race(net: PetriNet, memory_limit: int, seed: int | None) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     budget = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     drawn: list[tuple[str, Order]] = []
-    source = candidates(net)
+    source = candidates(net, seed)
     while True:
         exceeded = 0
         for name, order in _again(drawn, source):

@@ -155,6 +155,10 @@ def test_every_order_holds_every_place_once(reference: Path) -> None:
     for order in orders.values():
         assert sorted(order) == list(range(133))
     assert orders == dict(candidates(net))
+    drawn = dict(candidates(net, 7))
+    assert drawn.keys() > orders.keys()
+    assert drawn == dict(candidates(net, 7))
+    assert drawn["force-seed-7"] != dict(candidates(net, 8))["force-seed-8"]
 
 
 def test_the_memory_limit_is_an_error_that_says_so() -> None:
