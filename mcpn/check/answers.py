@@ -22,7 +22,7 @@ from mcpn.errors import InputError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.space.alternatives import by_reduction
-from mcpn.space.confluence import direct_with_proof, open_conflicts
+from mcpn.space.confluence import prove_confluent
 from mcpn.space.explicit import DEFAULT_MAX_STATES, explore
 from mcpn.space.graph import StateGraph
 from mcpn.space.symbolic import SymbolicSpace, reach
@@ -120,18 +120,8 @@ class Questions:
         """
         if self.on == "markings":
             return Evaluation(SymbolicMarkings(self.space), self.fair)
-        if next(open_conflicts(self.space), None) is not None or self._diverges():
-            direct_with_proof(
-                self.net, max_states=self.max_states
-            )  # finds the runs that show it, or that there are none
+        prove_confluent(self.net, max_states=self.max_states, space=self.space)
         return Evaluation(SymbolicAlternatives(self.space), self.fair)
-
-    def _diverges(self) -> bool:
-        """Whether some marking leads to no stable one, so that its internal run cannot end."""
-        graph, stable = SymbolicMarkings(self.space), self.space.stable
-        assert stable is not None, "asked of nets with priorities only"
-        ending = stable.saturate([graph.back[t] for t in graph.anywhere], within=self.space.reachable)
-        return ending != self.space.reachable
 
     @cached_property
     def explicit(self) -> ExplicitEvaluation:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicGraph, SymbolicMarkings
 from mcpn.check.formula import EU, And, Const, Core, Deadlock, Or
-from mcpn.check.modes import Mode
+from mcpn.check.modes import Mode, modes_of, places_of_modes
 from mcpn.check.properties import (
     INFORMATIVE,
     REQUIRED,
@@ -21,8 +21,7 @@ from mcpn.check.runs import Step, replay
 from mcpn.check.witness import explain
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.net.compose import MissionNet
-from mcpn.space.confluence import PROOF
-from mcpn.space.local import prove_confluent
+from mcpn.space.confluence import prove_confluent
 from mcpn.space.symbolic import reach
 
 
@@ -50,8 +49,8 @@ def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None)
     graph: SymbolicGraph = SymbolicMarkings(space)
     try:
         limits = {} if max_states is None else {"max_states": max_states}
-        prove_confluent(mission_net.net, space=space, **limits)
-        verdicts["confluent"] = Verdict("confluent", True, PROOF)
+        proof = prove_confluent(mission_net.net, space=space, **limits)
+        verdicts["confluent"] = Verdict("confluent", True, proof)
         graph = SymbolicAlternatives(space)
     except (ConfluenceError, DivergenceError) as error:
         found = explain_error(mission_net, error)
@@ -101,12 +100,10 @@ def _happened(mission_net: MissionNet, graph: SymbolicGraph) -> Happened:
 
 def _modes(mission_net: MissionNet, graph: SymbolicGraph) -> dict[str, list[Mode]]:
     """Functioning modes: one state is picked for each, and all that are like it are taken away."""
-    usage, encoding = mission_net.usage, graph.space.encoding
-    active = mission_net.saying("active")
+    encoding = graph.space.encoding
     found: dict[str, list[Mode]] = {}
     for section in mission_net.graph.walk():
-        closure = frozenset[str]().union(*(usage.closure(a) for a in section.activities))
-        places = {p: name for p, name in active.items() if name.split(".", 1)[0] in closure}
+        places = places_of_modes(mission_net, section)
         (objective,) = mission_net.by_role["objective", section.name]
         runs = encoding.condition([objective])
         left = graph.states - graph.states.without([] if runs is None else [runs])
@@ -119,9 +116,5 @@ def _modes(mission_net: MissionNet, graph: SymbolicGraph) -> dict[str, list[Mode
             like = encoding.condition(on, [p for p in places if p not in on])
             assert like is not None, "the marking that was picked satisfies it"
             left = left.without([like])
-        modes = [
-            dict(n.split(".", 1) for n, on in zip(places.values(), row, strict=True) if on)
-            for row in sorted(rows, reverse=True)  # first alternatives first
-        ]
-        found[section.name] = [m for m in modes if all(a in m for a in section.activities)]
+        found[section.name] = modes_of(section, places, rows)
     return found

@@ -79,11 +79,7 @@ class SymbolicMarkings:
         self.net: PetriNet = space.encoding.net
         self.states = space.reachable
         self.initial = space.encoding.initial()
-        encoding = space.encoding
-        safe = self.net.safe_transitions
-        self.back = {
-            t: encoding.event(safe[t].produce, safe[t].consume, safe[t].read) for t in encoding.events
-        }
+        self.back = space.encoding.undoing
         first = {t for t in self.back if self.net.transitions[t].internal or not self.net.priorities}
         self.anywhere = [t for t in self.back if t in first]
         self.stable_only = [t for t in self.back if t not in first]
@@ -141,7 +137,8 @@ class SymbolicMarkings:
         encoding, space = self.space.encoding, self.space
         found = encoding.store.empty()
         for markings, only in ((self.states, self.anywhere), (space.stable, self.stable_only)):
-            conditions = [c for t in transitions if t in only and (c := encoding.enabling[t]) is not None]
+            wanted = set(only).intersection(transitions)
+            conditions = [c for t in sorted(wanted) if (c := encoding.enabling[t]) is not None]
             if markings is not None and conditions:
                 found |= markings - markings.without(conditions)
         return found
@@ -172,9 +169,10 @@ class SymbolicAlternatives:
     def before(self, after: Zdd, transitions: Iterable[int] | None = None) -> Zdd:
         """States with an edge into a set, of some transitions if so asked."""
         ending = after.saturate(self._internal_back, within=self.space.reachable)
-        events = self.markings.stable_only
-        wanted = events if transitions is None else [t for t in events if t in set(transitions)]
-        return ending.images([self.markings.back[t] for t in wanted], within=self.states)
+        wanted = set(self.markings.stable_only)
+        if transitions is not None:
+            wanted.intersection_update(transitions)
+        return ending.images([self.markings.back[t] for t in sorted(wanted)], within=self.states)
 
     def without_way(self, states: Zdd, into: Zdd) -> Zdd:
         """Those of some states that have no edge into a set."""
@@ -190,7 +188,7 @@ class SymbolicAlternatives:
 
     def enabling(self, transitions: Collection[int]) -> Zdd:
         """States with an edge of some of these transitions."""
-        return self.markings.enabling([t for t in transitions if t in self.markings.stable_only])
+        return self.markings.enabling(set(self.markings.stable_only).intersection(transitions))
 
     def successors(self, marking: Marking) -> list[tuple[tuple[int, ...], Marking]]:
         """Edges of a state: the transitions fired, and the state after them."""
@@ -276,11 +274,10 @@ class Evaluation:
                 return self._always(self.states(operand))
         raise TypeError(f"no formula: {formula!r}")
 
-    @cached_property
+    @property
     def dead(self) -> Zdd:
-        """States without successors."""
-        graph = self.graph
-        return graph.states - graph.enabling(range(len(graph.space.encoding.net.transitions)))
+        """States without successors, the same on both graphs: a dead marking is stable."""
+        return self.graph.space.dead
 
     @cached_property
     def fair_states(self) -> Zdd:

@@ -6,12 +6,13 @@ functioning modes throughout the mission with the resources state and the altern
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 
+from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.space.graph import Mask, StateGraph
 
@@ -85,18 +86,36 @@ def functioning_modes(
         By objective, in the mission's order, its modes; a mode names the alternatives of the objective's own
         activities and of those that serve them, and is there if all of the objective's activities run.
     """
-    usage = mission_net.usage
-    active = mission_net.saying("active")
     found: dict[str, list[Mode]] = {}
     for section in mission_net.graph.walk():
-        closure = frozenset[str]().union(*(usage.closure(a) for a in section.activities))
-        places = {p: name for p, name in active.items() if name.split(".", 1)[0] in closure}
+        places = places_of_modes(mission_net, section)
         (objective,) = mission_net.by_role["objective", section.name]
         running = graph.marked(objective) if among is None else graph.marked(objective) & among
         columns = np.stack([graph.marked(p) for p in places], axis=1)[running]
-        rows = np.unique(columns, axis=0)[::-1]  # first alternatives first
-        modes = [
-            dict(n.split(".", 1) for n, on in zip(places.values(), row, strict=True) if on) for row in rows
-        ]
-        found[section.name] = [m for m in modes if all(a in m for a in section.activities)]
+        found[section.name] = modes_of(section, places, np.unique(columns, axis=0).tolist())
     return found
+
+
+def places_of_modes(mission_net: MissionNet, section: ElementarySection) -> dict[int, str]:
+    """The places that tell an objective's mode: alternatives of its activities and of their suppliers."""
+    closure = frozenset[str]().union(*(mission_net.usage.closure(a) for a in section.activities))
+    active = mission_net.saying("active").items()
+    return {place: name for place, name in active if name.split(".", 1)[0] in closure}
+
+
+def modes_of(
+    section: ElementarySection, places: dict[int, str], rows: Iterable[Sequence[bool]]
+) -> list[Mode]:
+    """Functioning modes from which of their places are marked, first alternatives first.
+
+    Args:
+        section: The objective.
+        places: As :func:`places_of_modes` gives them.
+        rows: For each combination that occurs, which of the places are marked.
+    """
+    names = places.values()
+    modes = [
+        dict(n.split(".", 1) for n, on in zip(names, row, strict=True) if on)
+        for row in sorted(map(tuple, rows), reverse=True)
+    ]
+    return [mode for mode in modes if all(a in mode for a in section.activities)]

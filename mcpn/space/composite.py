@@ -81,7 +81,7 @@ class Composite:
     def _inside_from(self, local: LocalGraph, entered: Mask) -> Mask:
         key = id(local), entered.tobytes()
         if key not in self._memo:
-            self._memo[key] = reaching_from(local, local.entry[entered])
+            self._memo[key] = local.graph.reached(local.edges_inside, local.entry[entered])
         return self._memo[key]
 
     def exits(self, placed: PlacedSection, outcome: Outcome, reached: Mask) -> Mask:
@@ -223,22 +223,4 @@ def gathered(masks: Ints, bits: list[int]) -> Ints:
     found = np.zeros(len(masks), np.int64)
     for position, bit in enumerate(bits):
         found |= (masks >> bit & 1) << position
-    return found
-
-
-def reaching_from(local: LocalGraph, starts: Ints) -> Mask:
-    """States inside a section that some path from given ones leads to, shape (states,)."""
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import breadth_first_order
-
-    graph = local.graph
-    found = np.zeros(graph.states, np.bool_)
-    chosen = local.edges_inside
-    # One more state that leads to every start.
-    sources = np.concatenate([graph.sources[chosen], np.full(len(starts), graph.states)])
-    targets = np.concatenate([graph.targets[chosen], starts])
-    size = graph.states + 1
-    matrix = csr_matrix((np.ones(len(sources), np.int8), (sources, targets)), (size, size))
-    order = breadth_first_order(matrix, graph.states, return_predecessors=False)
-    found[order[order < graph.states]] = True
     return found

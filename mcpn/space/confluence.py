@@ -21,6 +21,7 @@ from mcpn.net.structure import conflicts
 from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, direct
 from mcpn.space.symbolic import SymbolicSpace, reach
 
+PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
 PROOF = "symbolic: in no reachable marking do internal transitions conflict; each run followed has ended"
 
 
@@ -80,3 +81,33 @@ def direct_with_proof(
         graph = direct(net, proof=False, max_states=max_states, progress=progress)
         return replace(graph, proof=PROOF)
     return direct(net, proof=True, max_states=max_states, progress=progress)
+
+
+def prove_confluent(
+    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, space: SymbolicSpace | None = None
+) -> str:
+    """Proves that internal evolution of a net is confluent and ends, without building its graph if it can.
+
+    Args:
+        net: A net with priorities.
+        max_states: How many stable states there may be, where it must be decided edge by edge.
+        space: Its reachable markings, where they are known.
+
+    Returns:
+        The proof used, in words.
+
+    Raises:
+        ConfluenceError: It is not confluent.
+        DivergenceError: It need not end.
+        UnsafeError: The net is not 1-safe.
+        LimitError: A limit was hit.
+    """
+    space = space or reach(net)
+    assert space.stable is not None, "nets of missions have priorities"
+    undoing = [e for t, e in space.encoding.undoing.items() if net.transitions[t].internal]
+    ending = space.stable.saturate(undoing, within=space.reachable)
+    if ending == space.reachable and next(open_conflicts(space), None) is None:
+        return PROOF_OF_ENDS
+    proof = direct(net, proof=True, max_states=max_states).proof
+    assert proof is not None, "a proof was asked for"
+    return proof

@@ -104,19 +104,19 @@ class StateGraph:
             found[frontier] = True
         return found
 
-    def reached(self, along: Mask, start: int = 0) -> Mask:
+    def reached(self, along: Mask, start: int | Ints = 0) -> Mask:
         """States that runs along some edges lead to.
 
         Args:
             along: Shape (edges,).
-            start: The state to run from; it is reached itself.
+            start: The state or the states to run from; they are reached themselves.
 
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
         found = np.zeros(self.states, np.bool_)
         found[start] = True
-        frontier = np.array([start], np.int64)
+        frontier = np.atleast_1d(np.asarray(start, np.int64))
         while len(frontier):
             edges = rows(self.offsets, frontier)
             after = np.unique(self.targets[edges[along[edges]]])

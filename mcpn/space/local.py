@@ -9,8 +9,9 @@ more than hardware, their junction is proved confluent on the net of both.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Mapping
-from concurrent.futures import Executor, Future
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias
@@ -24,10 +25,9 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import LocalPart, Renaming, junction_part, section_part
 from mcpn.net.templates import TemplateSet
-from mcpn.space.alternatives import AlternativesGraph, direct
-from mcpn.space.confluence import direct_with_proof, open_conflicts
+from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.confluence import direct_with_proof, prove_confluent
 from mcpn.space.graph import Ints, Mask
-from mcpn.space.symbolic import SymbolicSpace, reach
 
 Outcome: TypeAlias = Literal["success", "failure"]
 OUTCOMES: tuple[Outcome, Outcome] = ("success", "failure")
@@ -221,19 +221,19 @@ def local_graphs(
             )
     junctions = _junctions(usage, graph, parts)
     nets = {kind: parts[name].net(templates) for kind, name in types.items()}
-    jobs = [(direct_with_proof, net.net, max_states) for net in nets.values()]
-    proofs = [(prove_confluent, part.net(templates).net, max_states) for part in junctions.values()]
-    results = _run([*jobs, *proofs], executor, progress)
+    jobs: list[Job] = [(direct_with_proof, net.net, max_states) for net in nets.values()]
+    jobs += [(prove_confluent, part.net(templates).net, max_states) for part in junctions.values()]
+    results = _results(jobs, executor, progress)
     locals_ = {}
-    for (kind, name), net, found in zip(types.items(), nets.values(), results, strict=False):
-        with _Told(f"section {name}", usage):
-            answer = found()
-        assert isinstance(answer, AlternativesGraph)
-        locals_[kind] = LocalGraph(parts[name], net, answer)
+    for (kind, name), net in zip(types.items(), nets.values(), strict=True):
+        with _told(f"section {name}", usage):
+            explored = next(results)
+        assert isinstance(explored, AlternativesGraph), "local graphs are asked for before junctions"
+        locals_[kind] = LocalGraph(parts[name], net, explored)
         locals_[kind].check_premise(name)
-    for between, found in zip(junctions, results[len(jobs) :], strict=True):
-        with _Told(" to ".join(between), usage):
-            found()
+    for between in junctions:
+        with _told(" to ".join(between), usage):
+            next(results)
     return [PlacedSection(s, parts[s.name], locals_[kinds[s.name]]) for s in graph.sections]
 
 
@@ -254,81 +254,28 @@ def _junctions(
     return dict(found.values())
 
 
-def prove_confluent(
-    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, space: SymbolicSpace | None = None
-) -> None:
-    """Proves that internal evolution of a net is confluent and ends, without building its graph if it can.
+Found: TypeAlias = AlternativesGraph | str
+"""A local graph, or the proof of a junction in words."""
 
-    Args:
-        net: A net with priorities.
-        max_states: How many stable states there may be, where it must be decided edge by edge.
-        space: Its reachable markings, where they are known.
-
-    Raises:
-        ConfluenceError: It is not confluent.
-        DivergenceError: It need not end.
-        UnsafeError: The net is not 1-safe.
-        LimitError: A limit was hit.
-    """
-    space = space or reach(net)
-    assert space.stable is not None, "nets of missions have priorities"
-    encoding = space.encoding
-    internal = [t for t in encoding.events if net.transitions[t].internal]
-    safe = net.safe_transitions
-    back = [encoding.event(safe[t].produce, safe[t].consume, safe[t].read) for t in internal]
-    ending = space.stable.saturate(back, within=space.reachable)
-    if ending != space.reachable or next(open_conflicts(space), None) is not None:
-        direct(net, proof=True, max_states=max_states)
+Job: TypeAlias = tuple[Callable[..., Found], PetriNet, int]
 
 
-Job: TypeAlias = tuple[Callable[..., AlternativesGraph | None], PetriNet, int]
-
-
-def _run(
-    jobs: Iterable[Job], executor: Executor | None, progress: Progress | None
-) -> list[Callable[[], AlternativesGraph | None]]:
-    """Starts jobs where they shall run; each result is had by a call, which raises what the job raised."""
-    jobs = list(jobs)
-    if executor is None:
-        return [_later(job, i, len(jobs), progress) for i, job in enumerate(jobs, 1)]
-    futures = [executor.submit(call, net, max_states=limit) for call, net, limit in jobs]
-    return [_awaited(future, i, len(jobs), progress) for i, future in enumerate(futures, 1)]
-
-
-def _later(job: Job, done: int, of: int, progress: Progress | None) -> Callable[[], AlternativesGraph | None]:
-    def call() -> AlternativesGraph | None:
-        function, net, limit = job
-        result = function(net, max_states=limit)
+def _results(jobs: list[Job], executor: Executor | None, progress: Progress | None) -> Iterator[Found]:
+    """The results of jobs, in their order, wherever they run; what a job raises is raised here."""
+    futures = [executor.submit(call, net, max_states=limit) for call, net, limit in jobs] if executor else []
+    for number, (call, net, limit) in enumerate(jobs):
+        result = futures[number].result() if executor else call(net, max_states=limit)
         if progress:
-            progress(done, of)
-        return result
-
-    return call
+            progress(number + 1, len(jobs))
+        yield result
 
 
-def _awaited(
-    future: Future[AlternativesGraph | None], done: int, of: int, progress: Progress | None
-) -> Callable[[], AlternativesGraph | None]:
-    def call() -> AlternativesGraph | None:
-        result = future.result()
-        if progress:
-            progress(done, of)
-        return result
-
-    return call
-
-
-class _Told:
+@contextmanager
+def _told(where: str, usage: Usage) -> Iterator[None]:
     """Says of an error in which sections it is, and which contentions may be its reason."""
-
-    def __init__(self, where: str, usage: Usage) -> None:
-        self.where, self.usage = where, usage
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, ConfluenceError):
-            found = (*self.usage.contentions, *self.usage.exchanges)
-            reason = f" ({'; '.join(map(str, found))})" if found else ""
-            raise ConfluenceError(f"in {self.where}: {error}{reason}", error.runs) from error
+    try:
+        yield
+    except ConfluenceError as error:
+        found = (*usage.contentions, *usage.exchanges)
+        reason = f" ({'; '.join(map(str, found))})" if found else ""
+        raise ConfluenceError(f"in {where}: {error}{reason}", error.runs) from error

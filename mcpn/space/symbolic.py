@@ -75,6 +75,12 @@ class Encoding:
         zero = sorted(set(self.partners(read)))
         return self.store.event(self.levels(consume), self.levels(produce), self.levels(read), zero)
 
+    @cached_property
+    def undoing(self) -> dict[int, int]:
+        """By transition, the event that takes a marking after its firing back to the one before."""
+        safe = self.net.safe_transitions
+        return {t: self.event(safe[t].produce, safe[t].consume, safe[t].read) for t in self.events}
+
     def initial(self) -> Zdd:
         """The set that holds the initial marking."""
         return self.set_of(self.net.initial)
@@ -149,10 +155,14 @@ class SymbolicSpace:
         return sum(self.fired.values())
 
     @cached_property
+    def dead(self) -> Zdd:
+        """Markings that enable no transition."""
+        return self.reachable.without([c for c in self.encoding.enabling.values() if c is not None])
+
+    @property
     def dead_states(self) -> int:
         """Number of markings that enable no transition."""
-        conditions = [c for c in self.encoding.enabling.values() if c is not None]
-        return self.reachable.without(conditions).count()
+        return self.dead.count()
 
     @cached_property
     def max_tokens(self) -> int:
@@ -338,9 +348,7 @@ def _back(space: SymbolicSpace, layers: list[Zdd], marking: list[int]) -> list[s
             if space.stable is not None and not net.transitions[t].internal:
                 usable = layer & space.stable
             if usable.images([event]) & goal:
-                safe = net.safe_transitions[t]
-                back = encoding.event(safe.produce, safe.consume, safe.read)
-                earlier = (goal.images([back]) & usable).pick()
+                earlier = (goal.images([encoding.undoing[t]]) & usable).pick()
                 assert earlier is not None
                 goal = encoding.store.singleton(earlier)
                 run.append(net.transitions[t].name)
