@@ -25,6 +25,9 @@ class Zdd:
     def without(self, conditions: Sequence[int]) -> Zdd:
         """The markings that satisfy none of some conditions."""
 
+    def onto(self, levels: Sequence[int]) -> Zdd:
+        """What the markings are on some levels, all others forgotten and unmarked."""
+
     def count(self) -> int:
         """The exact number of markings."""
 

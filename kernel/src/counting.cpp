@@ -120,8 +120,8 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
   return results;
 }
 
-bool Store::holds(Node a, std::uint32_t literals) {
-  Memo<bool> memo;
+std::int64_t Store::first(Node a, const std::vector<std::uint32_t>& conditions) {
+  Memo<bool> memo;  // shared: conditions have their ends in common
   auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> bool {
     if (n == 0) return false;
     if (wanted == 0) return true;
@@ -135,9 +135,21 @@ bool Store::holds(Node a, std::uint32_t literals) {
     else
       result = self(self, hi(n), wanted) || self(self, lo(n), wanted);
     if ((++steps_ & 0xFFFF) == 0) check();
+    if (memo.size() > kMostMemo) memo.clear();
     return memo[key] = result;
   };
-  return visit(visit, a, literals);
+  // As for counts: some path leads to every node, so a condition can be asked from its first level on.
+  std::vector<std::vector<Node>> by_level(levels);
+  walk(a, [&](Node n) { by_level[level(n)].push_back(n); });
+  auto holds = [&](std::uint32_t condition) {
+    if (condition == 0 || suffixes_[condition].touch == Touch::zero) return visit(visit, a, condition);
+    for (std::uint32_t rest = condition; rest; rest = suffixes_[rest].next)
+      if (suffixes_[rest].touch != Touch::zero && by_level[suffixes_[rest].level].empty()) return false;
+    const std::vector<Node>& tops = by_level[suffixes_[condition].level];
+    return std::any_of(tops.begin(), tops.end(), [&](Node n) { return visit(visit, hi(n), suffixes_[condition].next); });
+  };
+  const auto found = std::find_if(conditions.begin(), conditions.end(), holds);
+  return found == conditions.end() ? -1 : found - conditions.begin();
 }
 
 std::int64_t Store::largest(Node a, const std::vector<std::int32_t>& weights) {

@@ -277,6 +277,10 @@ NB_MODULE(mcpn_kernel, module) {
         const std::uint32_t wanted = a.owner->touches({{Touch::read, marked}, {Touch::zero, unmarked}});
         return computed(a.owner, 0, [&](Store& s) { return s.filter(a.node, wanted); });
       }, nb::arg("marked") = Levels{}, nb::arg("unmarked") = Levels{})
+      .def("onto", [](const Handle& a, const Levels& levels) {
+        const std::uint32_t kept = a.owner->touches({{Touch::read, levels}});
+        return computed(a.owner, 0, [&](Store& s) { return s.onto(a.node, kept); });
+      }, nb::arg("levels"))
       .def("count", [](const Handle& a) {
         return to_int(measured(a, [&](Store& s) { return s.counts(a.node, {0}); }).front());
       })
@@ -301,13 +305,7 @@ NB_MODULE(mcpn_kernel, module) {
         return result;
       }, nb::arg("conditions"))
       .def("first", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
-        return measured(a, [&](Store& s) {
-          const std::vector<bool> marked = s.support(a.node);
-          std::int64_t found = -1;
-          for (std::size_t i = 0; i < conditions.size() && found < 0; ++i)
-            if (s.possible(conditions[i], marked) && s.holds(a.node, conditions[i])) found = std::int64_t(i);
-          return found;
-        });
+        return measured(a, [&](Store& s) { return s.first(a.node, conditions); });
       }, nb::arg("conditions"))
       .def("images", [](const Handle& a, const std::vector<std::uint32_t>& events, const Handle* within) {
         if (within) a.same_store(*within);

@@ -237,6 +237,19 @@ Node Store::filter(Node a, std::uint32_t literals) {
   return result;
 }
 
+Node Store::onto(Node a, std::uint32_t kept) {
+  if (a < 2) return a;
+  while (kept && suffixes_[kept].level < level(a)) kept = suffixes_[kept].next;
+  if (kept == 0) return 1;  // some marking is there, and nothing more is asked of it
+  Node result;
+  if (recall(op_onto, 0, kept, a, 0, result)) return result;
+  const Held low(*this, onto(lo(a), kept));
+  const Held high(*this, onto(hi(a), kept));
+  result = level(a) == suffixes_[kept].level ? make(level(a), low, high) : join(low, high);
+  remember(op_onto, 0, kept, a, 0, result);
+  return result;
+}
+
 Node Store::image(Node a, std::uint32_t event, Node within) {
   if (a == 0 || within == 0) return 0;
   if (event == 0) return within == kAnything ? a : meet(a, within);

@@ -48,6 +48,7 @@ class Store {
   Node meet(Node a, Node b);
   Node minus(Node a, Node b);
   Node filter(Node a, std::uint32_t literals);     // literals: a suffix of read (marked) and zero (unmarked)
+  Node onto(Node a, std::uint32_t kept);           // kept: a suffix of levels; all others are forgotten
   Node without(Node a, const std::vector<std::uint32_t>& conditions);
   Node image(Node a, std::uint32_t event, Node within = kAnything);  // one firing, without closure
   Node images(Node a, const std::vector<std::uint32_t>& events, Node within = kAnything);
@@ -62,7 +63,7 @@ class Store {
 
   // --- counting: exact, numbers as little-endian limbs ---
   std::vector<std::vector<std::uint64_t>> counts(Node a, const std::vector<std::uint32_t>& conditions);
-  bool holds(Node a, std::uint32_t literals);  // whether some marking satisfies them
+  std::int64_t first(Node a, const std::vector<std::uint32_t>& conditions);  // that some marking satisfies, or -1
   std::int64_t largest(Node a, const std::vector<std::int32_t>& weights);  // most weight in one marking
   std::uint64_t size(Node a);
   std::vector<bool> support(Node a);  // levels that some marking marks
@@ -96,7 +97,7 @@ class Store {
   struct Cell { Level level; Node lo, hi, next; };
   struct Cached { std::uint64_t a = ~0ull, b = 0; Node result = 0; };
   struct Branches { Node lo, hi; };
-  enum Op : std::uint64_t { op_join = 1, op_meet, op_minus, op_filter, op_image, op_saturate, op_fire };
+  enum Op : std::uint64_t { op_join = 1, op_meet, op_minus, op_filter, op_onto, op_image, op_saturate, op_fire };
 
   template <class F> void walk(Node a, F body);
   Branches split(Node a, Level at) const {

@@ -11,8 +11,8 @@ Paths are maximal: infinite, or ending in a state without successors, as in the 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
-from functools import cached_property
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cached_property, partial
 from typing import Protocol
 
 from mcpn_kernel import Zdd
@@ -34,7 +34,7 @@ from mcpn.check.formula import (
     walk,
 )
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.symbolic import SymbolicSpace
+from mcpn.space.symbolic import SymbolicSpace, chained, distinct, elements
 
 LEAST = -(2**62)
 
@@ -111,26 +111,34 @@ class SymbolicMarkings:
         found = goal.saturate(free, within=within)
         if self.space.stable is None:
             return found
-        events = [self.back[t] for t in self.stable_only]
         settled = within & self.space.stable
-        new = found
-        while new:
-            new = new.images(events, within=settled) - found
-            if new:
-                new = new.saturate(free, within=within) - found
-                found |= new
-        return found
+
+        def back(states: Zdd, events: list[int]) -> Zdd:
+            return states.images(events, within=settled).saturate(free, within=within)
+
+        return chained(found, [partial(back, events=events) for events in self._by_element(self.back)])
 
     def reached(self, begin: Zdd) -> Zdd:
         """States that some path from a set leads to, the set's own included."""
-        encoding, stable = self.space.encoding, self.space.stable
-        free = [encoding.events[t] for t in self.anywhere]
-        found = new = begin.saturate(free)
-        events = [encoding.events[t] for t in self.stable_only]
-        while new and stable is not None:
-            new = ((new & stable).images(events) - found).saturate(free) - found
-            found |= new
-        return found
+        forth, stable = self.space.encoding.events, self.space.stable
+        free = [forth[t] for t in self.anywhere]
+        found = begin.saturate(free)
+        if stable is None:
+            return found
+
+        def ahead(states: Zdd, events: list[int]) -> Zdd:
+            return (states & stable).images(events).saturate(free)
+
+        return chained(found, [partial(ahead, events=events) for events in self._by_element(forth)])
+
+    def _by_element(self, events: Mapping[int, int]) -> list[list[int]]:
+        """Events of transitions that wait for stable markings, by the element that they are of."""
+        wanted = set(self.stable_only)
+        return [
+            distinct(events[t] for t in of if t in wanted)
+            for of in elements(self.space.encoding)
+            if not wanted.isdisjoint(of)
+        ]
 
     def enabling(self, transitions: Collection[int]) -> Zdd:
         """States with an edge of some of these transitions."""

@@ -42,13 +42,17 @@ def open_conflicts(space: SymbolicSpace) -> Iterator[tuple[int, int]]:
     """
     encoding, net = space.encoding, space.encoding.net
     internal = [t for t in encoding.transitions if net.transitions[t].internal]
+    found: list[tuple[tuple[int, int], int]] = []
     for first, second in conflicts(net, internal):
         if harmless(net, first, second):
             continue
         one, other = net.safe_transitions[first], net.safe_transitions[second]
         condition = encoding.condition((*one.consume, *one.read, *other.consume, *other.read))
-        if condition is not None and space.reachable.first([condition]) >= 0:
-            yield first, second
+        if condition is not None:
+            found.append(((first, second), condition))
+    while (at := space.reachable.first([condition for _, condition in found])) >= 0:
+        yield found[at][0]
+        del found[: at + 1]
 
 
 def direct_with_proof(

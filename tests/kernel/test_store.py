@@ -73,6 +73,24 @@ def test_conditions_on_every_set_over_three_levels() -> None:
             assert zdd.without([condition]) == build(store, markings - expected)
 
 
+def test_the_first_of_several_conditions_and_what_is_forgotten_on_every_set_over_three_levels() -> None:
+    store = Store(3)
+    kinds = list(product((0, 1, 2), repeat=3))
+    sides = [[[p for p in range(3) if kind[p] == side] for side in (1, 2)] for kind in kinds]
+    conditions = [store.condition(*each) for each in sides]
+    subsets = [levels for size in range(4) for levels in combinations(range(3), size)]
+    for number, markings in enumerate(SETS_3):
+        zdd = build(store, markings)
+        held = [
+            any(m >= set(marked) and not m & set(unmarked) for m in markings) for marked, unmarked in sides
+        ]
+        for start in (0, number % 27):  # from different places, so that each condition is once the first
+            expected = next((i for i, holds in enumerate(held[start:]) if holds), -1)
+            assert zdd.first(conditions[start:]) == expected
+        for levels in subsets:
+            assert zdd.onto(levels) == build(store, {m & set(levels) for m in markings})
+
+
 Touches = tuple[int, ...]  # for each level: 0 untouched, 1 consume, 2 produce, 3 read, 4 zero
 
 
