@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicGraph, SymbolicMarkings
 from mcpn.check.formula import EU, And, Const, Core, Deadlock, Or
-from mcpn.check.modes import Mode, modes_of, places_of_modes
+from mcpn.check.modes import diagram_modes
 from mcpn.check.properties import (
     INFORMATIVE,
     REQUIRED,
@@ -60,7 +60,7 @@ def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None)
     unselectable = find_unselectable(mission_net.usage, _happened(mission_net, graph))
     text = f"{len(unselectable)} found" if unselectable else "nothing found"
     verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
-    modes = _modes(mission_net, graph)
+    modes = diagram_modes(mission_net, space.encoding, graph.states)
     return MissionCheck(mission_net, verdicts, modes=modes, unselectable=unselectable, space=space)
 
 
@@ -96,25 +96,3 @@ def _happened(mission_net: MissionNet, graph: SymbolicGraph) -> Happened:
         for kind in ("active", "objective")
     )
     return Happened(selected, entered, frozenset(event for event in events if event))
-
-
-def _modes(mission_net: MissionNet, graph: SymbolicGraph) -> dict[str, list[Mode]]:
-    """Functioning modes: one state is picked for each, and all that are like it are taken away."""
-    encoding = graph.space.encoding
-    found: dict[str, list[Mode]] = {}
-    for section in mission_net.graph.walk():
-        places = places_of_modes(mission_net, section)
-        (objective,) = mission_net.by_role["objective", section.name]
-        runs = encoding.condition([objective])
-        left = graph.states - graph.states.without([] if runs is None else [runs])
-        rows = []
-        while (picked := left.pick()) is not None:
-            marking = encoding.marking(picked)
-            row = tuple(bool(marking[p]) for p in places)
-            rows.append(row)
-            on = [p for p, there in zip(places, row, strict=True) if there]
-            like = encoding.condition(on, [p for p in places if p not in on])
-            assert like is not None, "the marking that was picked satisfies it"
-            left = left.without([like])
-        found[section.name] = modes_of(section, places, rows)
-    return found

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from concurrent.futures import Executor
+from typing import Any
 
 from mcpn.check.journeys import Journeys, Leg, told
-from mcpn.check.modes import Mode, functioning_modes
+from mcpn.check.modes import Mode, diagram_modes, functioning_modes
 from mcpn.check.properties import (
     INFORMATIVE,
     REQUIRED,
@@ -22,7 +24,10 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import Composite
-from mcpn.space.local import OUTCOMES, LocalGraph, Progress, local_graphs
+from mcpn.space.gluing import glue
+from mcpn.space.local import MOST_LISTED, PlacedSection, Progress
+from mcpn.space.local_diagram import LocalDiagram
+from mcpn.space.section import OUTCOMES
 
 
 def check_by_composition(
@@ -31,6 +36,7 @@ def check_by_composition(
     templates: TemplateSet | None = None,
     executor: Executor | None = None,
     max_states: int | None = None,
+    most_listed: int | None = MOST_LISTED,
     progress: Progress | None = None,
 ) -> MissionCheck:
     """Checks a mission by composition: the verdicts are those of :func:`mcpn.check.properties.check_mission`.
@@ -39,8 +45,9 @@ def check_by_composition(
         mission_net: The mission's net, for its sizes and static facts; it is not explored.
         templates: Those that it was composed with; the paper's by default.
         executor: Where local graphs are made; this process by default.
-        max_states: Limit on the states of a local graph.
-        progress: Called after each local graph and junction.
+        max_states: How many states a local graph may list; a section with more has a diagram.
+        most_listed: With more hardware that can fail a section has a diagram at once.
+        progress: Called after each local space and junction.
 
     Returns:
         Every verdict with its runs, which go through several sections.
@@ -53,8 +60,14 @@ def check_by_composition(
     usage, graph = mission_net.usage, mission_net.graph
     limits = {} if max_states is None else {"max_states": max_states}
     try:
-        placed = local_graphs(
-            usage, graph, templates=templates, executor=executor, progress=progress, **limits
+        composite = glue(
+            usage,
+            graph,
+            templates=templates,
+            executor=executor,
+            most_listed=most_listed,
+            progress=progress,
+            **limits,
         )
     except UnsafeError as error:
         verdicts["safe"] = Verdict("safe", False, str(error), _firings(error))
@@ -62,7 +75,6 @@ def check_by_composition(
     except (ConfluenceError, DivergenceError) as error:
         verdicts["confluent"] = Verdict("confluent", False, str(error), _firings(error))
         return MissionCheck(mission_net, verdicts)
-    composite = Composite(usage, graph, tuple(placed))
     for verdict in _Verdicts(composite, templates).all():
         verdicts[verdict.name] = verdict
     unselectable = find_unselectable(usage, _happened(composite))
@@ -102,21 +114,20 @@ class _Verdicts:
         """A run to a state that is no end and allows no event."""
         composite = self.composite
         dead = {
-            name: reached & composite.by_name[name].local.graph.dead
+            name: reached & composite.by_name[name].local.dead
             for name, reached in composite.reached.items()
             # Else some other hardware can always change.
             if len(composite.by_name[name].faulty) == len(composite.faulty)
         }
-        return self.journeys.find(states=dead) if any(mask.any() for mask in dead.values()) else None
+        return self.journeys.find(states=dead) if any(dead.values()) else None
 
     def stuck(self) -> list[Leg] | None:
         """A run to where no end is reached any more."""
         composite = self.composite
         stuck = composite.losing(OUTCOMES)
-        if not any(mask.any() for mask in stuck.values()):
+        if not any(stuck.values()):
             return None
-        first = composite.by_name[composite.graph.entry]
-        if not composite.leading_to(OUTCOMES)[composite.graph.entry][first.local.entry].any():
+        if not composite.hopeful(OUTCOMES)[composite.graph.entry]:
             # No start, whatever hardware is out of service, leads to an end: it is lost before any event.
             return []
         return self.journeys.find(states=stuck)
@@ -126,31 +137,36 @@ def _happened(composite: Composite) -> Happened:
     selected, entered = set[str](), set[str]()
     for name, reached in composite.reached.items():
         placed = composite.by_name[name]
-        net, graph, renaming = placed.local.net, placed.local.graph, placed.renaming
+        local, renaming = placed.local, placed.renaming
         for kind, names, found in (
             ("active", renaming.alternatives, selected),
             ("objective", renaming.objectives, entered),
         ):
-            said = net.saying(kind).items()
-            found.update(names[what] for place, what in said if (graph.marked(place) & reached).any())
+            said = local.net.saying(kind).items()
+            found.update(names[what] for place, what in said if local.marks(place, reached))
     return Happened(frozenset(selected), frozenset(entered), composite.events)
 
 
 def _modes(composite: Composite) -> dict[str, list[Mode]]:
-    known: dict[tuple[int, bytes], dict[str, list[Mode]]] = {}
+    known: dict[tuple[int, Hashable], dict[str, list[Mode]]] = {}
     found: dict[str, list[Mode]] = {}
     for placed in composite.sections:
-        reached = composite.reached.get(placed.section.name)
-        if reached is None:
-            continue
-        local: LocalGraph = placed.local
-        key = id(local), reached.tobytes()
-        if key not in known:
-            known[key] = dict(functioning_modes(local.net, local.graph, reached))
-        renaming = placed.renaming
-        for objective, modes in known[key].items():
-            found[renaming.objectives[objective]] = [_renamed(mode, renaming) for mode in modes]
+        if placed.section.name in composite.reached:
+            reached = composite.reached[placed.section.name]
+            key = id(placed.local), reached
+            if key not in known:
+                known[key] = _modes_of(placed, reached)
+            renaming = placed.renaming
+            for objective, modes in known[key].items():
+                found[renaming.objectives[objective]] = [_renamed(mode, renaming) for mode in modes]
     return found
+
+
+def _modes_of(placed: PlacedSection, reached: Any) -> dict[str, list[Mode]]:
+    local = placed.local
+    if isinstance(local, LocalDiagram):
+        return diagram_modes(local.net, local.space.encoding, reached)
+    return dict(functioning_modes(local.net, placed.listed.graph, reached.mask))
 
 
 def _renamed(mode: Mode, renaming: Renaming) -> Mode:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from heapq import heappop, heappush
-from itertools import count
-
-import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import breadth_first_order
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from mcpn.check.runs import Step, replay, what_happens
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import ENDS, Composite
-from mcpn.space.graph import Ints, Mask
-from mcpn.space.local import OUTCOMES, LocalGraph, PlacedSection
+from mcpn.space.interface import HardwareStates
+from mcpn.space.local import PlacedSection
+from mcpn.space.section import OUTCOMES, Outcome
+
+Layer = dict[str, Any]
+"""By section, states of its local space that runs of one length lead to and no shorter ones."""
 
 
 @dataclass(frozen=True)
@@ -25,33 +24,25 @@ class Leg:
     Args:
         placed: The section.
         entry: Mask of its hardware out of service at its entry.
-        edges: Edges of its local graph from the first state inside on; the last one leaves the section, but
-            for a journey that ends inside.
+        transitions: Event transitions of its local net from the first state inside on; the last one leaves
+            the section, but for a journey that ends inside.
+        left: Mask of its hardware out of service where the next section is entered.
         toggled: Other hardware that fails or recovers meanwhile, before the section is left: names and
             whether they fail.
     """
 
     placed: PlacedSection
     entry: int
-    edges: list[int]
-    toggled: tuple[tuple[str, bool], ...] = ()
-
-
-@dataclass
-class _Node:
-    name: str
-    entry: int
-    whole: int  # hardware out of service, by its bit in the composite's order
-    before: _Node | None = None
-    edges: list[int] = field(default_factory=list)  # of the section before
+    transitions: tuple[int, ...]
+    left: int = 0
     toggled: tuple[tuple[str, bool], ...] = ()
 
 
 class Journeys:
-    """Finds short runs through the sections of a composite.
+    """Finds short runs through the sections of a composite, breadth first on sets of states.
 
-    A run is shortest among those in which hardware that a section does not use changes only where it must; it
-    need not be shortest of all.
+    What hardware does that a section does not use is not counted: a run found is shortest but for that.
+    Runs are looked for first in which such hardware is in service when it comes to be used.
 
     Args:
         composite: The mission's composite.
@@ -59,128 +50,181 @@ class Journeys:
 
     def __init__(self, composite: Composite) -> None:
         self.composite = composite
-        self.bit = {name: i for i, name in enumerate(composite.faulty)}
-        self._walks: dict[tuple[int, int], tuple[Ints, Ints]] = {}
+        self._waves = [_Wave(composite, free=False), _Wave(composite, free=True)]
 
-    def find(self, ends: Iterable[str] = (), states: Mapping[str, Mask] | None = None) -> list[Leg] | None:
+    def find(self, ends: Iterable[str] = (), states: Mapping[str, Any] | None = None) -> list[Leg] | None:
         """A short run to an end of the mission, or to some state inside a section.
 
         Args:
             ends: ``succeed`` or ``fail``, where such an end will do.
-            states: By section, the states of its local graph that will do.
+            states: By section, the states of its local space that will do.
 
         Returns:
             The run section by section, or ``None`` where there is none.
         """
-        goals = set(ends)
-        found = self._search(goals, states or {}, toggling=False)
-        return found if found is not None else self._search(goals, states or {}, toggling=True)
-
-    def _search(self, ends: set[str], states: Mapping[str, Mask], *, toggling: bool) -> list[Leg] | None:
-        composite, ticket = self.composite, count()
-        first = composite.by_name[composite.graph.entry]
-        heap: list[tuple[int, int, _Node]] = []
-        for entry in range(1 << len(first.faulty)):
-            node = _Node(composite.graph.entry, entry, self._whole(first, entry))
-            heappush(heap, (entry.bit_count() + 1, next(ticket), node))
-        done: set[tuple[str, int]] = set()
-        while heap:
-            cost, _, node = heappop(heap)
-            if node.name in ENDS:
-                return self._legs(node, [])
-            if (node.name, node.entry) in done:
-                continue
-            done.add((node.name, node.entry))
-            placed = composite.by_name[node.name]
-            distance, via = self._walk(placed.local, int(placed.local.entry[node.entry]))
-            inside = states.get(node.name)
-            if inside is not None and (inside & (distance >= 0)).any():
-                reached = np.flatnonzero(inside & (distance >= 0))
-                return self._legs(
-                    node, self._path(via, placed.local, int(reached[distance[reached].argmin()]))
-                )
-            for more, after in self._onward(node, placed, distance, via, ends, toggling):
-                heappush(heap, (cost + more, next(ticket), after))
+        wanted = frozenset(ends)
+        for wave in self._waves:
+            for length, layer in enumerate(wave.layers()):
+                for name, reached in layer.items():
+                    for goal in self._goals(name, wanted, states or {}):
+                        legs = wave.back(length, name, reached, goal)
+                        if legs is not None:
+                            return self._with_toggles(legs)
         return None
 
-    def _onward(
-        self, node: _Node, placed: PlacedSection, distance: Ints, via: Ints, ends: set[str], toggling: bool
-    ) -> Iterable[tuple[int, _Node]]:
-        local = placed.local
+    def _goals(self, name: str, ends: frozenset[str], states: Mapping[str, Any]) -> Iterator[_Goal]:
+        if name in states:
+            yield _Goal(states[name], inside=True)
         for outcome in OUTCOMES:
-            route = self.composite.route(node.name, outcome)
-            if route in ENDS and route not in ends:
-                continue
-            edges = local.leaving[outcome]
-            sources = local.graph.sources[edges]
-            edges, lengths = edges[distance[sources] >= 0], distance[sources][distance[sources] >= 0]
-            masks = local.out_of_service[local.graph.targets[edges]]
-            nearest = np.lexsort((lengths, masks))
-            _, firsts = np.unique(masks[nearest], return_index=True)
-            for position in nearest[firsts].tolist():
-                edge, length = int(edges[position]), int(lengths[position]) + 1
-                run = [*self._path(via, local, int(local.graph.sources[edge])), edge]
-                whole = node.whole & ~self._whole(placed, -1) | self._whole(placed, int(masks[position]))
-                if route in ENDS:
-                    yield length, _Node(route, 0, whole, node, run)
-                    continue
-                for entry, toggled in self._entries(placed, self.composite.by_name[route], whole, toggling):
-                    changed = whole
-                    for name, _ in toggled:
-                        changed ^= 1 << self.bit[name]
-                    yield length + len(toggled), _Node(route, entry, changed, node, run, toggled)
+            if self.composite.route(name, outcome) in ends:
+                yield _Goal(self.composite.by_name[name].local.ended[outcome], inside=False)
 
-    def _entries(
-        self, placed: PlacedSection, target: PlacedSection, whole: int, toggling: bool
-    ) -> Iterable[tuple[int, tuple[tuple[str, bool], ...]]]:
-        """Masks with which the next section may be entered, and the free hardware that changes for it."""
-        as_it_is = sum((whole >> self.bit[h] & 1) << i for i, h in enumerate(target.faulty))
-        free = [i for i, h in enumerate(target.faulty) if h not in placed.faulty]
-        for chosen in range(1 << len(free) if toggling else 1):
-            flips = [i for position, i in enumerate(free) if chosen >> position & 1]
-            entry = as_it_is
-            for i in flips:
-                entry ^= 1 << i
-            yield entry, tuple((target.faulty[i], bool(entry >> i & 1)) for i in flips)
+    def _with_toggles(self, legs: list[Leg]) -> list[Leg]:
+        """The legs with what other hardware must do before each next section is entered."""
+        out = dict.fromkeys(self.composite.faulty, False)
+        found: list[Leg] = []
+        for leg, following in zip(legs, [*legs[1:], None], strict=True):
+            out |= _out(leg.placed, leg.entry)
+            if following is None:
+                found.append(leg)
+                break
+            out |= _out(leg.placed, leg.left)
+            wanted = _out(following.placed, following.entry)
+            found.append(replace(leg, toggled=tuple((h, o) for h, o in wanted.items() if out[h] != o)))
+        return found
 
-    def _whole(self, placed: PlacedSection, mask: int) -> int:
-        return sum((mask >> i & 1) << self.bit[name] for i, name in enumerate(placed.faulty))
 
-    def _walk(self, local: LocalGraph, start: int) -> tuple[Ints, Ints]:
-        """Distances inside a section from a state, -1 where there is no way, and the state before each."""
-        key = id(local), start
-        if key not in self._walks:
-            graph, chosen = local.graph, local.edges_inside
-            ends = graph.sources[chosen], graph.targets[chosen]
-            size = graph.states, graph.states
-            matrix = csr_matrix((np.ones(len(ends[0]), np.int8), ends), size)
-            order, before = breadth_first_order(matrix, start)
-            distance = np.full(graph.states, -1, np.int64)
-            distance[start] = 0
-            for state in order[1:].tolist():
-                distance[state] = distance[before[state]] + 1
-            self._walks[key] = distance, before.astype(np.int64)
-        return self._walks[key]
+def _out(placed: PlacedSection, mask: int) -> dict[str, bool]:
+    return {name: bool(mask >> bit & 1) for bit, name in enumerate(placed.faulty)}
 
-    def _path(self, before: Ints, local: LocalGraph, state: int) -> list[int]:
-        edges: list[int] = []
-        graph = local.graph
-        while before[state] >= 0:
-            source = int(before[state])
-            first, last = int(graph.offsets[source]), int(graph.offsets[source + 1])
-            edges.append(first + int(np.flatnonzero(graph.targets[first:last] == state)[0]))
-            state = source
-        return edges[::-1]
 
-    def _legs(self, node: _Node, last: list[int]) -> list[Leg]:
+@dataclass(frozen=True)
+class _Goal:
+    """States that a run is to lead to: inside a section, or after it."""
+
+    states: Any
+    inside: bool
+
+
+class _Wave:
+    """Layers of states by the length of runs to them, made as far as they are asked for.
+
+    Args:
+        composite: The mission's composite.
+        free: Whether hardware that the section before did not use comes in any state, or in service.
+    """
+
+    def __init__(self, composite: Composite, *, free: bool) -> None:
+        self.composite = composite
+        self.free = free
+        first = composite.first
+        begin = first.frame.everything if free else first.frame.in_service
+        self.entered: dict[str, HardwareStates] = {first.section.name: begin}
+        self._layers: list[Layer] = [{first.section.name: first.entered(begin)}]
+        self.seen: Layer = dict(self._layers[0])
+
+    def layers(self) -> Iterator[Layer]:
+        """Layer by layer, until nothing is new."""
+        length = 0
+        while True:
+            if length == len(self._layers):
+                self._layers.append(self._next(self._layers[-1]))
+            if not self._layers[length]:
+                return
+            yield self._layers[length]
+            length += 1
+
+    def _next(self, layer: Layer) -> Layer:
+        found: Layer = {}
+        for name, states in layer.items():
+            placed = self.composite.by_name[name]
+            after = placed.local.after(states)
+            self._add(found, name, after & placed.local.inside)
+            for outcome in OUTCOMES:
+                route, ended = self.composite.route(name, outcome), after & placed.local.ended[outcome]
+                if route not in ENDS and ended:
+                    self._enter(found, placed.local.hardware(ended, placed.frame), route)
+        return found
+
+    def _enter(self, found: Layer, left: HardwareStates, name: str) -> None:
+        target = self.composite.by_name[name]
+        known = self.entered.get(name, target.frame.nothing)
+        arriving = left.seen_by(target.frame, free=self.free) - known
+        if arriving:
+            self.entered[name] = known | arriving
+            self._add(found, name, target.entered(arriving))
+
+    def _add(self, found: Layer, name: str, states: Any) -> None:
+        new = states - self.seen[name] if name in self.seen else states
+        if new:
+            self.seen[name] = self.seen[name] | new if name in self.seen else new
+            found[name] = found[name] | new if name in found else new
+
+    # --- back from a goal ---
+
+    def back(self, length: int, name: str, reached: Any, goal: _Goal) -> list[Leg] | None:
+        """A run to a goal from states of a layer, or ``None`` where the goal is not among or behind them."""
+        placed = self.composite.by_name[name]
+        transitions: list[int] = []
+        if goal.inside:
+            at = reached & goal.states
+            if not at:
+                return None
+            at = placed.local.pick(at)
+        else:
+            if not placed.local.after(reached) & goal.states:
+                return None
+            step = placed.local.step_into(goal.states, reached)
+            assert step is not None, "some of the states are one event before the goal"
+            transitions, at = [step[0]], step[1]
         legs: list[Leg] = []
-        edges, toggled = last, tuple[tuple[str, bool], ...]()
-        at: _Node | None = node
-        while at is not None:
-            if at.name not in ENDS:
-                legs.append(Leg(self.composite.by_name[at.name], at.entry, edges, toggled))
-            edges, toggled, at = at.edges, at.toggled, at.before
-        return legs[::-1]
+        left = 0
+        while True:
+            length, at = self._to_entry(length, placed, at, transitions)
+            entries = placed.entries(at) & self.entered[placed.section.name]
+            if length == 0:
+                legs.append(Leg(placed, entries.pick(), tuple(reversed(transitions)), left))
+                return legs[::-1]
+            length -= 1
+            before, transition, at, ended = self._before(self._layers[length], placed, entries)
+            exit_states = before.local.hardware(ended, before.frame)
+            entry = (entries & exit_states.seen_by(placed.frame, free=self.free)).pick()
+            legs.append(Leg(placed, entry, tuple(reversed(transitions)), left))
+            placed, transitions, left = before, [transition], exit_states.pick()
+
+    def _to_entry(
+        self, length: int, placed: PlacedSection, at: Any, transitions: list[int]
+    ) -> tuple[int, Any]:
+        """Back inside a section as far as the layers go; adds the transitions passed, last first."""
+        name = placed.section.name
+        while length and name in self._layers[length - 1]:
+            step = placed.local.step_into(at, self._layers[length - 1][name])
+            if step is None:
+                break
+            transitions.append(step[0])
+            at, length = step[1], length - 1
+        return length, at
+
+    def _before(
+        self, layer: Layer, placed: PlacedSection, entries: HardwareStates
+    ) -> tuple[PlacedSection, int, Any, Any]:
+        """One step out of a section of a layer into one that is entered so: a transition, its two ends."""
+        for name, states in layer.items():
+            before = self.composite.by_name[name]
+            ends: dict[Outcome, HardwareStates] = {}
+            for outcome in OUTCOMES:
+                if self.composite.route(name, outcome) == placed.section.name:
+                    ends[outcome] = self._fitting(entries, before)
+            step = before.local.step_into(before.ending(ends), states) if ends else None
+            if step is not None:
+                return before, *step
+        raise AssertionError("a section is entered from one of the layer before")
+
+    def _fitting(self, entries: HardwareStates, before: PlacedSection) -> HardwareStates:
+        """With which states of its hardware a section may end for the next to be entered so."""
+        if not self.free:
+            entries = entries.in_service([h for h in entries.frame.names if h not in before.faulty])
+        return entries.seen_by(before.frame)
 
 
 def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
@@ -194,13 +238,12 @@ def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
     for number, leg in enumerate(legs):
         mission_net = leg.placed.net(templates)
         net = mission_net.net
-        graph = leg.placed.local.graph
         names = {t.event: t.name for t in reversed(net.transitions) if t.event}
         failed = [h for i, h in enumerate(leg.placed.faulty) if leg.entry >> i & 1]
         begin = [names[f"{h}_EV_OOS"] for h in failed]  # of its two transitions, that of a free resource
         firings = [
             names["MISSION_EV_START"],
-            *(net.transitions[int(graph.labels[e])].name for e in leg.edges),
+            *(net.transitions[t].name for t in leg.transitions),
         ]
         local_steps = replay(mission_net, [*begin, *firings])
         if number == 0:
@@ -215,7 +258,5 @@ def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
             words = f"{name} goes out of service" if fails else f"{name} is ready again"
             steps.append(Step(f"{name}_EV_{'OOS' if fails else 'RD'}", words))
         if leaves:
-            steps.append(
-                Step(inside[-1].event, what_happens(net.transitions[int(graph.labels[leg.edges[-1]])]))
-            )
+            steps.append(Step(inside[-1].event, what_happens(net.transitions[leg.transitions[-1]])))
     return steps

@@ -31,12 +31,17 @@ from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import ENDS, Composite
+from mcpn.space.gluing import judged_everywhere
 from mcpn.space.graph import Mask
-from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, PlacedSection, local_graphs
+from mcpn.space.local import PlacedSection
+from mcpn.space.local_graph import Listed
+from mcpn.space.section import OUTCOMES, Outcome
 
 DEFAULT_LOCAL_STATES = 1_000_000
 TEXT_BEYOND = 10
 """Hardware of an objective beyond which its text is asked, where nothing contends, and no graph is made."""
+MAX_FAULTY = 16
+"""Hardware of a section beyond which no graph is made: it would list two to this power of entries."""
 MAX_CONTENDED = 10
 """Hardware up to which sets are gone through one by one where resources contend."""
 
@@ -70,7 +75,7 @@ class LocalLosses(Availability):
         self._all: dict[str, SectionLosses] = {
             s.name: TextSection(s, text) for s in graph.sections if s not in small
         }
-        placed = local_graphs(
+        placed = judged_everywhere(
             usage,
             ObjectivesGraph(tuple(small), graph.entry),
             templates=templates,
@@ -83,7 +88,7 @@ class LocalLosses(Availability):
         if self.composite is not None:
             for name, reached in self.composite.reached.items():
                 local = self._graph_section(name)
-                local.reached = reached | ~local.placed.local.inside
+                local.reached = reached.mask | ~local.placed.listed.inside.mask
         self.locals = self._entered()
         """The sections that some run enters, by name."""
 
@@ -295,15 +300,17 @@ class LocalLosses(Availability):
         for name in good:
             local = self._graph_section(name)
             traps = {outcome: self._traps(composite, name, outcome, good) for outcome in OUTCOMES}
-            found += local.critical_with_repairs(good[name], traps, name == self.usage.graph.entry)
+            found += local.critical_with_repairs(good[name].mask, traps, name == self.usage.graph.entry)
         return found
 
-    def _traps(self, composite: Composite, name: str, outcome: Outcome, good: Mapping[str, Mask]) -> Mask:
+    def _traps(self, composite: Composite, name: str, outcome: Outcome, good: Mapping[str, Listed]) -> Mask:
         """With which masks of its hardware a section's end may lose the mission, shape (masks,)."""
         placed, route = composite.by_name[name], composite.route(name, outcome)
         if route in ENDS:
             return np.full(1 << len(placed.faulty), ENDS[route] == "failure")
-        return composite.welcomed(placed, composite.by_name[route], ~good[route])
+        target = composite.by_name[route]
+        lost = target.local.inside - good[route]
+        return target.entries(lost).seen_by(placed.frame).masks()
 
     # --- the losing region -----------------------------------------------------------------------------
 
@@ -328,13 +335,13 @@ class LocalLosses(Availability):
             if objective is not None:
                 goal = local.outlook.objectives.get(objective)
                 if goal is not None:
-                    total += int((local.outlook.losing(goal, repairs) & reached).sum()) << free
+                    total += int((local.outlook.losing(goal, repairs) & reached.mask).sum()) << free
             elif repairs:
-                total += int((reached & ~good[name]).sum()) << free
+                total += (reached - good[name]).count() << free
             else:
                 lost = local.lost_behind(self._behind(name))
                 others = frozenset(range(len(self.hardware))) - local.here
-                states = np.flatnonzero(reached).tolist()
+                states = np.flatnonzero(reached.mask).tolist()
                 total += sum(self.families.models(lost[s], others) for s in states)
         return total
 
@@ -343,7 +350,6 @@ class LocalLosses(Availability):
         count = len(self.hardware)
         failed = 1 << count if "failure" in composite.ends else 0
         if repairs:
-            entry = composite.by_name[self.usage.graph.entry]
-            hopeful = composite.leading_to(["success"])[self.usage.graph.entry][entry.local.entry].any()
+            hopeful = composite.hopeful(["success"])[self.usage.graph.entry]
             return failed + (0 if hopeful else 1 << count)
         return failed + self.families.models(self.mission, frozenset(range(count)))

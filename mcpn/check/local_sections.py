@@ -22,7 +22,8 @@ from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.model import FAIL
 from mcpn.net.templates import TemplateSet
 from mcpn.space.graph import Mask
-from mcpn.space.local import Outcome, PlacedSection
+from mcpn.space.local import PlacedSection
+from mcpn.space.section import Outcome
 
 Out = frozenset[int]
 """Elements that are out of service."""
@@ -84,7 +85,7 @@ class GraphSection:
         self.hardware = text.hardware
         # Nets of one type are the same but for names, place by place and transition by transition.
         own = placed.net(templates)
-        self.outlook = Outlook(own, replace(placed.local.graph, net=own.net))
+        self.outlook = Outlook(own, replace(placed.listed.graph, net=own.net))
         self.losses = Losses(self.outlook, text.families, text.hardware)
         self.here: Out = frozenset(self.losses.elements)
         self.reached = np.ones(self.outlook.graph.states, np.bool_)
@@ -104,7 +105,7 @@ class GraphSection:
     @cached_property
     def failing(self) -> Family:
         """When the section cannot be left by its failure."""
-        failed = self.placed.local.ended["failure"]
+        failed = self.placed.listed.ended["failure"].mask
         goal = Goal("mission", "failure", ~failed, failed, self.outlook.allowed(True))
         return self.losses.cut_sets(goal, Moment.START)
 
@@ -113,7 +114,7 @@ class GraphSection:
     def after_entry(self, out: Out) -> Mask:
         """States after forced runs from the entry with some hardware out of service."""
         mask = sum(1 << i for i, name in enumerate(self.placed.faulty) if self.hardware.index(name) in out)
-        return self.losses.after_forced(int(self.placed.local.entry[mask]))
+        return self.losses.after_forced(int(self.placed.listed.entry[mask]))
 
     def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
         """What is out of service when forced runs from an entry leave by success, and by failure."""
@@ -123,7 +124,7 @@ class GraphSection:
         )
         well, badly = (
             {self.losses.out(s) | out - self.here for s in graph.targets[edges[usable[edges]]].tolist()}
-            for edges in self.placed.local.leaving.values()
+            for edges in self.placed.listed.leaving.values()
         )
         return well, badly
 
@@ -152,7 +153,8 @@ class GraphSection:
 
     def _led_on(self, behind: Behind) -> Goal:
         """The mission's success as a goal on the local graph, its ends told what comes behind."""
-        success, failure = (self.placed.local.ended[outcome] for outcome in ("success", "failure"))
+        local = self.placed.listed
+        success, failure = local.ended["success"].mask, local.ended["failure"].mask
         # A mission that has failed is lost, as on the whole graph; one that has gone on is told of behind.
         failed = np.zeros_like(success)
         for route, ended in ((self.section.success, success), (self.section.failure, failure)):
@@ -163,9 +165,8 @@ class GraphSection:
         goal = Goal("mission", "beyond", (~ended | failed) & self.reached, ended, along)
         ends = [(success, behind.success), (failure, behind.failure)]
         if behind.by_mask is not None:
-            local = self.placed.local
             ends = [
-                (local.ended[outcome] & (local.out_of_service == mask), lost)
+                (local.ended[outcome].mask & (local.out_of_service == mask), lost)
                 for outcome, by_mask in behind.by_mask.items()
                 for mask, lost in enumerate(by_mask)
             ]
@@ -179,7 +180,7 @@ class GraphSection:
     def entering(self, behind: Behind) -> list[Family]:
         """When the mission is lost just after the entry, by the mask of the hardware out of service there."""
         functions = self.losses.functions(self._led_on(behind))
-        return [functions[state] for state in self.placed.local.entry.tolist()]
+        return [functions[state] for state in self.placed.listed.entry.tolist()]
 
     def lost_behind(self, behind: Behind) -> list[Family]:
         """By state, when the mission is lost without repairs, as a function of the hardware not used here."""
@@ -236,13 +237,15 @@ class GraphSection:
                 (masks,).
             first: Whether the mission begins with this section.
         """
-        local, graph = self.placed.local, self.outlook.graph
+        local, graph = self.placed.listed, self.outlook.graph
         crossing = local.edges_inside & good[graph.sources] & ~good[graph.targets]
         for outcome, edges in local.leaving.items():
             after = local.out_of_service[graph.targets[edges]]
             crossing[edges] = good[graph.sources[edges]] & traps[outcome][after]
         if first and good[local.entry].any():
-            crossing |= local.before[graph.sources] & local.inside[graph.targets] & ~good[graph.targets]
+            crossing |= (
+                local.before.mask[graph.sources] & local.inside.mask[graph.targets] & ~good[graph.targets]
+            )
         return self.outlook.grouped(self._named(np.flatnonzero(crossing).tolist()))
 
 

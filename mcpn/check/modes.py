@@ -11,10 +11,12 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
+from mcpn_kernel import Zdd
 
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.space.graph import Mask, StateGraph
+from mcpn.space.symbolic import Encoding
 
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
@@ -93,6 +95,28 @@ def functioning_modes(
         running = graph.marked(objective) if among is None else graph.marked(objective) & among
         columns = np.stack([graph.marked(p) for p in places], axis=1)[running]
         found[section.name] = modes_of(section, places, np.unique(columns, axis=0).tolist())
+    return found
+
+
+def diagram_modes(mission_net: MissionNet, encoding: Encoding, states: Zdd) -> dict[str, list[Mode]]:
+    """The functioning modes of each objective, from a diagram of states.
+
+    Args:
+        mission_net: The mission's net.
+        encoding: The net on the levels of the diagram's store.
+        states: The states to look at.
+
+    Returns:
+        As :func:`functioning_modes`.
+    """
+    found: dict[str, list[Mode]] = {}
+    for section in mission_net.graph.walk():
+        places = places_of_modes(mission_net, section)
+        (objective,) = mission_net.by_role["objective", section.name]
+        running = states.subset(encoding.levels([objective]), encoding.partners([objective]))
+        kept = sorted({*encoding.levels(places), *encoding.partners(places)})
+        rows = [encoding.marking(levels) for levels in running.onto(kept)]
+        found[section.name] = modes_of(section, places, [[bool(row[p]) for p in places] for row in rows])
     return found
 
 

@@ -80,15 +80,21 @@ def composite_of(
     max_states: int | None,
     progress: Callable[[int, int], None] | None,
     executor: Executor | None = None,
+    *,
+    listed: bool = False,
 ) -> Composite:
-    """The local graphs of a mission, glued."""
-    from mcpn.space.composite import Composite
-    from mcpn.space.local import DEFAULT_MAX_STATES, local_graphs
+    """The local spaces of a mission, glued; with the states of every section listed where so asked."""
+    from mcpn.space.gluing import glue
+    from mcpn.space.local import DEFAULT_MAX_STATES, MOST_LISTED
 
-    usage, graph = mission_net.usage, mission_net.graph
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    placed = local_graphs(usage, graph, executor=executor, progress=progress, max_states=limit)
-    return Composite(usage, graph, tuple(placed))
+    return glue(
+        mission_net.usage,
+        mission_net.graph,
+        executor=executor,
+        max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
+        most_listed=None if listed else MOST_LISTED,
+        progress=progress,
+    )
 
 
 def net_of(path: Path, import_root: Path | None) -> PetriNet:

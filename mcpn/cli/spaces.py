@@ -169,18 +169,20 @@ def _alternatives(
     max_states: int | None,
     progress: Callable[[int, int], None] | None,
 ) -> AlternativesGraph:
-    from mcpn.space.alternatives import by_reduction, direct
+    from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
     from mcpn.space.confluence import direct_with_proof
     from mcpn.space.expand import expand
     from mcpn.space.explicit import explore
 
     limits = _limits(max_states)
     if method == "local":
-        return expand(composite_of(mission_net, None, progress), mission_net, **limits)
+        return expand(composite_of(mission_net, None, progress, listed=True), mission_net, **limits)
     if method == "direct" and proof:
         return direct_with_proof(mission_net.net, progress=progress, **limits)
     if method == "direct":
-        return direct(mission_net.net, proof=False, progress=progress, **limits)
+        return direct(
+            mission_net.net, proof=False, progress=progress, max_states=max_states or DEFAULT_MAX_STATES
+        )
     return by_reduction(explore(mission_net.net, progress=progress, **limits))
 
 

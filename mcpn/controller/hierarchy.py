@@ -57,7 +57,7 @@ def hierarchical_controller(composite: Composite) -> Hierarchy:
     """Generates the controller of a mission in two levels.
 
     Args:
-        composite: The mission's composite.
+        composite: The mission's composite, the states of every section listed.
 
     Returns:
         A machine for each type of section, and the routes between sections.
@@ -65,7 +65,7 @@ def hierarchical_controller(composite: Composite) -> Hierarchy:
     numbers: dict[int, int] = {}
     types, sections = list[Machine](), list[TopState]()
     for placed in composite.sections:
-        local = placed.local
+        local = placed.listed
         if id(local) not in numbers:
             numbers[id(local)] = len(types)
             types.append(controller(local.net, local.graph))

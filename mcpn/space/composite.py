@@ -1,6 +1,6 @@
-"""The composite: local graphs glued at their interface states, in place of the graph of the whole mission.
+"""The composite: local spaces glued at their interface states, in place of the graph of the whole mission.
 
-A state of the whole is a section, a state of its local graph, and which of the *other* hardware is out of
+A state of the whole is a section, a state of its local space, and which of the *other* hardware is out of
 service. That other hardware evolves freely beside the section: from any of its states any other is reached by
 events of its own, so it is a factor of two for each resource, and never enumerated. Sizes are sums over
 sections of such products, exact at any size.
@@ -9,45 +9,54 @@ sections of such products, exact at any size.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
-import numpy as np
-
+from mcpn.errors import SemanticsError
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
-from mcpn.space.graph import Ints, Mask
-from mcpn.space.local import OUTCOMES, LocalGraph, Outcome, PlacedSection
+from mcpn.space.interface import HardwareStates
+from mcpn.space.junction import Junction
+from mcpn.space.local import PlacedSection
+from mcpn.space.section import OUTCOMES, Outcome
 
 ENDS: Mapping[str, Outcome] = {SUCCEED: "success", FAIL: "failure"}
 
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """A mission as its sections' local graphs.
+    """A mission as its sections' local spaces.
 
     Args:
         usage: Static facts of the mission.
         graph: Its objectives graph.
-        sections: Every section with its local graph.
+        sections: Every section with its local space.
+        junctions: Those that are not confluent for all states of their hardware.
     """
 
     usage: Usage
     graph: ObjectivesGraph
     sections: tuple[PlacedSection, ...]
-    _memo: dict[tuple[int, bytes], Mask] = field(default_factory=dict)
+    junctions: tuple[Junction, ...] = ()
+    _leading: dict[frozenset[Outcome], dict[str, Any]] = field(default_factory=dict)
 
     @cached_property
     def by_name(self) -> dict[str, PlacedSection]:
         """Sections by name."""
         return {placed.section.name: placed for placed in self.sections}
 
+    @property
+    def first(self) -> PlacedSection:
+        """The section that the mission begins with."""
+        return self.by_name[self.graph.entry]
+
     @cached_property
     def faulty(self) -> tuple[str, ...]:
         """All hardware of the mission that can fail, in document order."""
-        return tuple(h.name for h in self.usage.mission.hardware if h.faulty)
+        return self.first.space.names
 
     def route(self, name: str, outcome: Outcome) -> str:
         """Where a section leads: another's name, or one of the mission's ends."""
@@ -57,54 +66,34 @@ class Composite:
     # --- forward ---
 
     @cached_property
-    def reached(self) -> dict[str, Mask]:
-        """By section, which states of its local graph the mission reaches, shape (states,) each."""
-        entered = {self.graph.entry: np.ones(1 << len(self.by_name[self.graph.entry].faulty), np.bool_)}
-        found: dict[str, Mask] = {}
+    def entered(self) -> dict[str, HardwareStates]:
+        """By section that the mission comes to, with which states of its hardware."""
+        found = {self.graph.entry: self.first.frame.everything}
         waiting = deque([self.graph.entry])
         while waiting:
             name = waiting.popleft()
-            placed = self.by_name[name]
-            found[name] = self._inside_from(placed.local, entered[name])
+            reached = self._reached_from(name, found[name])
             for outcome in OUTCOMES:
                 target = self.route(name, outcome)
                 if target in ENDS:
                     continue
-                arriving = self.passed_on(placed, outcome, found[name], self.by_name[target])
-                known = entered.get(target)
-                if known is None or (arriving & ~known).any():
-                    entered[target] = arriving if known is None else known | arriving
+                # Hardware that only the next one uses has been free, so it comes in both states.
+                arriving = self.by_name[name].exits(outcome, reached).seen_by(self.by_name[target].frame)
+                known = found.get(target, self.by_name[target].frame.nothing)
+                if arriving - known:
+                    found[target] = known | arriving
                     if target not in waiting:
                         waiting.append(target)
         return found
 
-    def _inside_from(self, local: LocalGraph, entered: Mask) -> Mask:
-        key = id(local), entered.tobytes()
-        if key not in self._memo:
-            self._memo[key] = local.graph.reached(local.edges_inside, local.entry[entered])
-        return self._memo[key]
+    def _reached_from(self, name: str, entered: HardwareStates) -> Any:
+        placed = self.by_name[name]
+        return placed.local.reached(placed.entered(entered))
 
-    def exits(self, placed: PlacedSection, outcome: Outcome, reached: Mask) -> Mask:
-        """With which masks of its own hardware a section ends so, shape (masks,)."""
-        local = placed.local
-        edges = local.leaving[outcome]
-        edges = edges[reached[local.graph.sources[edges]]]
-        found = np.zeros(1 << len(local.faulty), np.bool_)
-        found[local.out_of_service[local.graph.targets[edges]]] = True
-        return found
-
-    def passed_on(
-        self, placed: PlacedSection, outcome: Outcome, reached: Mask, target: PlacedSection
-    ) -> Mask:
-        """With which masks of its hardware the next section is entered, shape (masks,).
-
-        Hardware that only the next one uses has been free, so it comes in both states.
-        """
-        exits = self.exits(placed, outcome, reached)
-        shared = [(i, placed.faulty.index(h)) for i, h in enumerate(target.faulty) if h in placed.faulty]
-        arriving = np.zeros(1 << len(shared), np.bool_)
-        arriving[gathered(np.flatnonzero(exits), [source for _, source in shared])] = True
-        return arriving[gathered(np.arange(1 << len(target.faulty)), [place for place, _ in shared])]
+    @cached_property
+    def reached(self) -> dict[str, Any]:
+        """By section that the mission comes to, which states of its local space."""
+        return {name: self._reached_from(name, entered) for name, entered in self.entered.items()}
 
     @cached_property
     def ends(self) -> frozenset[Outcome]:
@@ -113,9 +102,24 @@ class Composite:
             ENDS[route]
             for name, reached in self.reached.items()
             for outcome in OUTCOMES
-            if (route := self.route(name, outcome)) in ENDS
-            and self.exits(self.by_name[name], outcome, reached).any()
+            if (route := self.route(name, outcome)) in ENDS and self.by_name[name].exits(outcome, reached)
         )
+
+    def torn(self) -> Iterator[tuple[str, SemanticsError]]:
+        """Where the mission comes to what is not confluent or need not end: the sections, and the error.
+
+        States beyond such an event are not reached here, so that nothing else is told of a mission with one.
+        """
+        for name, reached in self.reached.items():
+            placed = self.by_name[name]
+            before = placed.local.with_hardware(placed.local.before, self.entered[name])
+            for error in placed.local.torn(reached, before):
+                yield name, error
+        for junction in self.junctions:
+            first, second = junction.first.section.name, junction.second.section.name
+            if first in self.reached:
+                for error in junction.torn(self.reached[first]):
+                    yield f"{first} to {second}", error
 
     # --- sizes ---
 
@@ -123,8 +127,8 @@ class Composite:
     def states(self) -> int:
         """Number of stable states of the whole mission, exact."""
         count = len(self.faulty)
-        inside = sum(
-            int(reached.sum()) << count - len(self.by_name[name].faulty)
+        inside: int = sum(
+            reached.count() << count - len(self.by_name[name].faulty)
             for name, reached in self.reached.items()
         )
         return inside + (1 + len(self.ends) << count)
@@ -137,8 +141,7 @@ class Composite:
         total += 1 << count  # the start
         for name, reached in self.reached.items():
             local, free = self.by_name[name].local, count - len(self.by_name[name].faulty)
-            own = int(np.diff(local.graph.offsets)[reached].sum())
-            total += (own << free) + (int(reached.sum()) * free << free)
+            total += (local.edges(reached) << free) + (reached.count() * free << free)
         return total
 
     @cached_property
@@ -147,9 +150,9 @@ class Composite:
         found = {"MISSION_EV_START", *(f"{h}_EV_{change}" for h in self.faulty for change in ("OOS", "RD"))}
         for name, reached in self.reached.items():
             placed = self.by_name[name]
-            graph, own = placed.local.graph, placed.renaming.objectives
-            for label in np.unique(graph.labels[reached[graph.sources]]).tolist():
-                transition = graph.net.transitions[label]
+            own = placed.renaming.objectives
+            for label in placed.local.fired(reached):
+                transition = placed.local.net.net.transitions[label]
                 origin = transition.provenance
                 if transition.event and origin and origin.kind == "objective":
                     found.add(transition.event.replace(f"OBJ_{origin.name}_", f"OBJ_{own[origin.name]}_"))
@@ -157,70 +160,68 @@ class Composite:
 
     @cached_property
     def local_states(self) -> int:
-        """States of all local graphs, each type once: what was explored."""
-        return sum(local.graph.states for local in {id(p.local): p.local for p in self.sections}.values())
+        """States of all local spaces, each type once: what was explored."""
+        return sum(local.size for local in {id(p.local): p.local for p in self.sections}.values())
 
     # --- backward ---
 
-    def leading_to(self, goals: Iterable[Outcome]) -> dict[str, Mask]:
-        """By section, from which states of its local graph some run leads to an end of the mission.
+    def hopeful(self, goals: Iterable[Outcome]) -> dict[str, HardwareStates]:
+        """By section that the mission comes to, entered with which hardware some run leads to an end.
 
         Whatever is out of service of the other hardware makes no difference: it can change before the section
         is left.
 
         Args:
             goals: The ends that will do.
-
-        Returns:
-            Shape (states,) each, for sections that are reached.
         """
-        wanted = {route for route, end in ENDS.items() if end in set(goals)}
-        good = {name: np.zeros(self.by_name[name].local.graph.states, np.bool_) for name in self.reached}
+        wanted = frozenset(goals)
+        found = {name: self.by_name[name].frame.nothing for name in self.reached}
         before: dict[str, set[str]] = {}
         for name in self.reached:
             for outcome in OUTCOMES:
                 before.setdefault(self.route(name, outcome), set()).add(name)
-        waiting = deque(sorted(set[str]().union(*(before.get(route, set()) for route in wanted))))
+        into_ends = [before.get(route, set()) for route, end in ENDS.items() if end in wanted]
+        waiting = deque(sorted(set[str]().union(*into_ends)))
         while waiting:
             name = waiting.popleft()
-            wider = self._good_inside(name, wanted, good)
-            if (wider & ~good[name]).any():
-                good[name] = wider
+            wider = self.by_name[name].entries(self._leading_on(name, wanted, found))
+            if wider - found[name]:
+                found[name] |= wider
                 waiting.extend(sorted(before.get(name, set()) - set(waiting)))
-        return {name: good[name] & reached for name, reached in self.reached.items()}
+        return found
 
-    def _good_inside(self, name: str, wanted: set[str], good: Mapping[str, Mask]) -> Mask:
+    def leading_to(self, goals: Iterable[Outcome]) -> dict[str, Any]:
+        """By section that the mission comes to, states reached from which some run leads to an end.
+
+        Args:
+            goals: The ends that will do.
+        """
+        wanted = frozenset(goals)
+        if wanted not in self._leading:
+            hopeful = self.hopeful(wanted)
+            self._leading[wanted] = {
+                name: self._leading_on(name, wanted, hopeful) & reached
+                for name, reached in self.reached.items()
+            }
+        return self._leading[wanted]
+
+    def _leading_on(
+        self, name: str, wanted: frozenset[Outcome], hopeful: Mapping[str, HardwareStates]
+    ) -> Any:
+        """States inside a section from which runs lead to a wanted end, or to a hopeful entry."""
         placed = self.by_name[name]
-        local = placed.local
-        graph = local.graph
-        goal = np.zeros(graph.states, np.bool_)
+        ends: dict[Outcome, HardwareStates] = {}
         for outcome in OUTCOMES:
-            edges, route = local.leaving[outcome], self.route(name, outcome)
+            route = self.route(name, outcome)
             if route not in ENDS:
-                fitting = self.welcomed(placed, self.by_name[route], good[route])
-                edges = edges[fitting[local.out_of_service[graph.targets[edges]]]]
-            elif route not in wanted:
-                continue
-            goal[graph.sources[edges]] = True
-        return graph.reaching(goal, local.edges_inside)
+                ends[outcome] = (
+                    hopeful[route].seen_by(placed.frame) if route in hopeful else placed.frame.nothing
+                )
+            elif ENDS[route] in wanted:
+                ends[outcome] = placed.frame.everything
+        return placed.local.reaching(placed.ending(ends))
 
-    def welcomed(self, placed: PlacedSection, target: PlacedSection, good: Mask) -> Mask:
-        """With which masks a section may end so that the next can be entered well, shape (masks,)."""
-        entries = np.flatnonzero(good[target.local.entry])
-        shared = [(i, placed.faulty.index(h)) for i, h in enumerate(target.faulty) if h in placed.faulty]
-        fitting = np.zeros(1 << len(shared), np.bool_)
-        fitting[gathered(entries, [place for place, _ in shared])] = True
-        return fitting[gathered(np.arange(1 << len(placed.faulty)), [source for _, source in shared])]
-
-    def losing(self, goals: Iterable[Outcome] = ("success",)) -> dict[str, Mask]:
-        """By section, the reached states of its local graph from which no run leads to a goal."""
+    def losing(self, goals: Iterable[Outcome] = ("success",)) -> dict[str, Any]:
+        """By section, the reached states of its local space from which no run leads to a goal."""
         good = self.leading_to(goals)
-        return {name: reached & ~good[name] for name, reached in self.reached.items()}
-
-
-def gathered(masks: Ints, bits: list[int]) -> Ints:
-    """Some bits of masks, packed in the order given."""
-    found = np.zeros(len(masks), np.int64)
-    for position, bit in enumerate(bits):
-        found |= (masks >> bit & 1) << position
-    return found
+        return {name: reached - good[name] for name, reached in self.reached.items()}

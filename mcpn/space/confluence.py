@@ -12,8 +12,10 @@ reachable markings asks whether any of them enables both.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+
+from mcpn_kernel import Zdd
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
@@ -31,26 +33,32 @@ def harmless(net: PetriNet, first: int, second: int) -> bool:
     return set(one.consume) == set(other.consume) and set(one.produce) == set(other.produce)
 
 
-def open_conflicts(space: SymbolicSpace) -> Iterator[tuple[int, int]]:
+def open_conflicts(
+    space: SymbolicSpace, among: Zdd | None = None, pairs: Iterable[tuple[int, int]] | None = None
+) -> Iterator[tuple[int, int]]:
     """Pairs of internal transitions in conflict that some reachable marking enables both.
 
     Args:
         space: The reachable markings of a net with priorities.
+        among: Those of them to look at; all by default.
+        pairs: The pairs to ask for; all that conflict by default.
 
     Yields:
         Pairs whose results differ; where there is none, all enabled internal transitions commute.
     """
     encoding, net = space.encoding, space.encoding.net
-    internal = [t for t in encoding.transitions if net.transitions[t].internal]
+    if pairs is None:
+        pairs = conflicts(net, [t for t in encoding.transitions if net.transitions[t].internal])
     found: list[tuple[tuple[int, int], int]] = []
-    for first, second in conflicts(net, internal):
+    for first, second in pairs:
         if harmless(net, first, second):
             continue
         one, other = net.safe_transitions[first], net.safe_transitions[second]
         condition = encoding.condition((*one.consume, *one.read, *other.consume, *other.read))
         if condition is not None:
             found.append(((first, second), condition))
-    while (at := space.reachable.first([condition for _, condition in found])) >= 0:
+    markings = space.reachable if among is None else among
+    while (at := markings.first([condition for _, condition in found])) >= 0:
         yield found[at][0]
         del found[: at + 1]
 

@@ -13,7 +13,8 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 from mcpn.space.composite import ENDS, Composite
 from mcpn.space.graph import pack
-from mcpn.space.local import OUTCOMES, PlacedSection
+from mcpn.space.local import PlacedSection
+from mcpn.space.section import OUTCOMES
 
 State = tuple[str, int, int]
 """A section's name (or begin, succeed, fail), a state of its local graph (0), hardware out of service."""
@@ -27,7 +28,7 @@ def expand(
     """Writes out the alternatives graph that a composite stands for.
 
     Args:
-        composite: The mission's composite.
+        composite: The mission's composite, the states of every section listed.
         mission_net: The net of the whole mission.
         max_states: How many states the graph may have.
 
@@ -100,11 +101,11 @@ class _Writing:
             yield from self.places_inside(self.places[name], at, mask)
 
     def places_inside(self, section: _Places, at: int, mask: int) -> Iterator[tuple[int, State]]:
-        local, name = section.placed.local, section.placed.section.name
+        local, name = section.placed.listed, section.placed.section.name
         for label, after in local.graph.successors(at):
             outside = mask & ~section.all | section.whole_mask(int(local.out_of_service[after]))
             for outcome in OUTCOMES:
-                if local.ended[outcome][after]:
+                if local.ended[outcome].mask[after]:
                     yield section.transitions[label], self.enter(self.composite.route(name, outcome), outside)
                     break
             else:
@@ -114,7 +115,7 @@ class _Writing:
         if name in ENDS:
             return name, 0, mask
         section = self.places[name]
-        return name, int(section.placed.local.entry[section.own_mask(mask)]), mask
+        return name, int(section.placed.listed.entry[section.own_mask(mask)]), mask
 
     def marking(self, state: State) -> int:
         """A bit for each marked place of the whole net."""
@@ -132,7 +133,7 @@ class _Writing:
             end = self.mission_net.success if ENDS[name] == "success" else self.mission_net.failure
             return marked | 1 << end
         section = self.places[name]
-        local = section.placed.local.graph.marking(at)
+        local = section.placed.listed.graph.marking(at)
         marked &= ~section.mask
         return marked | sum(1 << section.index[p] for p, tokens in enumerate(local) if tokens)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import event, given, reject
+from hypothesis import strategies as st
 
 from mcpn.check.composition import check_by_composition
 from mcpn.check.modes import Mode
@@ -12,6 +13,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import Activity, Alternative, Block, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
+from mcpn.space.local import MOST_LISTED
 from mcpn.testing import missions
 from tests.check.test_properties import play
 
@@ -63,23 +65,25 @@ def check_equal(mission_net: MissionNet, whole: MissionCheck, local: MissionChec
 
 
 def test_ulysse(ulysse_net: MissionNet) -> None:
-    check_equal(ulysse_net, check_mission(ulysse_net), check_by_composition(ulysse_net))
+    for most_listed in (MOST_LISTED, -1):
+        local = check_by_composition(ulysse_net, most_listed=most_listed)
+        check_equal(ulysse_net, check_mission(ulysse_net), local)
 
 
-@given(missions())
-def test_verdicts_are_those_of_the_whole(mission: Mission) -> None:
+@given(missions(), st.sampled_from([MOST_LISTED, 1, -1]))
+def test_verdicts_are_those_of_the_whole(mission: Mission, most_listed: int) -> None:
     mission_net = compose(mission)
     try:
         whole = check_mission(mission_net, max_states=50_000)
     except LimitError:
         reject()
-    local = check_by_composition(mission_net)
-    if not local.verdicts["confluent"].holds:
-        # Sections are judged in all states of their hardware, whether the mission comes to them so or not.
+    local = check_by_composition(mission_net, most_listed=most_listed)
+    if not whole.verdicts["confluent"].holds:
         event("not confluent")
         assert mission_net.usage.contentions or mission_net.usage.exchanges
+        assert local.verdicts["confluent"].holds is False
+        assert local.verdicts["confluent"].runs
         return
-    assert whole.verdicts["confluent"].holds
     event(f"always ends: {whole.verdicts['can_always_finish'].holds}")
     check_equal(mission_net, whole, local)
 

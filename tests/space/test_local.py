@@ -8,23 +8,25 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 from hypothesis import event, given, reject
+from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Activity, Hardware, Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.composite import Composite
 from mcpn.space.expand import expand
 from mcpn.space.explicit import explore
+from mcpn.space.gluing import glue
 from mcpn.space.graph import Mask
-from mcpn.space.local import MAX_FAULTY, OUTCOMES, Outcome, PremiseError, local_graphs
+from mcpn.space.local_diagram import LocalDiagram
+from mcpn.space.section import OUTCOMES, Outcome, PremiseError
 from mcpn.testing import missions
 
 
-def composed(mission_net: MissionNet) -> Composite:
-    graph, usage = mission_net.graph, mission_net.usage
-    return Composite(usage, graph, tuple(local_graphs(usage, graph)))
+def composed(mission_net: MissionNet, most_listed: int | None = None) -> Composite:
+    return glue(mission_net.usage, mission_net.graph, most_listed=most_listed)
 
 
 def check_equal(found: AlternativesGraph, expected: AlternativesGraph) -> None:
@@ -54,13 +56,9 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
         with pytest.raises((ConfluenceError, DivergenceError)):
             composed(mission_net)
         return
-    try:
-        composite = composed(mission_net)
-    except (ConfluenceError, DivergenceError):
-        # A section or a junction that the mission never comes to, or not so, is judged all the same.
-        event("refused: contention that the mission does not come to")
-        assert usage.contentions or usage.exchanges
-        return
+    composite = composed(mission_net)
+    torn = any(p.listed.graph.torn for p in composite.sections) or composite.junctions
+    event(f"contention that the mission does not come to: {bool(torn)}")
     event(f"{len(composite.sections)} sections, {len({id(p.local) for p in composite.sections})} types")
     assert (composite.states, composite.edges) == (whole.states, whole.edges)
     check_equal(expand(composite, mission_net), whole)
@@ -76,14 +74,40 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
         assert _losing(composite, goals) == int((~whole.reaching(ends)).sum())
 
 
+SOME_DIAGRAMS = st.sampled_from([-1, 1])
+"""Hardware up to which sections are listed: none of them are, or a part."""
+
+
+@given(missions(), SOME_DIAGRAMS)
+def test_diagrams_of_sections_say_what_lists_say(mission: Mission, most_listed: int) -> None:
+    mission_net = compose(mission)
+    try:
+        by_lists = composed(mission_net)
+    except (ConfluenceError, DivergenceError) as error:
+        event("not confluent")
+        with pytest.raises(type(error)):
+            composed(mission_net, most_listed)
+        return
+    composite = composed(mission_net, most_listed)
+    diagrams = sum(isinstance(p.local, LocalDiagram) for p in composite.sections)
+    event(f"{diagrams} diagrams among {len(composite.sections)} sections")
+    assert (composite.states, composite.edges) == (by_lists.states, by_lists.edges)
+    assert (composite.events, composite.ends) == (by_lists.events, by_lists.ends)
+    assert composite.entered.keys() == by_lists.entered.keys()
+    for name, entered in composite.entered.items():
+        assert np.array_equal(entered.masks(), by_lists.entered[name].masks())
+    for goals in ({"success"}, {"failure"}, set(OUTCOMES)):
+        assert _losing(composite, goals) == _losing(by_lists, goals)  # type: ignore[arg-type]
+
+
 def _losing(composite: Composite, goals: set[Outcome]) -> int:
     """States of the whole from which no goal is reached, by the composite's arithmetic."""
     count = len(composite.faulty)
     losing = composite.losing(goals)
-    inside = sum(int(mask.sum()) << count - len(composite.by_name[n].faulty) for n, mask in losing.items())
-    first = composite.by_name[composite.graph.entry]
-    wins = composite.leading_to(goals)[composite.graph.entry][first.local.entry]
-    before = 0 if wins.any() else 1 << count
+    inside: int = sum(
+        states.count() << count - len(composite.by_name[n].faulty) for n, states in losing.items()
+    )
+    before = 0 if composite.hopeful(goals)[composite.graph.entry] else 1 << count
     return inside + before + (len(composite.ends - goals) << count)
 
 
@@ -112,6 +136,7 @@ class Holding(PaperTemplates):
             pen.transition("thruster_worn", [new], [], read=[busy], event="THRUSTER_EV_WORN")
 
 
+@pytest.mark.parametrize("most_listed", [None, -1], ids=["listed", "diagrams"])
 @pytest.mark.parametrize(
     ("templates", "place", "section"),
     [
@@ -120,27 +145,13 @@ class Holding(PaperTemplates):
     ],
 )
 def test_a_section_that_leaves_something_behind_is_refused(
-    ulysse: Mission, templates: PaperTemplates, place: str, section: str
+    ulysse: Mission, templates: PaperTemplates, place: str, section: str, most_listed: int | None
 ) -> None:
     mission_net = compose(ulysse, templates)
     with pytest.raises(PremiseError, match="use --engine explicit or symbolic") as caught:
-        local_graphs(mission_net.usage, mission_net.graph, templates=templates)
+        glue(mission_net.usage, mission_net.graph, templates=templates, most_listed=most_listed)
     assert (caught.value.place, caught.value.section) == (place, section)
     assert caught.value.runs
-
-
-def test_too_much_hardware_in_one_section_is_a_limit_that_says_so() -> None:
-    ways = tuple(Alternative(name=f"w{i}", consumes=(f"h{i}",)) for i in range(MAX_FAULTY + 1))
-    robot = Robot(
-        name="r",
-        hardware=tuple(Hardware(name=f"h{i}") for i in range(MAX_FAULTY + 1)),
-        activities=(Activity(name="a", alternatives=ways),),
-    )
-    mission_net = compose(
-        Mission(name="m", blocks=(Objective(name="o", activities=("a",)),), robots=(robot,))
-    )
-    with pytest.raises(LimitError, match="section o uses 17 hardware resources that can fail"):
-        composed(mission_net)
 
 
 # --- elsewhere -----------------------------------------------------------------------------------------
@@ -149,12 +160,12 @@ def test_too_much_hardware_in_one_section_is_a_limit_that_says_so() -> None:
 def test_local_graphs_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        placed = local_graphs(
+        composite = glue(
             ulysse_net.usage, ulysse_net.graph, executor=pool, progress=lambda *at: done.append(at)
         )
-    assert Composite(ulysse_net.usage, ulysse_net.graph, tuple(placed)).states == 260
-    assert done
-    assert done[-1][0] == done[-1][1] == len(done)
+    assert composite.states == 260
+    # Two types of sections, then types of junctions.
+    assert done == [(1, 2), (2, 2), *((number, 5) for number in range(1, 6))]
 
 
 def test_local_graphs_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None:
@@ -163,6 +174,5 @@ def test_local_graphs_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None
         distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        placed = local_graphs(ulysse_net.usage, ulysse_net.graph, executor=client.get_executor())
-    composite = Composite(ulysse_net.usage, ulysse_net.graph, tuple(placed))
+        composite = glue(ulysse_net.usage, ulysse_net.graph, executor=client.get_executor())
     assert (composite.states, composite.edges) == (260, 1332)
