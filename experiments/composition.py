@@ -2,10 +2,12 @@
 
 Usage: ``python experiments/composition.py [--sections N...] [--hardware N...] [--plot FILE.svg]``
 
-Each run has a process, 60 s and 4 GiB of its own. Explicit builds the markings graph and reduces it, direct
-runs to completion with the symbolic proof, symbolic reaches the markings as a diagram, local explores a graph
-for each type of section; local gives every verdict and the exact sizes of the whole. An engine that has given
-up on a mission is not asked for a longer one. The plot needs matplotlib (``mcpn[experiments]``).
+Ulysse first, every way in one process. Then the sweep: each run has a process, 60 s and 4 GiB of its own.
+Explicit builds the markings graph and reduces it, direct runs to completion with the symbolic proof, symbolic
+reaches the markings as a diagram, local explores each type of section on its own; local gives every verdict
+and the exact sizes of the whole. An engine that has given up on a mission is not asked for a longer one.
+Sections of the last part use much hardware each, up to 24 resources, so that their interface states are
+diagrams. The plot needs matplotlib (``mcpn[experiments]``).
 """
 
 from __future__ import annotations
@@ -23,8 +25,18 @@ from typing import Any
 from missions import Parameters, generate
 
 from mcpn import __version__
+from mcpn.check.composition import check_by_composition
+from mcpn.controller.hierarchy import hierarchical_controller
+from mcpn.controller.machine import controller
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
+from mcpn.space.composite import Composite
+from mcpn.space.confluence import direct_with_proof
+from mcpn.space.explicit import explore
+from mcpn.space.gluing import glue
+from mcpn.space.symbolic import reach
 
 SECONDS, GIB = 60, 4
 ENGINES = ("explicit", "direct", "symbolic", "local")
@@ -33,13 +45,6 @@ Result = dict[str, Any]
 
 def run_engine(engine: str, mission: Mission) -> Result:
     """What one engine finds: sizes as far as it gives them."""
-    from mcpn.check.composition import check_by_composition
-    from mcpn.net.compose import compose
-    from mcpn.space.alternatives import by_reduction
-    from mcpn.space.confluence import direct_with_proof
-    from mcpn.space.explicit import explore
-    from mcpn.space.symbolic import reach
-
     mission_net = compose(mission)
     if engine == "explicit":
         return {"stable": by_reduction(explore(mission_net.net, max_memory=GIB << 30)).states}
@@ -53,7 +58,8 @@ def run_engine(engine: str, mission: Mission) -> Result:
     composite = found.composite
     assert composite is not None, {name: verdict.explanation for name, verdict in found.verdicts.items()}
     types = len({id(placed.local) for placed in composite.sections})
-    return {"stable": composite.states, "local": composite.local_states, "types": types}
+    most = max(len(placed.faulty) for placed in composite.sections)
+    return {"stable": composite.states, "local": composite.local_states, "types": types, "most": most}
 
 
 def child(engine: str, mission: Mission, pipe: Any) -> None:
@@ -101,10 +107,41 @@ def row(label: str, mission: Mission, gone: set[str]) -> dict[str, Result]:
     seconds = " ".join(f"{show(results.get(e), 'seconds', '{:.2f}'.format):>9}" for e in ENGINES)
     memory = " ".join(f"{show(results.get(e), 'megabytes'):>8}" for e in ENGINES)
     local = results.get("local", {})
-    explored = f"{local.get('types', '')} types, {local.get('local', '')} local states"
+    explored = (
+        f"{local.get('types', '')} types, most hw {local.get('most', '')}, {local.get('local', '')} local"
+    )
     stable = sizes.pop() if sizes else "?"
     print(f"{label:>22} {seconds} | {memory} | {explored}; stable states: {stable}", flush=True)
     return results
+
+
+def ulysse() -> None:
+    """Every way to the alternatives graph of Ulysse, in one run, and the sizes of its controllers."""
+    mission_net = compose(read_mission(Path(__file__).parent / "ulysse" / "mission.xml"))
+    net = mission_net.net
+    ways: dict[str, Callable[[], AlternativesGraph | Composite]] = {
+        "reduction": lambda: by_reduction(explore(net)),
+        "direct, with proof": lambda: direct_with_proof(net),
+        "direct, without": lambda: direct(net, proof=False),
+        "local": lambda: glue(mission_net.usage, mission_net.graph),
+    }
+    seconds: dict[str, float] = {}
+    for name, way in ways.items():
+        times = []
+        for _ in range(7):
+            started = time.perf_counter()
+            found = way()
+            sizes = found.states, found.edges
+            times.append(time.perf_counter() - started)
+        seconds[name] = sorted(times)[3]
+        ratio = seconds["reduction"] / seconds[name]
+        print(f"ulysse, {name:18} {sizes[0]} states, {sizes[1]} edges, {seconds[name]:.4f} s, {ratio:6.1f} x")
+    composite = glue(mission_net.usage, mission_net.graph, most_listed=None)
+    types = hierarchical_controller(composite).types
+    flat = controller(mission_net, direct(net))
+    for name, machines in (("flat", (flat,)), ("hierarchical", types)):
+        states, edges = (sum(len(getattr(m, part)) for m in machines) for part in ("states", "edges"))
+        print(f"ulysse, {name} controller: {len(machines)} machines, {states} states, {edges} edges")
 
 
 def plot(points: dict[str, list[tuple[int, float]]], path: Path) -> None:
@@ -121,6 +158,30 @@ def plot(points: dict[str, list[tuple[int, float]]], path: Path) -> None:
     pyplot.ylabel("seconds")
     pyplot.legend()
     pyplot.savefig(path)
+    pyplot.close()
+
+
+def overtakes(points: dict[str, list[tuple[int, float]]]) -> None:
+    """Says from which number of sections on local is faster than each of the others."""
+    local = dict(points["local"])
+    for engine in ENGINES[:-1]:
+        times = dict(points[engine])
+        slower = [n for n in sorted(local) if n not in times or times[n] > local[n]]
+        ahead = [n for n in slower if all(m in slower for m in local if m >= n)]
+        print(f"{'':22} local overtakes {engine} at {ahead[0] if ahead else 'no size'}", flush=True)
+
+
+def sweep(label: str, missions: dict[int, Mission]) -> dict[str, list[tuple[int, float]]]:
+    """One line for each mission, by its number of sections."""
+    gone: set[str] = set()
+    points: dict[str, list[tuple[int, float]]] = {engine: [] for engine in ENGINES}
+    for sections, mission in missions.items():
+        results = row(f"{sections} sections, {label}", mission, gone)
+        for engine, result in results.items():
+            if "seconds" in result:
+                points[engine].append((sections, result["seconds"]))
+    overtakes(points)
+    return points
 
 
 def main() -> None:
@@ -133,21 +194,20 @@ def main() -> None:
     arguments = parser.parse_args()
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
     print(f"{machine}; {SECONDS} s, {GIB} GiB")
+    ulysse()
     heads = " ".join(f"{engine:>9}" for engine in ENGINES)
     print(f"{'':22} {heads} s| {' '.join(f'{engine:>8}' for engine in ENGINES)} MB")
-    row("ulysse", read_mission(Path(__file__).parent / "ulysse" / "mission.xml"), set())
+
+    def some(sections: int, hardware: int, **more: int | float) -> Mission:
+        return generate(Parameters(sections, min(arguments.types, sections), hardware, **more))  # type: ignore[arg-type]
+
     for hardware in arguments.hardware:
-        gone: set[str] = set()
-        points: dict[str, list[tuple[int, float]]] = {engine: [] for engine in ENGINES}
-        for sections in arguments.sections:
-            per_section = min(4, hardware)
-            parameters = Parameters(sections, min(arguments.types, sections), hardware, per_section)
-            results = row(f"{sections} sections, {hardware} hw", generate(parameters), gone)
-            for engine, result in results.items():
-                if "seconds" in result:
-                    points[engine].append((sections, result["seconds"]))
+        missions = {n: some(n, hardware, per_section=min(4, hardware)) for n in arguments.sections}
+        points = sweep(f"{hardware} hw", missions)
         if arguments.plot and hardware == arguments.hardware[-1]:
             plot(points, arguments.plot)
+    wide = {n: some(n, 30, per_section=12, alternatives=8, parallel=0.5) for n in arguments.sections}
+    sweep("wide", wide)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ from mcpn.space.section import LocalSpace, Outcome
 from mcpn.space.symbolic import reach
 
 DEFAULT_MAX_STATES = 1_000_000
-MOST_LISTED = 10
+MOST_LISTED = 8
 """Hardware that can fail in one section up to which its states are listed; with more they are a diagram."""
 
 Progress: TypeAlias = Callable[[int, int], None]
