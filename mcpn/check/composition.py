@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from concurrent.futures import Executor
+from itertools import takewhile
 from typing import Any
 
-from mcpn.check.journeys import Journeys, Leg, told
+from mcpn.check.journeys import START, Journeys, Leg, told
 from mcpn.check.modes import Mode, diagram_modes, functioning_modes
 from mcpn.check.properties import (
     INFORMATIVE,
@@ -17,15 +18,16 @@ from mcpn.check.properties import (
     find_unselectable,
     verdict_of,
 )
-from mcpn.check.runs import Step
-from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
+from mcpn.check.runs import Step, what_happens
+from mcpn.errors import SemanticsError, UnsafeError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
-from mcpn.space.composite import Composite
-from mcpn.space.gluing import glue
-from mcpn.space.local import MOST_LISTED, PlacedSection, Progress
+from mcpn.space.composite import Composite, Tear
+from mcpn.space.gluing import error_of, glue
+from mcpn.space.local import DEFAULT_MAX_STATES, MOST_LISTED, PlacedSection, Progress
 from mcpn.space.local_diagram import LocalDiagram
 from mcpn.space.section import OUTCOMES
 
@@ -57,29 +59,31 @@ def check_by_composition(
         LimitError: A limit was hit.
     """
     verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
-    usage, graph = mission_net.usage, mission_net.graph
-    limits = {} if max_states is None else {"max_states": max_states}
     try:
         composite = glue(
-            usage,
-            graph,
+            mission_net.usage,
+            mission_net.graph,
             templates=templates,
             executor=executor,
+            max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
             most_listed=most_listed,
+            strict=False,
             progress=progress,
-            **limits,
         )
-    except UnsafeError as error:
+    except UnsafeError as error:  # in a section with a diagram
         verdicts["safe"] = Verdict("safe", False, str(error), _firings(error))
         return MissionCheck(mission_net, verdicts)
-    except (ConfluenceError, DivergenceError) as error:
-        verdicts["confluent"] = Verdict("confluent", False, str(error), _firings(error))
+    tear = next(composite.torn(), None)
+    if tear is not None:
+        found = error_of(composite, tear, templates)
+        name = "safe" if isinstance(found, UnsafeError) else "confluent"
+        verdicts[name] = Verdict(name, False, str(found), _runs_of(mission_net, composite, tear, templates))
         return MissionCheck(mission_net, verdicts)
     for verdict in _Verdicts(composite, templates).all():
         verdicts[verdict.name] = verdict
-    unselectable = find_unselectable(usage, _happened(composite))
-    found = f"{len(unselectable)} found" if unselectable else "nothing found"
-    verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), found)
+    unselectable = find_unselectable(mission_net.usage, _happened(composite))
+    text = f"{len(unselectable)} found" if unselectable else "nothing found"
+    verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
     modes = _modes(composite)
     return MissionCheck(mission_net, verdicts, None, None, modes, unselectable, composite)
 
@@ -87,6 +91,33 @@ def check_by_composition(
 def _firings(error: SemanticsError) -> tuple[tuple[Step, ...], ...]:
     """Runs of a local net, transition by transition."""
     return tuple(tuple(Step(name, "in the section's own net") for name in run) for run in error.runs)
+
+
+def _runs_of(
+    mission_net: MissionNet, composite: Composite, tear: Tear, templates: TemplateSet | None
+) -> tuple[tuple[Step, ...], ...]:
+    """The mission's run to a tear, event by event, and how its internal firings then part."""
+    steps = told(Journeys(composite).to_tear(tear), templates)
+    net = mission_net.net
+    if tear.here.event == START:  # the entry: what begins then is what depends on the interleaving
+        steps[-1] = Step(steps[-1].event, steps[-1].words.split(": ")[0])
+    else:
+        at = next(t for t in net.transitions if t.event == tear.here.event)
+        steps.append(Step(tear.here.event or at.name, what_happens(at)))
+    return tuple(
+        (*steps, *(Step(name, f"internal: {name}") for name in _after_events(net, run)))
+        for run in error_of(composite, tear, templates).runs
+    )
+
+
+def _after_events(net: PetriNet, run: Sequence[str]) -> list[str]:
+    """The internal firings at the end of a run."""
+    internal = list(takewhile(lambda name: _is_internal(net, name), reversed(run)))
+    return internal[::-1]
+
+
+def _is_internal(net: PetriNet, name: str) -> bool:
+    return name in net.transition_index and net.transitions[net.transition_index[name]].internal
 
 
 class _Verdicts:

@@ -8,10 +8,13 @@ from typing import Any
 
 from mcpn.check.runs import Step, replay, what_happens
 from mcpn.net.templates import TemplateSet
-from mcpn.space.composite import ENDS, Composite
+from mcpn.space.composite import ENDS, Composite, Tear
 from mcpn.space.interface import HardwareStates
 from mcpn.space.local import PlacedSection
 from mcpn.space.section import OUTCOMES, Outcome
+
+START = "MISSION_EV_START"
+"""The event with which a mission begins, and each section in its own net."""
 
 Layer = dict[str, Any]
 """By section, states of its local space that runs of one length lead to and no shorter ones."""
@@ -71,6 +74,36 @@ class Journeys:
                         if legs is not None:
                             return self._with_toggles(legs)
         return None
+
+    def to_tear(self, tear: Tear) -> list[Leg]:
+        """A short run to the state before an event without one outcome; to the entry if that is the event.
+
+        Args:
+            tear: Where the mission comes to it.
+        """
+        name, here = tear.section.section.name, tear.here
+        if here.event != START:
+            legs = self.find(states={name: here.states})
+            assert legs is not None, "the mission comes there"
+            return legs
+        entering = tear.section.local.hardware(here.states, tear.section.frame)
+        if tear.section is self.composite.first:
+            return [Leg(tear.section, entering.pick(), ())]
+        return self._into(tear.section, entering)
+
+    def _into(self, target: PlacedSection, hardware: HardwareStates) -> list[Leg]:
+        """A short run that enters a section with its hardware in one of some states."""
+        for wave in self._waves:
+            for length, layer in enumerate(wave.layers()):
+                for name, reached in layer.items():
+                    placed = self.composite.by_name[name]
+                    ends = wave.ends_into(placed, target, hardware)
+                    legs = wave.back(length, name, reached, _Goal(placed.ending(ends), inside=False))
+                    if legs is not None:
+                        left = placed.frame.of_mask(legs[-1].left)
+                        entry = (hardware & left.seen_by(target.frame, free=wave.free)).pick()
+                        return self._with_toggles([*legs, Leg(target, entry, ())])
+        raise AssertionError("the mission enters it so")
 
     def _goals(self, name: str, ends: frozenset[str], states: Mapping[str, Any]) -> Iterator[_Goal]:
         if name in states:
@@ -166,6 +199,7 @@ class _Wave:
         """A run to a goal from states of a layer, or ``None`` where the goal is not among or behind them."""
         placed = self.composite.by_name[name]
         transitions: list[int] = []
+        left = 0
         if goal.inside:
             at = reached & goal.states
             if not at:
@@ -177,8 +211,8 @@ class _Wave:
             step = placed.local.step_into(goal.states, reached)
             assert step is not None, "some of the states are one event before the goal"
             transitions, at = [step[0]], step[1]
+            left = placed.local.hardware(step[2], placed.frame).pick()
         legs: list[Leg] = []
-        left = 0
         while True:
             length, at = self._to_entry(length, placed, at, transitions)
             entries = placed.entries(at) & self.entered[placed.section.name]
@@ -211,20 +245,21 @@ class _Wave:
         """One step out of a section of a layer into one that is entered so: a transition, its two ends."""
         for name, states in layer.items():
             before = self.composite.by_name[name]
-            ends: dict[Outcome, HardwareStates] = {}
-            for outcome in OUTCOMES:
-                if self.composite.route(name, outcome) == placed.section.name:
-                    ends[outcome] = self._fitting(entries, before)
+            ends = self.ends_into(before, placed, entries)
             step = before.local.step_into(before.ending(ends), states) if ends else None
             if step is not None:
                 return before, *step
         raise AssertionError("a section is entered from one of the layer before")
 
-    def _fitting(self, entries: HardwareStates, before: PlacedSection) -> HardwareStates:
-        """With which states of its hardware a section may end for the next to be entered so."""
+    def ends_into(
+        self, before: PlacedSection, placed: PlacedSection, entries: HardwareStates
+    ) -> dict[Outcome, HardwareStates]:
+        """How a section may end for another to be entered with its hardware in one of some states."""
         if not self.free:
             entries = entries.in_service([h for h in entries.frame.names if h not in before.faulty])
-        return entries.seen_by(before.frame)
+        fitting = entries.seen_by(before.frame)
+        routes = ((outcome, self.composite.route(before.section.name, outcome)) for outcome in OUTCOMES)
+        return {outcome: fitting for outcome, route in routes if route == placed.section.name}
 
 
 def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
@@ -242,7 +277,7 @@ def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
         failed = [h for i, h in enumerate(leg.placed.faulty) if leg.entry >> i & 1]
         begin = [names[f"{h}_EV_OOS"] for h in failed]  # of its two transitions, that of a free resource
         firings = [
-            names["MISSION_EV_START"],
+            names[START],
             *(net.transitions[t].name for t in leg.transitions),
         ]
         local_steps = replay(mission_net, [*begin, *firings])

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from mcpn_kernel import MemoryLimit, StateLimit
@@ -23,11 +24,10 @@ from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
 DEFAULT_MAX_STATES = 5_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class Torn:
+class Torn(NamedTuple):
     """An event after which internal evolution has no one stable end.
 
-    Args:
+    Attributes:
         state: The stable state before it.
         transition: Its transition.
         error: What is wrong, with the runs that show it.

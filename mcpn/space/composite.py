@@ -12,18 +12,31 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
-from mcpn.errors import SemanticsError
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
 from mcpn.space.interface import HardwareStates
 from mcpn.space.junction import Junction
 from mcpn.space.local import PlacedSection
-from mcpn.space.section import OUTCOMES, Outcome
+from mcpn.space.section import OUTCOMES, Outcome, TornHere
 
 ENDS: Mapping[str, Outcome] = {SUCCEED: "success", FAIL: "failure"}
+
+
+class Tear(NamedTuple):
+    """Where a mission comes to what is not confluent or need not end.
+
+    Attributes:
+        section: The section in which it is.
+        onward: The section into which the event leads, where it is of the junction of both.
+        here: The state and the event.
+    """
+
+    section: PlacedSection
+    onward: PlacedSection | None
+    here: TornHere
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,21 +118,21 @@ class Composite:
             if (route := self.route(name, outcome)) in ENDS and self.by_name[name].exits(outcome, reached)
         )
 
-    def torn(self) -> Iterator[tuple[str, SemanticsError]]:
-        """Where the mission comes to what is not confluent or need not end: the sections, and the error.
+    def torn(self) -> Iterator[Tear]:
+        """Where the mission comes to what is not confluent or need not end.
 
         States beyond such an event are not reached here, so that nothing else is told of a mission with one.
         """
         for name, reached in self.reached.items():
             placed = self.by_name[name]
             before = placed.local.with_hardware(placed.local.before, self.entered[name])
-            for error in placed.local.torn(reached, before):
-                yield name, error
+            for here in placed.local.torn(reached, before):
+                yield Tear(placed, None, here)
         for junction in self.junctions:
-            first, second = junction.first.section.name, junction.second.section.name
-            if first in self.reached:
-                for error in junction.torn(self.reached[first]):
-                    yield f"{first} to {second}", error
+            reached = self.reached.get(junction.first.section.name)
+            if reached is not None:
+                for here in junction.torn(reached):
+                    yield Tear(junction.first, junction.second, here)
 
     # --- sizes ---
 

@@ -12,7 +12,7 @@ from mcpn.mission.usage import Usage
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
-from mcpn.space.composite import Composite
+from mcpn.space.composite import Composite, Tear
 from mcpn.space.junction import open_junctions
 from mcpn.space.local import (
     DEFAULT_MAX_STATES,
@@ -34,6 +34,7 @@ def glue(
     executor: Executor | None = None,
     max_states: int = DEFAULT_MAX_STATES,
     most_listed: int | None = MOST_LISTED,
+    strict: bool = True,
     progress: Progress | None = None,
 ) -> Composite:
     """Makes the composite of a mission, and judges all that the mission comes to.
@@ -46,6 +47,8 @@ def glue(
         max_states: How many states a local graph may list; a section with more has a diagram.
         most_listed: With more hardware that can fail a section has a diagram at once; ``None`` to list the
             states of every section.
+        strict: Whether to raise where the mission comes to what is not confluent or need not end; else
+            :meth:`mcpn.space.composite.Composite.torn` tells it.
         progress: Called after each local space and each junction, with how many of their kind there are.
 
     Returns:
@@ -71,11 +74,10 @@ def glue(
         usage, graph, placed, templates=templates, executor=executor, max_states=max_states, progress=progress
     )
     composite = Composite(usage, graph, tuple(placed), tuple(junctions))
-    while (found := next(composite.torn(), None)) is not None:
-        where, error = found
-        if not isinstance(error, Undecided):
-            raise _told(composite, where, error, templates)
-        composite = _listed_instead(composite, where, error, max_states)
+    while (tear := next(composite.torn(), None)) is not None and isinstance(tear.here.error, Undecided):
+        composite = _listed_instead(composite, tear.section, tear.here.error, max_states)
+    if tear is not None and strict:
+        raise error_of(composite, tear, templates)
     return composite
 
 
@@ -108,24 +110,26 @@ def judged_everywhere(
     )
     alone = Composite(usage, graph, tuple(placed))
     for p in placed:
-        for error in p.local.torn(p.local.inside, p.local.before):
-            raise _told(alone, p.section.name, error, templates)
+        for here in p.local.torn(p.local.inside, p.local.before):
+            raise error_of(alone, Tear(p, None, here), templates)
     for junction in open_junctions(
         usage, graph, placed, templates=templates, executor=executor, max_states=max_states
     ):
-        for error in junction.torn(junction.first.local.inside):
-            raise _told(
-                alone, f"{junction.first.section.name} to {junction.second.section.name}", error, templates
-            )
+        for here in junction.torn(junction.first.local.inside):
+            raise error_of(alone, Tear(junction.first, junction.second, here), templates)
     return placed
 
 
-def _listed_instead(composite: Composite, name: str, error: Undecided, max_states: int) -> Composite:
-    """The composite with the states of a section listed that its diagram does not decide."""
-    local = composite.by_name[name].local
+def _listed_instead(
+    composite: Composite, section: PlacedSection, error: Undecided, max_states: int
+) -> Composite:
+    """The composite with the states of a type of sections listed that its diagram does not decide."""
+    local, name = section.local, section.section.name
     graph = listed(local.net.net, max_states)
     if isinstance(graph, LimitError):
-        raise LimitError(f"in section {name}: {error} is left open by diagrams, and listing has {graph}")
+        raise LimitError(
+            f"in section {name}: diagrams leave {error} open, and listing its states takes {graph}"
+        )
     instead = LocalGraph(local.part, local.net, graph)
     sections = [replace(p, local=instead) if p.local is local else p for p in composite.sections]
     of = {p.section.name: p for p in sections}
@@ -133,20 +137,28 @@ def _listed_instead(composite: Composite, name: str, error: Undecided, max_state
     return Composite(composite.usage, composite.graph, tuple(sections), tuple(junctions))
 
 
-def _told(
-    composite: Composite, where: str, error: SemanticsError, templates: TemplateSet | None
-) -> SemanticsError:
-    """The error in a section's own names, with where it is and which contentions may be its reason."""
-    if where in composite.by_name:
-        placed = composite.by_name[where]
-        error = _renamed(error, placed, templates)
+def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) -> SemanticsError:
+    """The error of a tear in its sections' own names, with where it is and what may be its reason.
+
+    Args:
+        composite: The mission's composite.
+        tear: Where the mission comes to what is not confluent or need not end.
+        templates: Those that the mission is composed with.
+    """
+    error, name = tear.here.error, tear.section.section.name
+    if tear.onward is None:
+        error, where = _renamed(error, tear.section, templates), f"section {name}"
+    else:
+        where = f"sections {name} to {tear.onward.section.name}"
     if isinstance(error, UnsafeError):
         return error
+    text = str(error)
+    if tear.here.event == "MISSION_EV_START" and tear.section is not composite.first:
+        text = text.replace("after MISSION_EV_START", "at its entry")
     usage = composite.usage
     found = (*usage.contentions, *usage.exchanges) if isinstance(error, ConfluenceError) else ()
     reason = f" ({'; '.join(map(str, found))})" if found else ""
-    sections = "sections" if where not in composite.by_name else "section"
-    return type(error)(f"in {sections} {where}: {error}{reason}", error.runs)
+    return type(error)(f"in {where}: {text}{reason}", error.runs)
 
 
 def _renamed(error: SemanticsError, placed: PlacedSection, templates: TemplateSet | None) -> SemanticsError:

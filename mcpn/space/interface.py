@@ -63,6 +63,11 @@ class Frame:
         """All states."""
         return self.in_service.freeing(self.names)
 
+    def of_mask(self, mask: int) -> HardwareStates:
+        """The one state in which just these are out of service, by their bits."""
+        out = sorted(self.space.level[name] for bit, name in enumerate(self.names) if mask >> bit & 1)
+        return HardwareStates(self, self.space.store.singleton(out))
+
     def from_masks(self, masks: Mask) -> HardwareStates:
         """The states listed in an array.
 

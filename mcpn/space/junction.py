@@ -21,6 +21,7 @@ from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.confluence import prove_confluent
 from mcpn.space.local import DEFAULT_MAX_STATES, PlacedSection, Progress, in_section, results_of
+from mcpn.space.section import TornHere
 
 Pair: TypeAlias = tuple[PlacedSection, PlacedSection]
 
@@ -41,14 +42,15 @@ class Junction:
     graph: AlternativesGraph
     templates: TemplateSet | None
 
-    def torn(self, inside: Any) -> Iterator[SemanticsError]:
-        """Errors of what happens after some states of the first section's local space."""
-        own, index = self.first.net(self.templates).net, self.graph.net.place_index
-        places = [index[place.name] for place in own.places]
-        for torn in self.graph.torn:
-            tokens = self.graph.marking(torn.state)
-            if self.first.local.holds(inside, [tokens[p] for p in places]):
-                yield torn.error
+    def torn(self, inside: Any) -> Iterator[TornHere]:
+        """Events after some states of the first section's local space whose outcome is not one state."""
+        own, net = self.first.net(self.templates).net, self.graph.net
+        places = [net.place_index[place.name] for place in own.places]
+        for state, transition, error in self.graph.torn:
+            tokens = self.graph.marking(state)
+            here = self.first.local.among(inside, [tokens[p] for p in places])
+            if here:
+                yield TornHere(here, net.transitions[transition].event, error)
 
 
 def open_junctions(

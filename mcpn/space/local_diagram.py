@@ -8,12 +8,12 @@ from functools import cached_property, partial
 
 from mcpn_kernel import Zdd
 
-from mcpn.errors import ConfluenceError, SemanticsError
+from mcpn.errors import ConfluenceError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
 from mcpn.space.confluence import open_conflicts
 from mcpn.space.interface import Frame, HardwareSpace, HardwareStates
-from mcpn.space.section import Outcome, PremiseError
+from mcpn.space.section import Outcome, PremiseError, TornHere
 from mcpn.space.symbolic import SymbolicSpace, chained, distinct, elements
 
 
@@ -225,9 +225,9 @@ class LocalDiagram:
         """Internal transitions in conflict that some reachable marking enables both."""
         return list(open_conflicts(self.space))
 
-    def holds(self, states: Zdd, marking: Sequence[int]) -> bool:
-        """Whether a marking, as tokens by place, is among some states."""
-        return bool(self.space.encoding.set_of(marking) & states)
+    def among(self, states: Zdd, marking: Sequence[int]) -> Zdd:
+        """A marking, given as tokens by place, as a set of one if it is among some states, else empty."""
+        return self.space.encoding.set_of(marking) & states
 
     @cached_property
     def _endless(self) -> Zdd:
@@ -235,8 +235,8 @@ class LocalDiagram:
         reachable = self.space.reachable
         return reachable - self.stable.saturate(self._internal_back, within=reachable)
 
-    def torn(self, inside: Zdd, before: Zdd) -> Iterator[SemanticsError]:
-        """Errors where diagrams leave confluence or termination open after events in such states."""
+    def torn(self, inside: Zdd, before: Zdd) -> Iterator[TornHere]:
+        """Where diagrams leave confluence or termination open after events in states inside and before."""
         if not self._open and not self._endless:
             return
         events = self.space.encoding.events
@@ -244,10 +244,11 @@ class LocalDiagram:
         begun = before.images([events[self._start]]) | inside.images(ways)
         transient = begun.saturate(self._internal)
         if transient & self._endless:
-            yield Undecided("internal runs that need not end")
+            yield TornHere(inside, None, Undecided("internal runs that need not end"))
         names = self.net.net.transitions
         for first, second in open_conflicts(self.space, transient, self._open):
-            yield Undecided(f"a conflict of {names[first].name} and {names[second].name}")
+            found = f"a conflict of {names[first].name} and {names[second].name}"
+            yield TornHere(inside, None, Undecided(found))
 
     def check_premise(self, section: str) -> None:
         """Compares the states after the section with those before it.

@@ -8,13 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.graph import Ints, Mask, pack, rows
 from mcpn.space.interface import Frame, HardwareStates
-from mcpn.space.section import OUTCOMES, Outcome, PremiseError
+from mcpn.space.section import OUTCOMES, Outcome, PremiseError, TornHere
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,15 +206,18 @@ class LocalGraph:
         """Whether some of the states mark a place."""
         return bool((self.graph.marked(place) & states.mask).any())
 
-    def holds(self, states: Listed, marking: Sequence[int]) -> bool:
-        """Whether a marking, as tokens by place, is among some states."""
+    def among(self, states: Listed, marking: Sequence[int]) -> Listed:
+        """A marking, given as tokens by place, as a set of one if it is among some states, else empty."""
         row = pack([sum(1 << p for p, tokens in enumerate(marking) if tokens)], len(marking))
-        return bool((self.graph.markings[states.mask] == row).all(axis=1).any())
+        return Listed(states.mask & (self.graph.markings == row).all(axis=1))
 
-    def torn(self, inside: Listed, before: Listed) -> Iterator[SemanticsError]:
-        """Errors of events whose outcome is not one stable state, in states inside and before."""
+    def torn(self, inside: Listed, before: Listed) -> Iterator[TornHere]:
+        """Events whose outcome is not one stable state, in states inside and before."""
         concerned = (inside | before).mask
-        return (torn.error for torn in self.graph.torn if concerned[torn.state])
+        for state, transition, error in self.graph.torn:
+            if concerned[state]:
+                event = self.net.net.transitions[transition].event
+                yield TornHere(self._of(np.array([state])), event, error)
 
     def check_premise(self, section: str) -> None:
         """Compares each state after the section with the one before it of the same hardware.

@@ -7,7 +7,7 @@ those after, by the section's outcome. Composition needs no more of them than is
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, Protocol, Self, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 
 from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
@@ -46,6 +46,20 @@ class States(Protocol):
     def __bool__(self) -> bool: ...
     def count(self) -> int:
         """How many states there are."""
+
+
+class TornHere(NamedTuple):
+    """An event of a local space whose outcome is not one stable state, or is not known to be.
+
+    Attributes:
+        states: The state before it, as a set of one.
+        event: The event; ``MISSION_EV_START`` for the section's entry, ``None`` where it is not known.
+        error: What is wrong, with the runs that show it in the local net.
+    """
+
+    states: Any
+    event: str | None
+    error: SemanticsError
 
 
 class LocalSpace(Protocol):
@@ -118,8 +132,8 @@ class LocalSpace(Protocol):
     def marks(self, place: int, states: Any) -> bool:
         """Whether some of the states mark a place."""
 
-    def holds(self, states: Any, marking: Sequence[int]) -> bool:
-        """Whether a marking, as tokens by place, is among some states."""
+    def among(self, states: Any, marking: Sequence[int]) -> Any:
+        """A marking, given as tokens by place, as a set of one if it is among some states, else empty."""
 
     def check_premise(self, section: str) -> None:
         """Compares each state after the section with the one before it of the same hardware.
@@ -131,5 +145,5 @@ class LocalSpace(Protocol):
             PremiseError: Some place differs.
         """
 
-    def torn(self, inside: Any, before: Any) -> Iterator[SemanticsError]:
-        """Errors of events whose outcome is not one stable state, in states inside and before."""
+    def torn(self, inside: Any, before: Any) -> Iterator[TornHere]:
+        """Events whose outcome is not one stable state, in states inside and before."""
