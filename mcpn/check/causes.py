@@ -28,9 +28,8 @@ class GoalCauses:
         cut_sets: Minimal cut sets: of the mission at its start, of an objective at its entry.
         moments: Minimal cut sets by moment, see :class:`mcpn.check.cutsets.Moment`.
         critical: Events that cross into the losing region where nothing is repaired; ``None`` for a mission
-            by composition in which resources contend.
-        critical_with_repairs: The same where hardware may be repaired; ``None`` where some section is too
-            large for a local graph.
+            by composition in which resources contend, or with a parallel block too large for a local graph.
+        critical_with_repairs: The same where hardware may be repaired.
         runs: For each of the cut sets a shortest run to failure, where there is one; empty without the graph
             of the whole mission.
         nonmonotone: A pair of sets for which more failures are better, where there is one.
@@ -40,7 +39,7 @@ class GoalCauses:
     cut_sets: list[CutSet]
     moments: dict[str, list[CutSet]]
     critical: list[CriticalEvent] | None
-    critical_with_repairs: list[CriticalEvent] | None
+    critical_with_repairs: list[CriticalEvent]
     runs: dict[CutSet, tuple[Step, ...] | None]
     nonmonotone: Nonmonotone | None
 
@@ -177,7 +176,7 @@ def find_causes_locally(mission_net: MissionNet, *, max_states: int = DEFAULT_LO
     name = mission_net.mission.name
     known = [m for m in Moment if m is not Moment.SOMETIME or local.worst_known]
     moments = {m.value: listed(local.mission_at(m)) for m in known if m is not Moment.ENTRY}
-    events = local.critical() if local.exact else None
+    events = local.critical()
     with_repairs = local.critical_with_repairs()
     mission = GoalCauses(name, moments[Moment.START.value], moments, events, with_repairs, {}, None)
     during = {m.value: local.objective_at(m) for m in known if m is not Moment.START}

@@ -16,13 +16,15 @@ from collections.abc import Collection, Mapping
 from concurrent.futures import Executor
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from mcpn.check.availability import Availability
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
-from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses, TextSection
+from mcpn.check.large_sections import BlockSection, TextSection, critical_in_diagram, section_by_text
+from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses
 from mcpn.check.losing import CriticalEvent
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
@@ -31,10 +33,10 @@ from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.composite import ENDS, Composite
-from mcpn.space.gluing import judged_everywhere
-from mcpn.space.graph import Mask
-from mcpn.space.local import PlacedSection
-from mcpn.space.local_graph import Listed
+from mcpn.space.gluing import glue, judged_everywhere
+from mcpn.space.interface import HardwareStates
+from mcpn.space.local import MOST_LISTED, PlacedSection
+from mcpn.space.local_diagram import LocalDiagram
 from mcpn.space.section import OUTCOMES, Outcome
 
 DEFAULT_LOCAL_STATES = 1_000_000
@@ -70,10 +72,11 @@ class LocalLosses(Availability):
     ) -> None:
         super().__init__(usage)
         graph = usage.graph
-        small = [s for s in graph.sections if len(section_part(usage, s).faulty) <= self._most_faulty(s)]
+        faulty = {s.name: len(section_part(usage, s).faulty) for s in graph.sections}
+        small = [s for s in graph.sections if faulty[s.name] <= self._most_faulty(s)]
         text = Availability(usage, self.families)
         self._all: dict[str, SectionLosses] = {
-            s.name: TextSection(s, text) for s in graph.sections if s not in small
+            s.name: section_by_text(s, text) for s in graph.sections if s not in small
         }
         placed = judged_everywhere(
             usage,
@@ -84,11 +87,28 @@ class LocalLosses(Availability):
         )
         for p in placed:
             self._all[p.section.name] = GraphSection(p, self, templates)
-        self.composite = Composite(usage, graph, tuple(placed)) if len(placed) == len(self._all) else None
-        if self.composite is not None:
+        self.templates = templates
+        self.by_graphs = len(placed) == len(self._all)
+        """Whether every section has a local graph."""
+        if self.by_graphs:
+            self.composite = Composite(usage, graph, tuple(placed))
             for name, reached in self.composite.reached.items():
                 local = self._graph_section(name)
                 local.reached = reached.mask | ~local.placed.listed.inside.mask
+        else:
+            large = min(
+                number
+                for name, number in faulty.items()
+                if isinstance(self._all[name], TextSection | BlockSection)
+            )
+            self.composite = glue(
+                usage,
+                graph,
+                templates=templates,
+                executor=executor,
+                max_states=max_states,
+                most_listed=min(MOST_LISTED, large - 1),  # what has no graph here has a diagram there
+            )
         self.locals = self._entered()
         """The sections that some run enters, by name."""
 
@@ -229,6 +249,8 @@ class LocalLosses(Availability):
     @property
     def worst_known(self) -> bool:
         """Whether the worst moment can be told: nothing contends, or there is little hardware."""
+        if any(isinstance(section, BlockSection) for section in self._all.values()):
+            return False
         return self.exact or len(self.hardware) <= MAX_CONTENDED
 
     @cached_property
@@ -279,8 +301,14 @@ class LocalLosses(Availability):
                 return self.locals[section.name].critical_of(objective, repairs)
         return []
 
-    def critical(self) -> list[CriticalEvent]:
-        """Critical events of the mission without repairs, section by section, where nothing contends."""
+    def critical(self) -> list[CriticalEvent] | None:
+        """Critical events of the mission without repairs, section by section.
+
+        Returns:
+            ``None`` where resources contend, or where a parallel block has no local graph.
+        """
+        if not self.exact or any(isinstance(self._all[s.name], BlockSection) for s in self.entered):
+            return None
         first = self.usage.graph.entry
         return [
             critical
@@ -290,27 +318,34 @@ class LocalLosses(Availability):
             )
         ]
 
-    def critical_with_repairs(self) -> list[CriticalEvent] | None:
-        """Critical events of the mission with repairs, or ``None`` where a section has no local graph."""
+    def critical_with_repairs(self) -> list[CriticalEvent]:
+        """Critical events of the mission with repairs, section by section."""
         composite = self.composite
-        if composite is None:
-            return None
         good = composite.leading_to(["success"])
         found: list[CriticalEvent] = []
-        for name in good:
-            local = self._graph_section(name)
-            traps = {outcome: self._traps(composite, name, outcome, good) for outcome in OUTCOMES}
-            found += local.critical_with_repairs(good[name].mask, traps, name == self.usage.graph.entry)
+        for name, states in good.items():
+            placed, first = composite.by_name[name], name == self.usage.graph.entry
+            traps = {outcome: self._traps(name, outcome, good) for outcome in OUTCOMES}
+            if isinstance(placed.local, LocalDiagram):
+                found += critical_in_diagram(placed, states, traps, self.templates, first=first)
+            else:
+                masks = {outcome: trap.masks() for outcome, trap in traps.items()}
+                known = self._all[name]
+                listed = (
+                    known if isinstance(known, GraphSection) else GraphSection(placed, self, self.templates)
+                )
+                found += listed.critical_with_repairs(states.mask, masks, first)
         return found
 
-    def _traps(self, composite: Composite, name: str, outcome: Outcome, good: Mapping[str, Listed]) -> Mask:
-        """With which masks of its hardware a section's end may lose the mission, shape (masks,)."""
-        placed, route = composite.by_name[name], composite.route(name, outcome)
+    def _traps(self, name: str, outcome: Outcome, good: Mapping[str, Any]) -> HardwareStates:
+        """With which states of its hardware a section's end may lose the mission."""
+        placed, route = self.composite.by_name[name], self.composite.route(name, outcome)
         if route in ENDS:
-            return np.full(1 << len(placed.faulty), ENDS[route] == "failure")
-        target = composite.by_name[route]
-        lost = target.local.inside - good[route]
-        return target.entries(lost).seen_by(placed.frame).masks()
+            return placed.frame.everything if ENDS[route] == "failure" else placed.frame.nothing
+        if route not in good:  # the mission never ends the section so
+            return placed.frame.nothing
+        target = self.composite.by_name[route]
+        return target.entries(target.local.inside - good[route]).seen_by(placed.frame)
 
     # --- the losing region -----------------------------------------------------------------------------
 
@@ -322,22 +357,23 @@ class LocalLosses(Availability):
             objective: An elementary objective; the mission by default.
 
         Returns:
-            Number of stable states, or ``None`` where a section has no local graph.
+            Number of stable states, or ``None`` where that takes a local graph that a section has not.
         """
         composite = self.composite
-        if composite is None:
+        if not self.by_graphs and (objective is not None or not repairs):
             return None
         total = 0 if objective is not None else self._losing_outside(composite, repairs)
         good = composite.leading_to(["success"])
         for name, reached in composite.reached.items():
+            free = len(self.hardware) - len(composite.by_name[name].faulty)
+            if repairs and objective is None:
+                total += (reached - good[name]).count() << free
+                continue
             local = self._graph_section(name)
-            free = len(self.hardware) - len(local.here)
             if objective is not None:
                 goal = local.outlook.objectives.get(objective)
                 if goal is not None:
                     total += int((local.outlook.losing(goal, repairs) & reached.mask).sum()) << free
-            elif repairs:
-                total += (reached - good[name]).count() << free
             else:
                 lost = local.lost_behind(self._behind(name))
                 others = frozenset(range(len(self.hardware))) - local.here

@@ -17,8 +17,7 @@ from mcpn.check.availability import Availability
 from mcpn.check.cutsets import Losses, Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.losing import CriticalEvent, Goal, Outlook
-from mcpn.errors import LimitError
-from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.flatten import Section
 from mcpn.mission.model import FAIL
 from mcpn.net.templates import TemplateSet
 from mcpn.space.graph import Mask
@@ -247,76 +246,3 @@ class GraphSection:
                 local.before.mask[graph.sources] & local.inside.mask[graph.targets] & ~good[graph.targets]
             )
         return self.outlook.grouped(self._named(np.flatnonzero(crossing).tolist()))
-
-
-class TextSection:
-    """An elementary objective too large for a local graph, where nothing contends: its text says all.
-
-    Its states differ in what is out of service and in whether an alternative is still possible, and a run
-    without repairs that has one can succeed at once.
-
-    Args:
-        section: The section.
-        text: Loss functions from the mission's text.
-
-    Raises:
-        LimitError: It is a parallel block, or something in the mission contends.
-    """
-
-    def __init__(self, section: Section, text: Availability) -> None:
-        if not isinstance(section, ElementarySection) or not text.exact:
-            what = "is a parallel block" if text.exact else "is part of a mission in which resources contend"
-            raise LimitError(
-                f"section {section.name} uses too much hardware for a local graph, and {what}: its text "
-                "alone does not tell what is lost"
-            )
-        self.section: Section = section
-        self.families = text.families
-        self.hardware = text.hardware
-        self.succeeding = text.objective(section)
-        self.here: Out = frozenset(text.families.support(self.succeeding))
-        self.failing = NEVER
-
-    def exits(self, out: Out) -> tuple[set[Out], set[Out]]:
-        """What is out of service when forced runs from an entry leave by success, and by failure."""
-        lost = self.families.both(self.families.all_of(out), self.succeeding)
-        badly = {frozenset(members) for members in self.families.members(lost)}
-        return (set() if out in badly else {out}), badly
-
-    def objectives(self, moment: Moment, entries: Iterable[Out]) -> Mapping[str, Family]:
-        """Cut sets of the objective: at the worst moment those with which it can be entered."""
-        lost = self.succeeding
-        return {self.section.name: self._entered(lost, entries) if moment is Moment.SOMETIME else lost}
-
-    def beyond(self, moment: Moment, behind: Behind, entries: Iterable[Out]) -> Family:
-        """Cut sets of the mission while the objective runs."""
-        lost = self._lost(behind)
-        return self._entered(lost, entries) if moment is Moment.SOMETIME else lost
-
-    def _entered(self, lost: Family, entries: Iterable[Out]) -> Family:
-        found = NEVER
-        for out in entries:
-            found = self.families.either(found, self.families.both(self.families.all_of(out), lost))
-        return found
-
-    def _lost(self, behind: Behind) -> Family:
-        return self.families.both(self.families.either(self.succeeding, behind.success), behind.failure)
-
-    def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
-        """Critical events of the objective, for which repairs come too late; its modes are not told apart."""
-        return [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(self.succeeding)]
-
-    def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
-        """Critical events of the mission while the objective runs; its modes are not told apart."""
-        lost, either = self._lost(behind), self.families.either
-        found = [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(lost)]
-        if first:
-            found += [replace(critical, objectives=()) for critical in found]
-        running = either(lost, self.succeeding)
-        for before, after, end in ((running, behind.success, "OK"), (lost, behind.failure, "FAIL")):
-            if either(before, after) != before:
-                found.append(self._critical(f"OBJ_{self.section.name}_EV_{end}"))
-        return found
-
-    def _critical(self, event: str) -> CriticalEvent:
-        return CriticalEvent(event, (self.section.name,), {}, 1)

@@ -132,7 +132,8 @@ class LocalDiagram:
         return self.net.net.transitions[transition].internal
 
     @cached_property
-    def _start(self) -> int:
+    def start(self) -> int:
+        """The transition of the section's entry."""
         transitions = self.net.net.transitions
         (start,) = [t for t, of in enumerate(transitions) if of.event == "MISSION_EV_START"]
         return start
@@ -140,7 +141,7 @@ class LocalDiagram:
     @cached_property
     def _by_element(self) -> list[list[int]]:
         """Event transitions but for the start, by the element that they are of."""
-        return [of for of in elements(self.space.encoding) if self._start not in of]
+        return [of for of in elements(self.space.encoding) if self.start not in of]
 
     def _settled(self, after: Zdd) -> Zdd:
         """The stable markings in which internal evolution ends."""
@@ -154,11 +155,11 @@ class LocalDiagram:
 
     def begin(self, before: Zdd) -> Zdd:
         """First states inside after the start from states before."""
-        return self._settled(before.images([self.space.encoding.events[self._start]]))
+        return self._settled(before.images([self.space.encoding.events[self.start]]))
 
     def beginnings(self, inside: Zdd) -> Zdd:
         """States before whose start leads into some states inside."""
-        return self._leading(inside, [self._start], self.before)
+        return self._leading(inside, [self.start], self.before)
 
     def reached(self, inside: Zdd) -> Zdd:
         """States inside to which runs inside lead from some, those included."""
@@ -198,7 +199,25 @@ class LocalDiagram:
         marked = states.pick()
         return states if marked is None else self.space.encoding.store.singleton(marked)
 
+    def crossing(self, goal: Zdd, among: Zdd) -> list[tuple[int, Zdd]]:
+        """Event transitions that lead from some states inside to a goal, each with its states before."""
+        ending = goal.saturate(self._internal_back, within=self.space.reachable)
+        undoing = self.space.encoding.undoing
+        ways = ((t, ending.images([undoing[t]], within=among)) for of in self._by_element for t in of)
+        return [(transition, before) for transition, before in ways if before]
+
     # --- what is in them ---
+
+    def grouped(self, states: Zdd, places: Sequence[int]) -> list[tuple[list[int], int]]:
+        """How many of some states there are for each way to mark some places, given as those marked."""
+        encoding = self.space.encoding
+        kept = sorted({*encoding.levels(places), *encoding.partners(places)})
+        found = []
+        for marked in states.onto(kept):
+            alike = states.subset(marked=marked, unmarked=[level for level in kept if level not in marked])
+            tokens = encoding.marking(marked)
+            found.append(([p for p in places if tokens[p]], alike.count()))
+        return found
 
     def edges(self, inside: Zdd) -> int:
         """Number of events, state by state."""
@@ -241,7 +260,7 @@ class LocalDiagram:
             return
         events = self.space.encoding.events
         ways = distinct(events[t] for of in self._by_element for t in of)
-        begun = before.images([events[self._start]]) | inside.images(ways)
+        begun = before.images([events[self.start]]) | inside.images(ways)
         transient = begun.saturate(self._internal)
         if transient & self._endless:
             yield TornHere(inside, None, Undecided("internal runs that need not end"))
