@@ -14,7 +14,9 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mcpn_kernel import MemoryLimit
 
+from mcpn.cli import main
 from tests.conftest import ULYSSE
 from tests.mission.test_broken import BROKEN
 
@@ -361,6 +363,50 @@ def test_a_mission_is_checked_by_every_engine(engine: str) -> None:
     found = json.loads(mcpn("check", ULYSSE, "--engine", engine, "--json").stdout)
     assert found["alternatives"] == {"states": 260, "edges": 1332}
     assert found["engine"] == engine
+
+
+def test_a_section_with_much_hardware_is_checked_locally(tmp_path: Path) -> None:
+    file = tmp_path / "ladder.xml"
+    count = 24
+    hardware = "".join(f'<hardware name="h{i}"/>' for i in range(count))
+    ways = "".join(f'<alternative name="w{i}" consumes="h{i}"/>' for i in range(count))
+    file.write_text(
+        f'<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{hardware}<activity name="a">{ways}'
+        '</activity></robot><objective name="o" activities="a"/></mission>'
+    )
+    found = output("check", file, "--engine", "local")
+    # Before and after either end all states of the hardware; inside, each with the activity refused, and each
+    # with one of the resources in service held: half of them on average.
+    assert found["alternatives"]["states"] == (4 + count // 2) << count
+    assert all(found["verdicts"][name] for name in ("confluent", "can_always_finish", "failure_reachable"))
+    assert found["witnesses"]["failure_reachable"] == [["MISSION_EV_START", "OBJ_o_EV_FAIL"]]
+
+
+def test_markings_are_counted_beside_local_spaces_where_asked_for() -> None:
+    local, symbolic = (
+        output("states", ULYSSE, "--engine", "local"),
+        output("states", ULYSSE, "--engine", "symbolic"),
+    )
+    asked = output("states", ULYSSE, "--engine", "local", "--markings")
+    counted = ("states", "edges", "dead_states", "max_tokens")
+    assert {name: local[name] for name in counted} == dict.fromkeys(counted)
+    assert {name: asked[name] for name in counted} == {name: symbolic[name] for name in counted}
+    assert local["stable_states"] == asked["stable_states"] == symbolic["stable_states"] == 260
+    assert mcpn("states", ULYSSE, "--markings").returncode == 2
+
+
+def test_memory_that_runs_out_is_an_error_that_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def nothing_left(*_: object, **__: object) -> None:
+        raise MemoryLimit("the store's memory limit of 1 bytes was hit at 0 nodes")
+
+    monkeypatch.setattr("mcpn.space.summary.summarise", nothing_left)
+    monkeypatch.setattr(sys, "argv", ["mcpn", "states", str(ULYSSE)])
+    with pytest.raises(SystemExit) as caught:
+        main()
+    assert caught.value.code == 2
+    assert capsys.readouterr().err.startswith("error: out of memory: the store's memory limit of 1 bytes")
 
 
 def test_a_controller_in_two_levels_is_written(tmp_path: Path) -> None:

@@ -32,6 +32,9 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     except McpnError as error:
         sys.exit(_tell(error))
+    except MemoryError as error:  # of a diagram store, whose limit it names, or of this process
+        click.echo(f"error: out of memory: {error or 'this process has no more'}", err=True)
+        sys.exit(EXIT_BAD_INPUT)
     except (KeyboardInterrupt, click.Abort):
         click.echo("interrupted", err=True)
         sys.exit(EXIT_INTERRUPTED)

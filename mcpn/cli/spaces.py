@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     default="explicit",
     show_default=True,
 )
+@click.option("--markings", is_flag=True, help="With --engine local: count markings too, on the whole net.")
 @click.option("--order", type=FILE, help="Read the diagram's order of places instead of racing several.")
 @click.option("--seed", type=int, help="Draw one more order for the race; the same seed, the same race.")
 @click.option("--save-order", type=FILE, help="Write the order of places that was used.")
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 def states(
     file: Path,
     engine: str,
+    markings: bool,
     order: Path | None,
     seed: int | None,
     save_order: Path | None,
@@ -60,8 +62,11 @@ def states(
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and engine != "symbolic":
         raise click.UsageError("--order, --seed and --save-order are of the symbolic engine")
+    if markings and engine != "local":
+        raise click.UsageError("--markings is of the local engine; the others count markings anyway")
     if engine == "local":
-        emit_counts(_local_counts(mission_net_of(file, import_root), max_states, as_json), as_json)
+        counts = _local_counts(mission_net_of(file, import_root), max_states, as_json, markings=markings)
+        emit_counts(counts, as_json)
         return
     net = net_of(file, import_root)
     if chosen:
@@ -84,16 +89,21 @@ def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: P
     return summary_of(space, started)
 
 
-def _local_counts(mission_net: MissionNet, max_states: int | None, quiet: bool) -> dict[str, object]:
-    """Stable states are exact; markings that local graphs do not tell are null."""
+def _local_counts(
+    mission_net: MissionNet, max_states: int | None, quiet: bool, *, markings: bool
+) -> dict[str, object]:
+    """Stable states are exact; what local spaces do not tell is null, or asked of the whole net's diagram."""
+    from mcpn.space.summary import summarise
+
     started = time.perf_counter()
     with progress_line(quiet) as progress:
         composite = composite_of(mission_net, max_states, progress)
-    unknown = dict.fromkeys(("states", "edges", "dead_states", "max_tokens", "nodes"))
+    names = ("states", "edges", "dead_states", "max_tokens", "nodes")
+    whole = summarise(mission_net.net, "symbolic") if markings else None
     return {
         "places": len(mission_net.net.places),
         "transitions": len(mission_net.net.transitions),
-        **unknown,
+        **{name: getattr(whole, name, None) for name in names},
         "stable_states": composite.states,
         "engine": "local",
         "seconds": time.perf_counter() - started,

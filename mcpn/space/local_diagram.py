@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property, partial, wraps
+from typing import Any, TypeVar, cast
 
 from mcpn_kernel import Zdd
 
@@ -15,6 +16,21 @@ from mcpn.space.confluence import open_conflicts
 from mcpn.space.interface import Frame, HardwareSpace, HardwareStates
 from mcpn.space.section import Outcome, PremiseError, TornHere
 from mcpn.space.symbolic import SymbolicSpace, chained, distinct, elements
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+def once(method: Method) -> Method:
+    """A method that remembers its results: sections of one type ask their local space the same again."""
+
+    @wraps(method)
+    def remembering(self: LocalDiagram, *arguments: Hashable) -> Any:
+        key = method.__name__, arguments
+        if key not in self._known:
+            self._known[key] = method(self, *arguments)
+        return self._known[key]
+
+    return cast(Method, remembering)
 
 
 class Undecided(ConfluenceError):
@@ -34,7 +50,7 @@ class LocalDiagram:
     part: LocalPart
     net: MissionNet
     space: SymbolicSpace
-    _reached: dict[Zdd, Zdd] = field(default_factory=dict)
+    _known: dict[tuple[str, tuple[Hashable, ...]], Any] = field(default_factory=dict)
 
     @property
     def faulty(self) -> tuple[str, ...]:
@@ -92,6 +108,7 @@ class LocalDiagram:
             found.append((encoding.level[place if partner is None else partner], partner is not None))
         return found
 
+    @once
     def hardware(self, states: Zdd, frame: Frame) -> HardwareStates:
         """Which hardware is out of service in some states, by the names of a section of the type."""
         store = self.space.encoding.store
@@ -104,6 +121,7 @@ class LocalDiagram:
 
         return frame.from_diagram(states.onto(sorted(level for level, _ in self._bits)), split)
 
+    @once
     def with_hardware(self, states: Zdd, hardware: HardwareStates) -> Zdd:
         """Those of some states whose hardware is in one of some states."""
         store, told = self.space.encoding.store, {level for level, _ in self._bits}
@@ -153,30 +171,32 @@ class LocalDiagram:
         ending = goal.saturate(self._internal_back, within=self.space.reachable)
         return ending.images(distinct(undoing[t] for t in transitions), within=among)
 
+    @once
     def begin(self, before: Zdd) -> Zdd:
         """First states inside after the start from states before."""
         return self._settled(before.images([self.space.encoding.events[self.start]]))
 
+    @once
     def beginnings(self, inside: Zdd) -> Zdd:
         """States before whose start leads into some states inside."""
         return self._leading(inside, [self.start], self.before)
 
+    @once
     def reached(self, inside: Zdd) -> Zdd:
         """States inside to which runs inside lead from some, those included."""
-        if inside not in self._reached:
-            steps = [partial(self._ahead, transitions=of) for of in self._by_element]
-            self._reached[inside] = chained(inside, steps)
-        return self._reached[inside]
+        return chained(inside, [partial(self._ahead, transitions=of) for of in self._by_element])
 
     def _ahead(self, states: Zdd, transitions: Iterable[int]) -> Zdd:
         events = self.space.encoding.events
         return self._settled(states.images(distinct(events[t] for t in transitions))) & self.inside
 
+    @once
     def reaching(self, goal: Zdd) -> Zdd:
         """States inside from which some run through the inside leads to a goal, inside or after."""
         steps = [partial(self._leading, transitions=of, among=self.inside) for of in self._by_element]
         return chained(goal, steps) & self.inside
 
+    @once
     def after(self, inside: Zdd) -> Zdd:
         """States, inside or after the section, one event after states inside."""
         events = self.space.encoding.events
