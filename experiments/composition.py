@@ -32,10 +32,10 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.space.composite import Composite
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.explicit import explore
-from mcpn.space.gluing import glue
+from mcpn.space.local.composite import Composite
+from mcpn.space.local.gluing import glue
 from mcpn.space.symbolic import reach
 
 SECONDS, GIB = 60, 4

@@ -25,11 +25,11 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
-from mcpn.space.composite import Composite, Tear
-from mcpn.space.gluing import error_of, glue
-from mcpn.space.local import DEFAULT_MAX_STATES, MOST_LISTED, PlacedSection, Progress
-from mcpn.space.local_diagram import LocalDiagram
-from mcpn.space.section import OUTCOMES
+from mcpn.space.local.composite import Composite, Tear
+from mcpn.space.local.diagram import LocalDiagram
+from mcpn.space.local.gluing import error_of, glue
+from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED, PlacedSection, Progress
+from mcpn.space.local.protocol import OUTCOMES
 
 
 def check_by_composition(

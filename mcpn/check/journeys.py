@@ -8,10 +8,10 @@ from typing import Any
 
 from mcpn.check.runs import Step, replay, what_happens
 from mcpn.net.templates import TemplateSet
-from mcpn.space.composite import ENDS, Composite, Tear
-from mcpn.space.interface import HardwareStates
-from mcpn.space.local import PlacedSection
-from mcpn.space.section import OUTCOMES, Outcome
+from mcpn.space.local.composite import ENDS, Composite, Tear
+from mcpn.space.local.interface import HardwareStates
+from mcpn.space.local.placing import PlacedSection
+from mcpn.space.local.protocol import OUTCOMES, Outcome
 
 START = "MISSION_EV_START"
 """The event with which a mission begins, and each section in its own net."""

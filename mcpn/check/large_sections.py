@@ -21,10 +21,10 @@ from mcpn.check.losing import CriticalEvent
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.net.templates import TemplateSet
-from mcpn.space.interface import HardwareStates
-from mcpn.space.local import PlacedSection
-from mcpn.space.local_diagram import LocalDiagram
-from mcpn.space.section import Outcome
+from mcpn.space.local.diagram import LocalDiagram
+from mcpn.space.local.interface import HardwareStates
+from mcpn.space.local.placing import PlacedSection
+from mcpn.space.local.protocol import Outcome
 
 
 def section_by_text(section: Section, text: Availability) -> SectionLosses:

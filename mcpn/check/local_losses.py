@@ -32,12 +32,12 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
-from mcpn.space.composite import ENDS, Composite
-from mcpn.space.gluing import glue, judged_everywhere
-from mcpn.space.interface import HardwareStates
-from mcpn.space.local import MOST_LISTED, PlacedSection
-from mcpn.space.local_diagram import LocalDiagram
-from mcpn.space.section import OUTCOMES, Outcome
+from mcpn.space.local.composite import ENDS, Composite
+from mcpn.space.local.diagram import LocalDiagram
+from mcpn.space.local.gluing import glue, judged_everywhere
+from mcpn.space.local.interface import HardwareStates
+from mcpn.space.local.placing import MOST_LISTED, PlacedSection
+from mcpn.space.local.protocol import OUTCOMES, Outcome
 
 DEFAULT_LOCAL_STATES = 1_000_000
 TEXT_BEYOND = 10

@@ -21,8 +21,8 @@ from mcpn.mission.flatten import Section
 from mcpn.mission.model import FAIL
 from mcpn.net.templates import TemplateSet
 from mcpn.space.graph import Mask
-from mcpn.space.local import PlacedSection
-from mcpn.space.section import Outcome
+from mcpn.space.local.placing import PlacedSection
+from mcpn.space.local.protocol import Outcome
 
 Out = frozenset[int]
 """Elements that are out of service."""

@@ -18,9 +18,9 @@ from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, Se
 from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
-from mcpn.space.composite import Composite
 from mcpn.space.explicit import Progress, explore
 from mcpn.space.graph import Mask, StateGraph
+from mcpn.space.local.composite import Composite
 from mcpn.space.symbolic import SymbolicSpace
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")

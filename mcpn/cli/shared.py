@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
-    from mcpn.space.composite import Composite
+    from mcpn.space.local.composite import Composite
 
 EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
 
@@ -84,8 +84,8 @@ def composite_of(
     listed: bool = False,
 ) -> Composite:
     """The local spaces of a mission, glued; with the states of every section listed where so asked."""
-    from mcpn.space.gluing import glue
-    from mcpn.space.local import DEFAULT_MAX_STATES, MOST_LISTED
+    from mcpn.space.local.gluing import glue
+    from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED
 
     return glue(
         mission_net.usage,

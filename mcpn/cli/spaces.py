@@ -181,8 +181,8 @@ def _alternatives(
 ) -> AlternativesGraph:
     from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
     from mcpn.space.confluence import direct_with_proof
-    from mcpn.space.expand import expand
     from mcpn.space.explicit import explore
+    from mcpn.space.local.expand import expand
 
     limits = _limits(max_states)
     if method == "local":

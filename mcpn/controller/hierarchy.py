@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mcpn.controller.machine import Machine, controller
-from mcpn.space.composite import Composite
+from mcpn.space.local.composite import Composite
 
 
 @dataclass(frozen=True)

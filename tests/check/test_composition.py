@@ -13,7 +13,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import Activity, Alternative, Block, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
-from mcpn.space.local import MOST_LISTED
+from mcpn.space.local.placing import MOST_LISTED
 from mcpn.testing import missions
 from tests.check.test_properties import play
 

@@ -15,13 +15,13 @@ from mcpn.mission.model import Activity, Hardware, Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.space.composite import Composite
-from mcpn.space.expand import expand
 from mcpn.space.explicit import explore
-from mcpn.space.gluing import glue
 from mcpn.space.graph import Mask
-from mcpn.space.local_diagram import LocalDiagram
-from mcpn.space.section import OUTCOMES, Outcome, PremiseError
+from mcpn.space.local.composite import Composite
+from mcpn.space.local.diagram import LocalDiagram
+from mcpn.space.local.expand import expand
+from mcpn.space.local.gluing import glue
+from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError
 from mcpn.testing import missions
 
 

@@ -11,10 +11,10 @@ from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
-from mcpn.space.composite import ENDS, Composite
 from mcpn.space.graph import pack
-from mcpn.space.local import PlacedSection
-from mcpn.space.section import OUTCOMES
+from mcpn.space.local.composite import ENDS, Composite
+from mcpn.space.local.placing import PlacedSection
+from mcpn.space.local.protocol import OUTCOMES
 
 State = tuple[str, int, int]
 """A section's name (or begin, succeed, fail), a state of its local graph (0), hardware out of service."""

@@ -12,8 +12,8 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.graph import Ints, Mask, pack, rows
-from mcpn.space.interface import Frame, HardwareStates
-from mcpn.space.section import OUTCOMES, Outcome, PremiseError, TornHere
+from mcpn.space.local.interface import Frame, HardwareStates
+from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError, TornHere
 
 
 @dataclass(frozen=True, eq=False)

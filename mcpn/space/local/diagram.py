@@ -13,8 +13,8 @@ from mcpn.errors import ConfluenceError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
 from mcpn.space.confluence import open_conflicts
-from mcpn.space.interface import Frame, HardwareSpace, HardwareStates
-from mcpn.space.section import Outcome, PremiseError, TornHere
+from mcpn.space.local.interface import Frame, HardwareSpace, HardwareStates
+from mcpn.space.local.protocol import Outcome, PremiseError, TornHere
 from mcpn.space.symbolic import SymbolicSpace, chained, distinct, elements
 
 Method = TypeVar("Method", bound=Callable[..., Any])

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
 from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
-from mcpn.space.interface import Frame, HardwareStates
+from mcpn.space.local.interface import Frame, HardwareStates
 
 Outcome: TypeAlias = Literal["success", "failure"]
 OUTCOMES: tuple[Outcome, Outcome] = ("success", "failure")

@@ -12,9 +12,11 @@ from mcpn.mission.usage import Usage
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
-from mcpn.space.composite import Composite, Tear
-from mcpn.space.junction import open_junctions
-from mcpn.space.local import (
+from mcpn.space.local.composite import Composite, Tear
+from mcpn.space.local.diagram import Undecided
+from mcpn.space.local.graph import LocalGraph
+from mcpn.space.local.junction import open_junctions
+from mcpn.space.local.placing import (
     DEFAULT_MAX_STATES,
     MOST_LISTED,
     PlacedSection,
@@ -22,8 +24,6 @@ from mcpn.space.local import (
     listed,
     local_graphs,
 )
-from mcpn.space.local_diagram import Undecided
-from mcpn.space.local_graph import LocalGraph
 
 
 def glue(
@@ -48,7 +48,7 @@ def glue(
         most_listed: With more hardware that can fail a section has a diagram at once; ``None`` to list the
             states of every section.
         strict: Whether to raise where the mission comes to what is not confluent or need not end; else
-            :meth:`mcpn.space.composite.Composite.torn` tells it.
+            :meth:`mcpn.space.local.composite.Composite.torn` tells it.
         progress: Called after each local space and each junction, with how many of their kind there are.
 
     Returns:

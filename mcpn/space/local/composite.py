@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
-from mcpn.space.interface import HardwareStates
-from mcpn.space.junction import Junction
-from mcpn.space.local import PlacedSection
-from mcpn.space.section import OUTCOMES, Outcome, TornHere
+from mcpn.space.local.interface import HardwareStates
+from mcpn.space.local.junction import Junction
+from mcpn.space.local.placing import PlacedSection
+from mcpn.space.local.protocol import OUTCOMES, Outcome, TornHere
 
 ENDS: Mapping[str, Outcome] = {SUCCEED: "success", FAIL: "failure"}
 

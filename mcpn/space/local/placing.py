@@ -25,10 +25,10 @@ from mcpn.net.sections import LocalPart, Renaming, section_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.confluence import direct_with_proof
-from mcpn.space.interface import Frame, HardwareSpace, HardwareStates
-from mcpn.space.local_diagram import LocalDiagram
-from mcpn.space.local_graph import LocalGraph
-from mcpn.space.section import LocalSpace, Outcome
+from mcpn.space.local.diagram import LocalDiagram
+from mcpn.space.local.graph import LocalGraph
+from mcpn.space.local.interface import Frame, HardwareSpace, HardwareStates
+from mcpn.space.local.protocol import LocalSpace, Outcome
 from mcpn.space.symbolic import reach
 
 DEFAULT_MAX_STATES = 1_000_000
@@ -117,7 +117,7 @@ def local_graphs(
     """Explores each type of sections once.
 
     A section whose internal evolution depends on interleaving is no error here: its space tells where
-    (:meth:`mcpn.space.section.LocalSpace.torn`), and the composite asks whether the mission comes there.
+    (:meth:`mcpn.space.local.protocol.LocalSpace.torn`); the composite asks whether the mission comes there.
 
     Args:
         usage: Static facts of the mission.

@@ -20,8 +20,14 @@ from mcpn.net.sections import LocalPart, junction_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.confluence import prove_confluent
-from mcpn.space.local import DEFAULT_MAX_STATES, PlacedSection, Progress, in_section, results_of
-from mcpn.space.section import TornHere
+from mcpn.space.local.placing import (
+    DEFAULT_MAX_STATES,
+    PlacedSection,
+    Progress,
+    in_section,
+    results_of,
+)
+from mcpn.space.local.protocol import TornHere
 
 Pair: TypeAlias = tuple[PlacedSection, PlacedSection]
 

@@ -1,0 +1,1 @@
+"""Composition: each type of sections explored on its own, glued at the states of their hardware."""
