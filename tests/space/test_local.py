@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from multiprocessing import get_context
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,7 +117,39 @@ def _losing(composite: Composite, goals: set[Outcome]) -> int:
 # --- the premise ---------------------------------------------------------------------------------------
 
 
+@contextmanager
+def leaving_out(canvas: Canvas, name: str) -> Iterator[None]:
+    """A transition that a user's template forgets to draw."""
+    draw = canvas.transition
+
+    def drawn(transition: str, **more: Any) -> None:
+        if transition != name:
+            draw(transition, **more)
+
+    canvas.transition = drawn  # type: ignore[method-assign, assignment]
+    try:
+        yield
+    finally:
+        canvas.transition = draw  # type: ignore[method-assign]
+
+
 class Outliving(PaperTemplates):
+    """A user's templates in which the activity ``filming`` goes on when its objective tells it to stop."""
+
+    def activity(self, canvas: Canvas, activity: Activity) -> None:
+        with leaving_out(canvas, "filming_stop1"):
+            super().activity(canvas, activity)
+
+
+class Keeping(PaperTemplates):
+    """A user's templates in which a resource is asked to be released and is not."""
+
+    def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+        with leaving_out(canvas, "thruster_actuator_8"):
+            super().hardware(canvas, resource)
+
+
+class Spending(PaperTemplates):
     """A user's templates in which the activity ``filming`` uses up its film for good."""
 
     def activity(self, canvas: Canvas, activity: Activity) -> None:
@@ -125,7 +160,7 @@ class Outliving(PaperTemplates):
             pen.transition("filming_used", [film], [], read=[running], event="FILMING_EV_USED")
 
 
-class Holding(PaperTemplates):
+class Wearing(PaperTemplates):
     """A user's templates in which a resource, once used, is not what it was."""
 
     def hardware(self, canvas: Canvas, resource: Hardware) -> None:
@@ -140,8 +175,10 @@ class Holding(PaperTemplates):
 @pytest.mark.parametrize(
     ("templates", "place", "section"),
     [
-        (Outliving(), "filming_film", "transect.census"),
-        (Holding(), "thruster_actuator_new", "coral_head.manual_moving"),
+        (Outliving(), "filming_Stop", "transect.census"),
+        (Keeping(), "thruster_actuator_free", "coral_head.manual_moving"),
+        (Spending(), "filming_film", "transect.census"),
+        (Wearing(), "thruster_actuator_new", "coral_head.manual_moving"),
     ],
 )
 def test_a_section_that_leaves_something_behind_is_refused(
