@@ -43,6 +43,9 @@ class Zdd:
     def nodes(self) -> int:
         """Number of nodes of the diagram, terminals aside."""
 
+    def to_bytes(self) -> bytes:
+        """The set as a table of its nodes, for :meth:`Store.from_bytes` of a store with as many levels."""
+
     def pick(self) -> list[int] | None:
         """Some marking, the same each time."""
 
@@ -76,6 +79,9 @@ class Store:
 
     def __new__(cls, levels: int, memory_limit: int = ...) -> Store: ...
     def empty(self) -> Zdd: ...
+    def from_bytes(self, data: bytes) -> Zdd:
+        """The set that :meth:`Zdd.to_bytes` told; a ValueError for anything else."""
+
     def singleton(self, marked: Sequence[int]) -> Zdd: ...
     def event(
         self,

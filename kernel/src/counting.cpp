@@ -184,6 +184,45 @@ bool Store::possible(std::uint32_t suffix, const std::vector<bool>& support) con
   return true;
 }
 
+std::vector<std::uint32_t> Store::table(Node a) {
+  std::vector<Node> nodes;
+  walk(a, [&](Node n) { nodes.push_back(n); });
+  std::stable_sort(nodes.begin(), nodes.end(), [&](Node x, Node y) { return level(x) > level(y); });
+  std::unordered_map<Node, std::uint32_t, KeyHash> number{{0, 0}, {1, 1}};
+  std::vector<std::uint32_t> rows;
+  for (const Node n : nodes) {
+    rows.insert(rows.end(), {level(n), number.at(lo(n)), number.at(hi(n))});
+    number.emplace(n, std::uint32_t(number.size()));
+  }
+  if (nodes.empty()) rows = {levels, a, a};
+  return rows;
+}
+
+Node Store::from_table(const std::vector<std::uint32_t>& rows) {
+  const auto wrong = [](const char* what) { throw std::invalid_argument(std::string("no table of a set: ") + what); };
+  if (rows.empty() || rows.size() % 3) wrong("rows are triples");
+  if (rows[0] == levels) return rows.size() == 3 && rows[1] < 2 && rows[1] == rows[2] ? rows[1] : (wrong("a terminal"), 0);
+  std::vector<Node> nodes{0, 1};
+  const auto release = [&] {
+    for (std::size_t i = 2; i < nodes.size(); ++i) drop(nodes[i]);
+  };
+  try {
+    for (std::size_t i = 0; i < rows.size(); i += 3) {
+      if (rows[i] >= levels) wrong("a level too many");
+      if (rows[i + 1] >= nodes.size() || rows[i + 2] >= nodes.size()) wrong("children come first");
+      const Node low = nodes[rows[i + 1]], high = nodes[rows[i + 2]];
+      if (high == 0 || level(low) <= rows[i] || level(high) <= rows[i]) wrong("levels go down, and marked sides are not empty");
+      nodes.push_back(make(rows[i], low, high));
+      keep(nodes.back());
+    }
+  } catch (...) {
+    release();
+    throw;
+  }
+  release();
+  return nodes.back();
+}
+
 bool Store::pick(Node a, std::vector<Level>& marking) {
   if (a == 0) return false;
   while (a != 1) {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <condition_variable>
 #include <exception>
 #include <functional>
@@ -290,6 +291,10 @@ NB_MODULE(mcpn_kernel, module) {
         return measured(a, [&](Store& s) { return s.largest(a.node, weights); });
       }, nb::arg("weights"))
       .def("nodes", [](const Handle& a) { return a.owner->at_rest().size(a.node); })
+      .def("to_bytes", [](const Handle& a) {
+        const std::vector<std::uint32_t> rows = measured(a, [&](Store& s) { return s.table(a.node); });
+        return nb::bytes(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(rows[0]));
+      })
       .def("pick", [](const Handle& a) -> std::optional<std::vector<Level>> {
         std::vector<Level> marking;
         if (!a.owner->at_rest().pick(a.node, marking)) return std::nullopt;
@@ -344,6 +349,12 @@ NB_MODULE(mcpn_kernel, module) {
         const std::vector<Level> levels = s->sorted(marked);
         return computed(s, 0, [&](Store& store) { return store.singleton(levels); });
       }, nb::arg("marked"))
+      .def("from_bytes", [](std::shared_ptr<PyStore> s, const nb::bytes& data) {
+        if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no table of a set: rows are triples");
+        std::vector<std::uint32_t> rows(data.size() / sizeof(std::uint32_t));
+        std::memcpy(rows.data(), data.c_str(), data.size());
+        return computed(s, 0, [&](Store& store) { return store.from_table(rows); });
+      }, nb::arg("data"))
       .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {
         return s.touches({{Touch::consume, consume}, {Touch::produce, produce}, {Touch::read, read}, {Touch::zero, zero}});
       }, nb::arg("consume"), nb::arg("produce"), nb::arg("read") = Levels{}, nb::arg("zero") = Levels{})

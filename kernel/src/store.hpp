@@ -69,6 +69,8 @@ class Store {
   std::vector<bool> support(Node a);  // levels that some marking marks
   bool possible(std::uint32_t suffix, const std::vector<bool>& support) const;  // no level wanted that none marks
   bool pick(Node a, std::vector<Level>& marking);
+  std::vector<std::uint32_t> table(Node a);  // triples (level, lo, hi), children first; 0 and 1 are the terminals
+  Node from_table(const std::vector<std::uint32_t>& rows);  // the set of the last triple, the others being parts of it
 
   // --- life ---
   void keep(Node a) {

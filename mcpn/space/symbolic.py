@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 from mcpn_kernel import BudgetExceeded, MemoryLimit, Store, Zdd
 
@@ -38,6 +39,7 @@ class Encoding:
 
     def __init__(self, net: PetriNet, order: Order, memory_limit: int) -> None:
         self.net = net
+        self.memory_limit = memory_limit
         self.partner: dict[int, int] = {}
         for kept, dropped in complements(net):
             if kept not in self.partner and dropped not in self.partner:
@@ -131,6 +133,12 @@ class SymbolicSpace:
     places: Order
     peak_nodes: int
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A space goes from process to process as tables of its diagrams."""
+        stable = None if self.stable is None else self.stable.to_bytes()
+        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit
+        return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
+
     @cached_property
     def states(self) -> int:
         """Number of reachable markings."""
@@ -169,6 +177,15 @@ class SymbolicSpace:
         """Most tokens in a marking."""
         weights, always = self.encoding.weigh(dict.fromkeys(range(len(self.encoding.net.places)), 1))
         return self.reachable.largest(weights) + always
+
+
+def _revived(
+    net: PetriNet, reachable: bytes, stable: bytes | None, order: str, places: Order, peak: int, memory: int
+) -> SymbolicSpace:
+    encoding = Encoding(net, places, memory)
+    sets = [None if told is None else encoding.store.from_bytes(told) for told in (reachable, stable)]
+    assert sets[0] is not None, "what is reachable is always told"
+    return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak)
 
 
 def reach(

@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterable
 from itertools import combinations, product
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -89,6 +90,28 @@ def test_the_first_of_several_conditions_and_what_is_forgotten_on_every_set_over
             assert zdd.first(conditions[start:]) == expected
         for levels in subsets:
             assert zdd.onto(levels) == build(store, {m & set(levels) for m in markings})
+
+
+def test_sets_go_from_store_to_store_and_nothing_else_does() -> None:
+    here, there = Store(3), Store(3)
+    for markings in SETS_3:
+        zdd = build(here, markings)
+        assert there.from_bytes(zdd.to_bytes()) == build(there, markings)
+    row = np.array([0, 0, 1], "<u4").tobytes()
+    assert there.from_bytes(row) == there.singleton([0])
+    for broken in (
+        b"",
+        row[:5],
+        row[:8],
+        np.array([3, 0, 1], "<u4").tobytes(),  # one side of a terminal
+        np.array([3, 2, 2], "<u4").tobytes(),  # no terminal
+        np.array([4, 0, 1], "<u4").tobytes(),  # no such level
+        np.array([0, 0, 2], "<u4").tobytes(),  # a child that is yet to come
+        np.array([0, 1, 0], "<u4").tobytes(),  # an empty marked side
+        row + np.array([0, 0, 2], "<u4").tobytes(),  # a level above itself
+    ):
+        with pytest.raises(ValueError, match="no table of a set"):
+            there.from_bytes(broken)
 
 
 Touches = tuple[int, ...]  # for each level: 0 untouched, 1 consume, 2 produce, 3 read, 4 zero

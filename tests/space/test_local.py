@@ -196,11 +196,12 @@ def test_a_section_that_leaves_something_behind_is_refused(
 
 def test_local_graphs_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
+    usage, graph = ulysse_net.usage, ulysse_net.graph
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        composite = glue(
-            ulysse_net.usage, ulysse_net.graph, executor=pool, progress=lambda *at: done.append(at)
-        )
-    assert composite.states == 260
+        composite = glue(usage, graph, executor=pool, progress=lambda *at: done.append(at))
+        diagrams = glue(usage, graph, executor=pool, most_listed=-1)
+    assert composite.states == diagrams.states == 260
+    assert (composite.edges, diagrams.edges) == (1332, 1332)
     # Two types of sections, then types of junctions.
     assert done == [(1, 2), (2, 2), *((number, 5) for number in range(1, 6))]
 

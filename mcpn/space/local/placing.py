@@ -29,7 +29,7 @@ from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.graph import LocalGraph
 from mcpn.space.local.interface import Frame, HardwareSpace, HardwareStates
 from mcpn.space.local.protocol import LocalSpace, Outcome
-from mcpn.space.symbolic import reach
+from mcpn.space.symbolic import SymbolicSpace, reach
 
 DEFAULT_MAX_STATES = 1_000_000
 MOST_LISTED = 8
@@ -123,8 +123,7 @@ def local_graphs(
         usage: Static facts of the mission.
         graph: Its objectives graph.
         templates: The set of templates; without the paper's no two sections are taken for one type.
-        executor: Where states are listed; in this process one section after the other by default. Diagrams
-            are always made in this process.
+        executor: Where types of sections are explored; in this process one after the other by default.
         max_states: How many states a local graph may list; a section with more has a diagram.
         most_listed: With more hardware that can fail a section has a diagram at once; ``None`` to list the
             states of every section.
@@ -144,21 +143,22 @@ def local_graphs(
     for name in parts:
         types.setdefault(kinds[name], name)  # the first section of a type stands for it
     nets = {kind: parts[name].net(templates) for kind, name in types.items()}
-    small = [
-        kind for kind, name in types.items() if most_listed is None or len(parts[name].faulty) <= most_listed
-    ]
-    limit = None if most_listed is None else max_states
-    results = results_of([(listed, nets[kind].net, max_states) for kind in small], executor)
+    jobs: list[Job] = []
+    for kind, name in types.items():
+        small = most_listed is None or len(parts[name].faulty) <= most_listed
+        jobs.append((listed if small else as_diagram, nets[kind].net, max_states))
+    results = results_of(jobs, executor)
     locals_: dict[Hashable, LocalSpace] = {}
     for number, (kind, name) in enumerate(types.items()):
         with in_section(name):
-            found = next(results) if kind in small else None
-            if isinstance(found, LimitError) and limit is None:
-                raise found
-            if isinstance(found, AlternativesGraph):
-                locals_[kind] = LocalGraph(parts[name], nets[kind], found)
-            else:
-                locals_[kind] = LocalDiagram(parts[name], nets[kind], reach(nets[kind].net))
+            found = next(results)
+            if isinstance(found, LimitError):
+                if most_listed is None:
+                    raise found
+                found = reach(nets[kind].net)
+            part, net = parts[name], nets[kind]
+            is_graph = isinstance(found, AlternativesGraph)
+            locals_[kind] = LocalGraph(part, net, found) if is_graph else LocalDiagram(part, net, found)
             locals_[kind].check_premise(name)
         if progress:
             progress(number + 1, len(types))
@@ -180,6 +180,11 @@ def listed(net: PetriNet, max_states: int) -> AlternativesGraph | LimitError:
             return direct(net, tear=True, max_states=max_states)
     except LimitError as error:
         return error
+
+
+def as_diagram(net: PetriNet, max_states: int) -> SymbolicSpace:
+    """The markings of a local net as a diagram, of which there may be any number."""
+    return reach(net)
 
 
 Job: TypeAlias = tuple[Callable[[PetriNet, int], Any], PetriNet, int]
