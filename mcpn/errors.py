@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -39,7 +40,16 @@ class Problem:
 
 
 class McpnError(Exception):
-    """Base of all errors that mcpn raises on purpose."""
+    """Base of all errors that mcpn raises on purpose; they go from process to process as they are."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (type(self), self.args, vars(self))
+
+
+def _again(kind: type[McpnError], args: tuple[Any, ...], attributes: dict[str, Any]) -> McpnError:
+    error = kind.__new__(kind, *args)
+    vars(error).update(attributes)
+    return error
 
 
 class InputError(McpnError):

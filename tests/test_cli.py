@@ -173,18 +173,30 @@ def test_engines_are_compared(tmp_path: Path) -> None:
         (row,) = [line for line in run.stdout.splitlines() if f" {engine} " in line]
         assert " 256 " in row  # 2^8 states
         assert " 2048 " in row  # 8 * 2^8 edges
-    assert "pyeda: left out: more than 24 places" in mcpn("compare", ULYSSE).stdout
+    told = mcpn("compare", ULYSSE).stdout
+    assert "pyeda: left out: more than 24 places" in told
+    for engine in ("explicit", "symbolic", "local"):
+        (row,) = [line for line in told.splitlines() if f" {engine} " in line]
+        assert " 260 " in row  # stable states, Table 1 of the paper
 
 
 def test_engines_that_disagree_are_a_loud_error() -> None:
-    from mcpn.space.compare import Measurement, disagreement
-    from mcpn.space.summary import SpaceSummary
+    from mcpn.space.compare import SIZES, Measurement, disagreement
 
-    one = SpaceSummary(2, 2, 10, 20, None, 0, 1, None, "explicit", 1.0)
-    other = SpaceSummary(2, 2, 11, 20, None, 0, 1, 3, "symbolic", 2.0)
-    found = [Measurement("explicit", one, 1), Measurement("symbolic", other, 1)]
-    assert "10 states" in str(disagreement(found))
-    assert disagreement(found[:1]) is None
+    one: dict[str, int | None] = {**dict.fromkeys(SIZES, 7), "states": 10}
+    silent: dict[str, int | None] = {**dict.fromkeys(SIZES), "stable_states": 7}
+    found = [Measurement(engine, sizes, 1.0, 1) for engine, sizes in (("explicit", one), ("local", silent))]
+    assert disagreement(found) is None  # what an engine does not count is no disagreement
+    found.append(Measurement("symbolic", {**one, "states": 11}, 1.0, 1))
+    assert "disagree on states, one of them is wrong: explicit: 10, symbolic: 11" in str(disagreement(found))
+
+
+def test_an_unsafe_net_is_told_by_the_engine_that_finds_it(tmp_path: Path) -> None:
+    (tmp_path / "n.net").write_text("net n\npl p (1)\ntr t p -> p q\n")
+    run = mcpn("compare", tmp_path / "n.net")
+    assert run.returncode == 1
+    assert "firing t would put a second token in q" in run.stderr
+    assert "Traceback" not in run.stderr
 
 
 def test_foreign_nets_have_no_stable_states(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from mcpn.cli.shared import (
     emit_json,
     executor_of,
     import_option,
+    is_net,
     jobs_option,
     json_option,
     limit_option,
@@ -50,9 +51,7 @@ def check(
     as_json: bool,
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
-    from mcpn.net.formats import READABLE
-
-    if structure or file.suffix.lower() in READABLE:
+    if structure or is_net(file):
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return
     from mcpn.check.by_diagrams import check_by_diagrams

@@ -13,6 +13,7 @@ from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
     import_option,
+    is_net,
     json_option,
     limit_option,
     mission_net_of,
@@ -99,9 +100,9 @@ def ctl(
 
 
 def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet | None]:
-    from mcpn.net.formats import READABLE, read_net
+    from mcpn.net.formats import read_net
 
-    if file.suffix.lower() in READABLE:
+    if is_net(file):
         return read_net(file), None
     mission_net = mission_net_of(file, import_root)
     return mission_net.net, mission_net

@@ -26,7 +26,9 @@ EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
 FILE = click.Path(path_type=Path)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 limit_option = click.option(
-    "--max-states", type=click.IntRange(min=1), help="Give up with an error beyond this number of states."
+    "--max-states",
+    type=click.IntRange(min=1),
+    help="Give up beyond this number of states; sections of the local engine become diagrams.",
 )
 import_option = click.option(
     "--import-root",
@@ -97,11 +99,18 @@ def composite_of(
     )
 
 
-def net_of(path: Path, import_root: Path | None) -> PetriNet:
-    """A net by its file's suffix; anything else is a mission, which its root element must confirm."""
-    from mcpn.net.formats import READABLE, read_net
+def is_net(path: Path) -> bool:
+    """Whether a file is a net, by its suffix; else it is a mission, as its root element must confirm."""
+    from mcpn.net.formats import READABLE
 
-    if path.suffix.lower() in READABLE:
+    return path.suffix.lower() in READABLE
+
+
+def net_of(path: Path, import_root: Path | None) -> PetriNet:
+    """A net, or that of a mission."""
+    from mcpn.net.formats import read_net
+
+    if is_net(path):
         return read_net(path)
     return mission_net_of(path, import_root).net
 

@@ -14,6 +14,7 @@ from mcpn.cli.shared import (
     composite_of,
     emit_counts,
     import_option,
+    is_net,
     json_option,
     limit_option,
     mission_net_of,
@@ -205,7 +206,8 @@ def compare(file: Path, max_states: int | None, import_root: Path | None) -> Non
     from mcpn.report.text import print_comparison
     from mcpn.space.compare import disagreement, measure
 
-    found = measure(net_of(file, import_root), max_states=max_states)
+    subject = net_of(file, import_root) if is_net(file) else mission_net_of(file, import_root).mission
+    found = measure(subject, max_states=max_states)
     print_comparison(found)
     error = disagreement(found)
     if error is not None:

@@ -28,20 +28,19 @@ def print_counts(counts: Mapping[str, object]) -> None:
 
 def print_comparison(found: Sequence[Measurement]) -> None:
     """Prints what each engine found and took, and its speed against the slowest."""
-    slowest = max((m.summary.seconds for m in found if m.summary), default=0.0)
-    table = Table("engine", "states", "edges", "dead", "seconds", "speed", "MB", "nodes")
-    for m in found:
-        if m.summary is None:
-            continue
-        s = m.summary
-        nodes = "" if s.nodes is None else str(s.nodes)
-        counts = [str(s.states), str(s.edges), str(s.dead_states)]
-        speed = f"{slowest / s.seconds:.1f} x"
-        table.add_row(m.engine, *counts, f"{s.seconds:.3f}", speed, str(m.megabytes), nodes)
+    ran = [m for m in found if m.sizes is not None]
+    slowest = max((m.seconds for m in ran), default=0.0)
+    counted = ("states", "edges", "stable_states", "dead_states")
+    heads = ("engine", "states", "edges", "stable", "dead", "seconds", "speed", "MB", "nodes")
+    table = Table(*heads)
+    for m in ran:
+        sizes = ["" if (size := (m.sizes or {})[name]) is None else str(size) for name in (*counted, "nodes")]
+        took = (f"{m.seconds:.3f}", f"{slowest / m.seconds:.1f} x", str(m.megabytes))
+        table.add_row(m.engine, *sizes[:-1], *took, sizes[-1])
     console = Console(highlight=False, soft_wrap=True)
     console.print(table)
     for m in found:
-        if m.summary is None:
+        if m.sizes is None:
             console.print(f"{m.engine}: {m.reason}")
 
 

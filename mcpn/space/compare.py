@@ -1,16 +1,24 @@
-"""Every engine on one net, side by side, each in a process of its own so that its memory can be told."""
+"""Every engine on one mission or net, side by side, each in a process of its own to tell its memory."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context
 
 from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
-from mcpn.space.summary import ENGINES, SpaceSummary, summarise
+from mcpn.space.local.gluing import glue
+from mcpn.space.local.placing import DEFAULT_MAX_STATES
+from mcpn.space.summary import ENGINES, summarise
 
 MOST_PLACES_FOR_PYEDA = 24
+SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
+"""What engines must agree on, as far as each counts it."""
 
 
 @dataclass(frozen=True)
@@ -18,62 +26,82 @@ class Measurement:
     """What one engine found, and what it took.
 
     Args:
-        engine: One of :data:`mcpn.space.summary.ENGINES`.
-        summary: The sizes, or ``None`` where the engine gave up.
+        engine: One of :data:`mcpn.space.summary.ENGINES`, or ``local``.
+        sizes: By the names of :data:`SIZES`, and ``nodes`` of a diagram; what is ``None`` it does not count.
+            Itself ``None`` where the engine gave up.
+        seconds: Wall-clock time of the engine.
         megabytes: Peak memory of its process, the interpreter included.
         reason: Why it gave up.
     """
 
     engine: str
-    summary: SpaceSummary | None
+    sizes: Mapping[str, int | None] | None
+    seconds: float
     megabytes: int
     reason: str = ""
 
 
-def measure(net: PetriNet, *, max_states: int | None = None) -> list[Measurement]:
-    """Runs every engine that applies to a net.
+def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> list[Measurement]:
+    """Runs every engine that applies.
 
     Args:
-        net: The net.
-        max_states: Limit for the explicit engine.
+        subject: A mission, or a net, to which composition does not apply.
+        max_states: Limit for the explicit engine, and for the states that local graphs list.
 
     Returns:
         A measurement for each engine; see :func:`disagreement`.
 
     Raises:
         UnsafeError: The net is not 1-safe.
+        SemanticsError: The mission breaks what composition rests on.
     """
     found = []
+    net = compose(subject).net if isinstance(subject, Mission) else subject
     for engine in ENGINES:
         if engine == "pyeda" and len(net.places) > MOST_PLACES_FOR_PYEDA:
             reason = f"left out: more than {MOST_PLACES_FOR_PYEDA} places"
-            found.append(Measurement(engine, None, 0, reason))
+            found.append(Measurement(engine, None, 0, 0, reason))
             continue
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            found.append(pool.submit(_run, net, engine, max_states).result())
+        found.append(_apart(net, engine, max_states))
+    if isinstance(subject, Mission):
+        found.append(_apart(subject, "local", max_states))
     return found
 
 
-def _run(net: PetriNet, engine: str, max_states: int | None) -> Measurement:
+def _apart(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Measurement:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        return pool.submit(_run, subject, engine, max_states).result()
+
+
+def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Measurement:
     import resource
 
+    sizes: dict[str, int | None] | None = None
+    seconds, reason = 0.0, ""
     try:
-        summary, reason = summarise(net, engine, max_states=max_states), ""
+        if isinstance(subject, Mission):
+            sizes, seconds = _local(subject, max_states or DEFAULT_MAX_STATES)
+        else:
+            summary = summarise(subject, engine, max_states=max_states)
+            sizes, seconds = {name: getattr(summary, name) for name in (*SIZES, "nodes")}, summary.seconds
     except LimitError as error:
-        summary, reason = None, str(error)
-    return Measurement(engine, summary, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10, reason)
+        reason = str(error)
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
+    return Measurement(engine, sizes, seconds, megabytes, reason)
+
+
+def _local(mission: Mission, max_states: int) -> tuple[dict[str, int | None], float]:
+    mission_net = compose(mission)
+    started = time.perf_counter()
+    stable = glue(mission_net.usage, mission_net.graph, max_states=max_states).states
+    return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
 
 
 def disagreement(found: list[Measurement]) -> SemanticsError | None:
-    """The error that says how engines disagree, or ``None`` where all agree."""
-    sizes = {
-        m.engine: replace(m.summary, nodes=None, order=None, engine="", seconds=0) for m in found if m.summary
-    }
-    if len(set(sizes.values())) < 2:
-        return None
-    told = "; ".join(
-        f"{engine}: {s.states} states, {s.edges} edges, {s.stable_states} stable, {s.dead_states} dead, "
-        f"{s.max_tokens} tokens"
-        for engine, s in sizes.items()
-    )
-    return SemanticsError(f"the engines disagree, one of them is wrong: {told}")
+    """The error that says how engines disagree, or ``None`` where all agree on what they count."""
+    for name in SIZES:
+        counted = {m.engine: size for m in found if m.sizes and (size := m.sizes[name]) is not None}
+        if len(set(counted.values())) > 1:
+            told = ", ".join(f"{engine}: {size}" for engine, size in counted.items())
+            return SemanticsError(f"the engines disagree on {name}, one of them is wrong: {told}")
+    return None

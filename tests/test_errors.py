@@ -1,0 +1,51 @@
+"""Errors go from process to process: engines and local spaces may run in others."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from mcpn.errors import (
+    ConfluenceError,
+    DivergenceError,
+    InputError,
+    LimitError,
+    McpnError,
+    Problem,
+    Source,
+    UnsafeError,
+)
+from mcpn.space.local.diagram import Undecided
+from mcpn.space.local.protocol import PremiseError
+
+
+def kinds(kind: type[McpnError]) -> set[type[McpnError]]:
+    """A kind of errors with all below it."""
+    return {kind}.union(*(kinds(below) for below in kind.__subclasses__()))
+
+
+ERRORS = [
+    InputError([Problem(Source("m.xml", 3), "no such activity"), Problem(None, "no robot")]),
+    LimitError("more than 5 states"),
+    UnsafeError("p", "t", ["q", "r"], ["u", "v"]),
+    ConfluenceError("not confluent", [["a"], ["b", "c"]]),
+    DivergenceError("divergent", [["a", "a"]]),
+    PremiseError("o", "p", [["MISSION_EV_START"]]),
+    Undecided("a conflict"),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+def test_an_error_is_the_same_in_another_process(error: McpnError) -> None:
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert str(again) == str(error)
+    assert vars(again) == vars(error)
+
+
+def test_no_kind_of_error_is_left_out() -> None:
+    abstract = {"McpnError", "SemanticsError"}
+    assert {kind.__name__ for kind in kinds(McpnError)} - abstract == {
+        type(error).__name__ for error in ERRORS
+    }
