@@ -114,7 +114,7 @@ def _stable_ends(graph: StateGraph) -> Ints:
             raise _two_ends(graph, int(open_states[np.flatnonzero(clash)[0]]), ends)
         done = least >= 0
         if not done.any():
-            raise _endless(graph, int(open_states[0]), transient)
+            raise _endless(graph, int(open_states[0]), ends < 0)
         ends[open_states[done]] = least[done]
         open_states = open_states[~done]
     return ends
@@ -133,9 +133,9 @@ def _two_ends(graph: StateGraph, state: int, ends: Ints) -> ConfluenceError:
     return confluence_error(graph.net, runs[:2])
 
 
-def _endless(graph: StateGraph, state: int, transient: Mask) -> DivergenceError:
+def _endless(graph: StateGraph, state: int, endless: Mask) -> DivergenceError:
     prefix = graph.run_to(np.arange(graph.states) == state) or []
-    along = transient[graph.targets] & transient[graph.sources]
+    along = endless[graph.targets] & endless[graph.sources]
     walked, at, run = {state: 0}, state, list(prefix)
     while True:
         # Every open state has an open successor: following them must come back somewhere.

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import event, given
+from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.xml import read_mission
@@ -15,7 +17,7 @@ from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.explicit import explore
 from mcpn.space.graph import StateGraph
-from tests.net.nets import nets, reachable
+from tests.net.nets import nets, reachable, state_machines
 
 
 def test_ulysse_by_both_ways(ulysse_net: MissionNet, ulysse_markings: StateGraph) -> None:
@@ -118,6 +120,34 @@ def play(net: PetriNet, run: tuple[str, ...]) -> list[Marking]:
     return markings
 
 
+@given(state_machines(), st.data())
+def test_a_torn_graph_leaves_out_the_events_without_one_end_and_no_others(
+    machines: tuple[PetriNet, int], data: st.DataObject
+) -> None:
+    drawn, _ = machines
+    kinds = data.draw(st.lists(st.sampled_from([True, True, False]), min_size=len(drawn.transitions)))
+    marked = zip(drawn.transitions, kinds, strict=False)
+    transitions = tuple(replace(t, event=t.name if is_event else None) for t, is_event in marked)
+    net = PetriNet(drawn.name, drawn.places, transitions, priorities=True)
+    first = ends(net, net.initial)
+    if first is None or len(first) > 1:
+        return
+    graph = direct(net, tear=True)
+    torn = {(t.state, t.transition) for t in graph.torn}
+    found = set()
+    for state in range(graph.states):
+        edges = dict(graph.successors(state))
+        for t in net.enabled(graph.marking(state)):
+            after = ends(net, net.fire(graph.marking(state), t))
+            if after is not None and len(after) == 1:
+                assert after == {graph.marking(edges.pop(t))}
+            else:
+                found.add((state, t))
+        assert not edges
+    assert torn == found
+    event(f"torn: {bool(torn)}")
+
+
 def check_divergence(net: PetriNet, error: DivergenceError) -> None:
     (run,) = error.runs
     markings = play(net, run)
@@ -135,6 +165,19 @@ def check_split(net: PetriNet, error: ConfluenceError) -> None:
     assert one != other
     assert not internal(net, one)
     assert not internal(net, other)
+
+
+def test_an_endless_run_is_told_past_branches_that_end() -> None:
+    builder = NetBuilder("branches", priorities=True)
+    for place in ("begin", "way", "end", "loop"):
+        builder.place(place, initial=int(place == "begin"))
+    builder.transition("go", consume=["begin"], produce=["way"])
+    builder.transition("arrive", consume=["way"], produce=["end"])
+    builder.transition("stray", consume=["begin"], produce=["loop"])
+    builder.transition("spin", read=["loop"])
+    with pytest.raises(DivergenceError) as caught:
+        by_reduction(explore(builder.build()))
+    assert caught.value.runs == (("stray", "spin"),)
 
 
 def test_the_direct_way_without_proof_still_ends_where_it_would_diverge() -> None:
