@@ -12,6 +12,8 @@ import click
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    SECTIONS,
+    STATES_AND_EDGES,
     emit_json,
     executor_of,
     import_option,
@@ -61,7 +63,7 @@ def check(
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)
-    with progress_line(as_json) as progress:
+    with progress_line(as_json, SECTIONS if engine == "local" else STATES_AND_EDGES) as progress:
         if engine == "local":
             with executor_of(jobs, scheduler) as executor:
                 found = check_by_composition(

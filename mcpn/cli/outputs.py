@@ -67,8 +67,7 @@ def _hierarchical(mission_net: MissionNet, max_states: int | None) -> tuple[str,
     from mcpn.controller.hierarchy import hierarchical_controller
     from mcpn.controller.targets.json import write_hierarchical_json
 
-    with progress_line(False) as progress:
-        composite = composite_of(mission_net, max_states, progress, listed=True)
+    composite = composite_of(mission_net, max_states, listed=True)
     hierarchy = hierarchical_controller(composite)
     states = sum(len(machine.states) for machine in hierarchy.types)
     edges = sum(len(machine.edges) for machine in hierarchy.types)

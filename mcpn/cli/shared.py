@@ -78,25 +78,20 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
 
 
 def composite_of(
-    mission_net: MissionNet,
-    max_states: int | None,
-    progress: Callable[[int, int], None] | None,
-    executor: Executor | None = None,
-    *,
-    listed: bool = False,
+    mission_net: MissionNet, max_states: int | None, *, quiet: bool = False, listed: bool = False
 ) -> Composite:
     """The local spaces of a mission, glued; with the states of every section listed where so asked."""
     from mcpn.space.local.gluing import glue
     from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED
 
-    return glue(
-        mission_net.usage,
-        mission_net.graph,
-        executor=executor,
-        max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
-        most_listed=None if listed else MOST_LISTED,
-        progress=progress,
-    )
+    with progress_line(quiet, SECTIONS) as progress:
+        return glue(
+            mission_net.usage,
+            mission_net.graph,
+            max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
+            most_listed=None if listed else MOST_LISTED,
+            progress=progress,
+        )
 
 
 def is_net(path: Path) -> bool:
@@ -130,13 +125,22 @@ def emit_counts(counts: dict[str, Any], as_json: bool) -> None:
         print_counts(counts)
 
 
+STATES_AND_EDGES = "exploring: {:,} states, {:,} edges"
+SECTIONS = "sections on their own, and junctions: {:,} of {:,}"
+
+
 @contextmanager
-def progress_line(quiet: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """A line on standard error that tells states and edges, where a person watches."""
+def progress_line(quiet: bool, told: str = STATES_AND_EDGES) -> Iterator[Callable[[int, int], None] | None]:
+    """A line on standard error that tells how far the work is, where a person watches.
+
+    Args:
+        quiet: Whether nothing is to be told.
+        told: What the two numbers of a progress callback say.
+    """
     if quiet or not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
 
     with Console(stderr=True).status("exploring") as status:
-        yield lambda found, fired: status.update(f"exploring: {found:,} states, {fired:,} edges")
+        yield lambda one, other: status.update(told.format(one, other))

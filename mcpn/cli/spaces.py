@@ -97,8 +97,7 @@ def _local_counts(
     from mcpn.space.summary import summarise
 
     started = time.perf_counter()
-    with progress_line(quiet) as progress:
-        composite = composite_of(mission_net, max_states, progress)
+    composite = composite_of(mission_net, max_states, quiet=quiet)
     names = ("states", "edges", "dead_states", "max_tokens", "nodes")
     whole = summarise(mission_net.net, "symbolic") if markings else None
     return {
@@ -140,8 +139,11 @@ def alternatives(
     if method == "local" and output is None:
         emit_counts(_local_sizes(mission_net, max_states, as_json), as_json)
         return
-    with progress_line(as_json) as progress:
-        graph = _alternatives(mission_net, method, proof, max_states, progress)
+    if method == "local":
+        graph = _written_out(mission_net, max_states, as_json)
+    else:
+        with progress_line(as_json) as progress:
+            graph = _alternatives(mission_net, method, proof, max_states, progress)
     seconds = time.perf_counter() - started
     if output is not None:
         from mcpn.report.graphs import save_graph
@@ -162,8 +164,7 @@ def alternatives(
 def _local_sizes(mission_net: MissionNet, max_states: int | None, quiet: bool) -> dict[str, object]:
     """Sizes of the alternatives graph of the whole by arithmetic, without writing it out."""
     started = time.perf_counter()
-    with progress_line(quiet) as progress:
-        composite = composite_of(mission_net, max_states, progress)
+    composite = composite_of(mission_net, max_states, quiet=quiet)
     return {
         "states": composite.states,
         "edges": composite.edges,
@@ -171,6 +172,14 @@ def _local_sizes(mission_net: MissionNet, max_states: int | None, quiet: bool) -
         "method": "local",
         "seconds": time.perf_counter() - started,
     }
+
+
+def _written_out(mission_net: MissionNet, max_states: int | None, quiet: bool) -> AlternativesGraph:
+    """The alternatives graph of the whole from its sections."""
+    from mcpn.space.local.expand import expand
+
+    composite = composite_of(mission_net, None, quiet=quiet, listed=True)
+    return expand(composite, mission_net, **_limits(max_states))
 
 
 def _alternatives(
@@ -183,11 +192,8 @@ def _alternatives(
     from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
     from mcpn.space.confluence import direct_with_proof
     from mcpn.space.explicit import explore
-    from mcpn.space.local.expand import expand
 
     limits = _limits(max_states)
-    if method == "local":
-        return expand(composite_of(mission_net, None, progress, listed=True), mission_net, **limits)
     if method == "direct" and proof:
         return direct_with_proof(mission_net.net, progress=progress, **limits)
     if method == "direct":
