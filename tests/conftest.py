@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,12 @@ from mcpn.space.graph import StateGraph
 
 ROOT = Path(__file__).resolve().parents[1]
 ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
+
+
+def interruptible() -> None:
+    """For ``preexec_fn``: a child that hears Ctrl-C, also where the tests are a background job."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 
 _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
 settings.register_profile("dev", max_examples=100, deadline=None, suppress_health_check=_quiet)

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mcpn_kernel import MemoryLimit
 
 from mcpn.cli import main
-from tests.conftest import ULYSSE
+from tests.conftest import ULYSSE, interruptible
 from tests.mission.test_broken import BROKEN
 
 CONTENTION = """<mission name="m" xmlns="urn:mcpn:mission:1">
@@ -262,7 +262,9 @@ def test_interrupting_an_exploration_ends_cleanly(tmp_path: Path) -> None:
     lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(40))]
     (tmp_path / "big.net").write_text("\n".join(lines) + "\n")
     command = [sys.executable, "-m", "mcpn.cli", "states", str(tmp_path / "big.net")]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible
+    ) as process:
         time.sleep(3)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)

@@ -17,6 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mcpn_kernel import BudgetExceeded, MemoryLimit, Store, Zdd
 
+from tests.conftest import interruptible
+
 Marking = frozenset[int]
 Sets = frozenset[Marking]
 
@@ -376,7 +378,7 @@ def test_ctrl_c_stops_a_long_operation() -> None:
         "except KeyboardInterrupt:\n    assert start.count() == 1\n    print('stopped')\n"
     )
     command = [sys.executable, "-c", script]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=interruptible) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "ready\n"
         time.sleep(1)
