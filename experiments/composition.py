@@ -36,6 +36,7 @@ from mcpn.space.confluence import direct_with_proof
 from mcpn.space.explicit import explore
 from mcpn.space.local.composite import Composite
 from mcpn.space.local.gluing import glue
+from mcpn.space.local.placing import Making
 from mcpn.space.symbolic import reach
 
 SECONDS, GIB = 60, 4
@@ -136,7 +137,7 @@ def ulysse() -> None:
         seconds[name] = sorted(times)[3]
         ratio = seconds["reduction"] / seconds[name]
         print(f"ulysse, {name:18} {sizes[0]} states, {sizes[1]} edges, {seconds[name]:.4f} s, {ratio:6.1f} x")
-    composite = glue(mission_net.usage, mission_net.graph, most_listed=None)
+    composite = glue(mission_net.usage, mission_net.graph, Making(most_listed=None))
     types = hierarchical_controller(composite).types
     flat = controller(mission_net, direct(net))
     for name, machines in (("flat", (flat,)), ("hierarchical", types)):

@@ -12,7 +12,7 @@ had runs, whatever else does. The state spaces are the truth, and the tests hold
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property, reduce
 
 from mcpn.check.families import ALWAYS, NEVER, Families, Family
@@ -26,6 +26,22 @@ Exits = Mapping[str, Family]
 SUCCESS_WANTED: Exits = {SUCCEED: NEVER, FAIL: ALWAYS}
 FAILURE_WANTED: Exits = {SUCCEED: ALWAYS, FAIL: NEVER}
 ANY_WANTED: Exits = {SUCCEED: NEVER, FAIL: NEVER}
+
+
+def entered(graph: ObjectivesGraph, lost: Callable[[Section], tuple[Family, Family]]) -> list[Section]:
+    """The sections of a graph that some run enters, each after one that leads to it.
+
+    Args:
+        graph: The sections.
+        lost: When a section cannot be left by its success, and by its failure.
+    """
+    names, known = [graph.entry], {section.name for section in graph.sections}
+    for name in names:  # grows while it is walked
+        section = graph.section(name)
+        for loss, after in zip(lost(section), (section.success, section.failure), strict=True):
+            if loss != ALWAYS and after in known and after not in names:
+                names.append(after)
+    return [graph.section(name) for name in names]
 
 
 class Availability:

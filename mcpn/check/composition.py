@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from itertools import takewhile
 from typing import Any
 
-from mcpn.check.journeys import START, Journeys, Leg, told
+from mcpn.check.journeys import Journeys, Leg, told
 from mcpn.check.modes import Mode, diagram_modes, functioning_modes
 from mcpn.check.properties import (
     INFORMATIVE,
@@ -21,14 +21,14 @@ from mcpn.check.properties import (
 from mcpn.check.runs import Step, what_happens
 from mcpn.errors import SemanticsError, UnsafeError
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.net.compose import MissionNet
+from mcpn.net.compose import START, MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.gluing import error_of, glue
-from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED, PlacedSection, Progress
+from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED, Making, PlacedSection, Progress
 from mcpn.space.local.protocol import OUTCOMES
 
 
@@ -59,25 +59,20 @@ def check_by_composition(
         LimitError: A limit was hit.
     """
     verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    making = Making(templates, executor, limit, most_listed, progress)
     try:
-        composite = glue(
-            mission_net.usage,
-            mission_net.graph,
-            templates=templates,
-            executor=executor,
-            max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
-            most_listed=most_listed,
-            strict=False,
-            progress=progress,
-        )
+        composite = glue(mission_net.usage, mission_net.graph, making, strict=False)
     except UnsafeError as error:  # in a section with a diagram
         verdicts["safe"] = Verdict("safe", False, str(error), _firings(error))
         return MissionCheck(mission_net, verdicts)
-    tear = next(composite.torn(), None)
+    tear = composite.tear
     if tear is not None:
         found = error_of(composite, tear, templates)
         name = "safe" if isinstance(found, UnsafeError) else "confluent"
-        verdicts[name] = Verdict(name, False, str(found), _runs_of(mission_net, composite, tear, templates))
+        steps = _steps_to(mission_net, composite, tear, templates)
+        runs = tuple((*steps, *_parting(mission_net.net, run)) for run in found.runs)
+        verdicts[name] = Verdict(name, False, str(found), runs)
         return MissionCheck(mission_net, verdicts)
     for verdict in _Verdicts(composite, templates).all():
         verdicts[verdict.name] = verdict
@@ -93,27 +88,21 @@ def _firings(error: SemanticsError) -> tuple[tuple[Step, ...], ...]:
     return tuple(tuple(Step(name, "in the section's own net") for name in run) for run in error.runs)
 
 
-def _runs_of(
+def _steps_to(
     mission_net: MissionNet, composite: Composite, tear: Tear, templates: TemplateSet | None
-) -> tuple[tuple[Step, ...], ...]:
-    """The mission's run to a tear, event by event, and how its internal firings then part."""
+) -> list[Step]:
+    """The mission's run up to the event of a tear, event by event."""
     steps = told(Journeys(composite).to_tear(tear), templates)
-    net = mission_net.net
     if tear.here.event == START:  # the entry: what begins then is what depends on the interleaving
-        steps[-1] = Step(steps[-1].event, steps[-1].words.split(": ")[0])
-    else:
-        at = next(t for t in net.transitions if t.event == tear.here.event)
-        steps.append(Step(tear.here.event or at.name, what_happens(at)))
-    return tuple(
-        (*steps, *(Step(name, f"internal: {name}") for name in _after_events(net, run)))
-        for run in error_of(composite, tear, templates).runs
-    )
+        return [*steps[:-1], Step(steps[-1].event, steps[-1].words.split(": ")[0])]
+    at = next(t for t in mission_net.net.transitions if t.event == tear.here.event)
+    return [*steps, Step(tear.here.event or at.name, what_happens(at))]
 
 
-def _after_events(net: PetriNet, run: Sequence[str]) -> list[str]:
+def _parting(net: PetriNet, run: Sequence[str]) -> list[Step]:
     """The internal firings at the end of a run."""
     internal = list(takewhile(lambda name: _is_internal(net, name), reversed(run)))
-    return internal[::-1]
+    return [Step(name, f"internal: {name}") for name in reversed(internal)]
 
 
 def _is_internal(net: PetriNet, name: str) -> bool:

@@ -34,7 +34,8 @@ from mcpn.check.formula import (
     walk,
 )
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.symbolic import SymbolicSpace, chained, distinct, elements
+from mcpn.space.encoding import distinct
+from mcpn.space.symbolic import SymbolicSpace, chained, elements
 
 LEAST = -(2**62)
 
@@ -170,13 +171,11 @@ class SymbolicAlternatives:
         self.net = self.markings.net
         self.states = space.stable
         encoding = space.encoding
-        self._internal_back = [self.markings.back[t] for t in self.markings.anywhere]
-        internal = [encoding.events[t] for t in self.markings.anywhere]
-        self.initial = encoding.initial().saturate(internal) & space.stable
+        self.initial = encoding.initial().saturate(encoding.internal) & space.stable
 
     def before(self, after: Zdd, transitions: Iterable[int] | None = None) -> Zdd:
         """States with an edge into a set, of some transitions if so asked."""
-        ending = after.saturate(self._internal_back, within=self.space.reachable)
+        ending = after.saturate(self.space.encoding.internal_back, within=self.space.reachable)
         wanted = set(self.markings.stable_only)
         if transitions is not None:
             wanted.intersection_update(transitions)

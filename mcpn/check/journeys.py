@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from mcpn.check.runs import Step, replay, what_happens
+from mcpn.net.compose import START
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.composite import ENDS, Composite, Tear
 from mcpn.space.local.interface import HardwareStates
 from mcpn.space.local.placing import PlacedSection
 from mcpn.space.local.protocol import OUTCOMES, Outcome
-
-START = "MISSION_EV_START"
-"""The event with which a mission begins, and each section in its own net."""
 
 Layer = dict[str, Any]
 """By section, states of its local space that runs of one length lead to and no shorter ones."""
@@ -66,13 +64,18 @@ class Journeys:
             The run section by section, or ``None`` where there is none.
         """
         wanted = frozenset(ends)
+        found = self._nearest(lambda _, name: self._goals(name, wanted, states or {}))
+        return None if found is None else self._with_toggles(found[1])
+
+    def _nearest(self, goals: Callable[[_Wave, str], Iterable[_Goal]]) -> tuple[_Wave, list[Leg]] | None:
+        """A short run to a goal of some section, and the wave in which it was found."""
         for wave in self._waves:
             for length, layer in enumerate(wave.layers()):
                 for name, reached in layer.items():
-                    for goal in self._goals(name, wanted, states or {}):
+                    for goal in goals(wave, name):
                         legs = wave.back(length, name, reached, goal)
                         if legs is not None:
-                            return self._with_toggles(legs)
+                            return wave, legs
         return None
 
     def to_tear(self, tear: Tear) -> list[Leg]:
@@ -93,17 +96,17 @@ class Journeys:
 
     def _into(self, target: PlacedSection, hardware: HardwareStates) -> list[Leg]:
         """A short run that enters a section with its hardware in one of some states."""
-        for wave in self._waves:
-            for length, layer in enumerate(wave.layers()):
-                for name, reached in layer.items():
-                    placed = self.composite.by_name[name]
-                    ends = wave.ends_into(placed, target, hardware)
-                    legs = wave.back(length, name, reached, _Goal(placed.ending(ends), inside=False))
-                    if legs is not None:
-                        left = placed.frame.of_mask(legs[-1].left)
-                        entry = (hardware & left.seen_by(target.frame, free=wave.free)).pick()
-                        return self._with_toggles([*legs, Leg(target, entry, ())])
-        raise AssertionError("the mission enters it so")
+
+        def goals(wave: _Wave, name: str) -> Iterator[_Goal]:
+            placed = self.composite.by_name[name]
+            yield _Goal(placed.ending(wave.ends_into(placed, target, hardware)), inside=False)
+
+        found = self._nearest(goals)
+        assert found is not None, "the mission enters it so"
+        wave, legs = found
+        left = legs[-1].placed.frame.of_mask(legs[-1].left)
+        entry = (hardware & left.seen_by(target.frame, free=wave.free)).pick()
+        return self._with_toggles([*legs, Leg(target, entry, ())])
 
     def _goals(self, name: str, ends: frozenset[str], states: Mapping[str, Any]) -> Iterator[_Goal]:
         if name in states:

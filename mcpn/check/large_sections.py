@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from mcpn_kernel import Zdd
 
-from mcpn.check.availability import ANY_WANTED, FAILURE_WANTED, SUCCESS_WANTED, Availability
+from mcpn.check.availability import ANY_WANTED, FAILURE_WANTED, SUCCESS_WANTED, Availability, entered
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.local_sections import Behind, Out, SectionLosses
@@ -181,12 +181,15 @@ class BlockSection:
             badly = both(badly, mine.badly)
         return Chances(either(well, mine.well), either(ever, mine.ever), badly), all_ended and ended
 
+    def _ways(self, section: Section) -> tuple[Family, Family]:
+        return self.text.succeeding(section), self.text.failing(section)
+
     def _states(self, branch: Branch) -> set[tuple[Chances, bool]]:
         """What a branch may still do in each of its states, and whether it has ended there."""
         wanted = (SUCCESS_WANTED if branch.mandatory else ANY_WANTED, ANY_WANTED, FAILURE_WANTED)
         lost = [{**exits, **self.text.sections(branch.graph, exits)} for exits in wanted]
         found: set[tuple[Chances, bool]] = set()
-        for section in self._entered(branch.graph):
+        for section in entered(branch.graph, self._ways):
             if isinstance(section, ElementarySection):
                 found.add((Chances(*(of[section.name] for of in lost)), False))
             else:
@@ -198,20 +201,6 @@ class BlockSection:
         if self.text.branch(branch, FAILURE_WANTED) != ALWAYS:
             found.add((Chances(ALWAYS if branch.mandatory else NEVER, NEVER, NEVER), True))
         return found
-
-    def _entered(self, graph: ObjectivesGraph) -> list[Section]:
-        """Sections of a branch that some run enters."""
-        names, known = [graph.entry], {section.name for section in graph.sections}
-        for name in names:  # grows while it is walked
-            section = graph.section(name)
-            ways = (
-                (self.text.succeeding(section), section.success),
-                (self.text.failing(section), section.failure),
-            )
-            for lost, after in ways:
-                if lost != ALWAYS and after in known and after not in names:
-                    names.append(after)
-        return [graph.section(name) for name in names]
 
     def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
         """Critical events of one of its objectives, for which repairs come too late; modes not told apart."""
@@ -248,9 +237,9 @@ def critical_in_diagram(
     assert isinstance(local, LocalDiagram), "asked of sections with diagrams"
     own = placed.net(templates)
     bad = (local.inside - good) | placed.ending(traps)
-    crossing = local.crossing(bad, good)
+    crossing = list(local.crossing(bad, good))
     if first and good:
-        crossing.append((local.start, local.beginnings(local.inside - good)))
+        crossing.append((own.start, local.beginnings(local.inside - good)))
     running = own.saying("objective")
     found: dict[tuple[str, tuple[str, ...]], int] = {}
     for transition, before in sorted(crossing, key=lambda each: each[0]):

@@ -14,16 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import cached_property
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from mcpn.check.availability import Availability
+from mcpn.check.availability import Availability, entered
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family
-from mcpn.check.large_sections import BlockSection, TextSection, critical_in_diagram, section_by_text
+from mcpn.check.large_sections import BlockSection, critical_in_diagram, section_by_text
 from mcpn.check.local_sections import Behind, GraphSection, Out, SectionLosses
 from mcpn.check.losing import CriticalEvent
 from mcpn.errors import LimitError
@@ -36,7 +37,7 @@ from mcpn.space.local.composite import ENDS, Composite
 from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.gluing import glue, judged_everywhere
 from mcpn.space.local.interface import HardwareStates
-from mcpn.space.local.placing import MOST_LISTED, PlacedSection
+from mcpn.space.local.placing import MOST_LISTED, Making, PlacedSection
 from mcpn.space.local.protocol import OUTCOMES, Outcome
 
 DEFAULT_LOCAL_STATES = 1_000_000
@@ -78,13 +79,8 @@ class LocalLosses(Availability):
         self._all: dict[str, SectionLosses] = {
             s.name: section_by_text(s, text) for s in graph.sections if s not in small
         }
-        placed = judged_everywhere(
-            usage,
-            ObjectivesGraph(tuple(small), graph.entry),
-            templates=templates,
-            executor=executor,
-            max_states=max_states,
-        )
+        making = Making(templates, executor, max_states)
+        placed = judged_everywhere(usage, ObjectivesGraph(tuple(small), graph.entry), making)
         for p in placed:
             self._all[p.section.name] = GraphSection(p, self, templates)
         self.templates = templates
@@ -96,20 +92,12 @@ class LocalLosses(Availability):
                 local = self._graph_section(name)
                 local.reached = reached.mask | ~local.placed.listed.inside.mask
         else:
-            large = min(
-                number
-                for name, number in faulty.items()
-                if isinstance(self._all[name], TextSection | BlockSection)
-            )
-            self.composite = glue(
-                usage,
-                graph,
-                templates=templates,
-                executor=executor,
-                max_states=max_states,
-                most_listed=min(MOST_LISTED, large - 1),  # what has no graph here has a diagram there
-            )
-        self.locals = self._entered()
+            large = min(faulty[s.name] for s in graph.sections if s not in small)
+            # What has no graph here has a diagram there.
+            diagrams = replace(making, most_listed=min(MOST_LISTED, large - 1))
+            self.composite = glue(usage, graph, diagrams)
+        names = {section.name for section in entered(graph, self._ways)}
+        self.locals = {name: local for name, local in self._all.items() if name in names}
         """The sections that some run enters, by name."""
 
     def _most_faulty(self, section: Section) -> int:
@@ -117,17 +105,9 @@ class LocalLosses(Availability):
         told = self.exact and isinstance(section, ElementarySection)
         return TEXT_BEYOND if told else MAX_FAULTY
 
-    def _entered(self) -> dict[str, SectionLosses]:
-        names = [self.usage.graph.entry]
-        for name in names:  # grows while it is walked
-            local = self._all[name]
-            for lost, after in (
-                (local.succeeding, local.section.success),
-                (local.failing, local.section.failure),
-            ):
-                if lost != ALWAYS and after in self._all and after not in names:
-                    names.append(after)
-        return {name: local for name, local in self._all.items() if name in set(names)}
+    def _ways(self, section: Section) -> tuple[Family, Family]:
+        local = self._all[section.name]
+        return local.succeeding, local.failing
 
     def succeeding(self, section: Section) -> Family:
         """When a section cannot be left by its success; always where no run enters it."""

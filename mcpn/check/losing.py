@@ -19,7 +19,7 @@ import numpy as np
 from mcpn.check.modes import Mode, situation
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.usage import entries
-from mcpn.net.compose import MissionNet
+from mcpn.net.compose import START, MissionNet
 from mcpn.space.graph import Ints, Mask, StateGraph
 
 Kind: TypeAlias = Literal["objective", "pending", "done"]
@@ -143,7 +143,7 @@ class Outlook:
     @cached_property
     def begun(self) -> Mask:
         """States in which the mission has begun."""
-        starts = self.fired("MISSION_EV_START")
+        starts = self.fired(START)
         before = np.zeros(self.graph.states, np.bool_)
         before[self.graph.sources[starts]] = True
         # Hardware may fail and recover before the mission begins, and internal steps may follow each event.

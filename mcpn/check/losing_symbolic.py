@@ -17,7 +17,7 @@ from mcpn_kernel import Zdd
 
 from mcpn.check.ctl import SymbolicMarkings
 from mcpn.check.cutsets import CutSet
-from mcpn.net.compose import MissionNet
+from mcpn.net.compose import START, MissionNet
 from mcpn.net.petri import PetriNet, Place, Transition
 from mcpn.space.symbolic import SymbolicSpace, reach
 
@@ -39,8 +39,7 @@ class SymbolicOutlook:
 
     def marked(self, *places: int) -> Zdd:
         """Reachable markings that mark some places."""
-        encoding = self.space.encoding
-        return self.space.reachable.subset(encoding.levels(places), encoding.partners(places))
+        return self.space.encoding.marking_all(places, self.space.reachable)
 
     def of_events(self, events: Iterable[str]) -> list[int]:
         """Transitions that carry one of these events."""
@@ -146,7 +145,7 @@ class _Mortal:
         first = len(net.places)
         self.alive = {name: first + i for i, name in enumerate(hardware)}
         self.oos = {name: mission_net.by_role["oos", name][0] for name in hardware}
-        begins = [t for t in net.transitions if t.event == "MISSION_EV_START"]
+        begins = [t for t in net.transitions if t.event == START]
         begin = [p for t in begins for p, _ in t.consume]
         places = [*net.places, *(Place(f"{name}_alive", 1) for name in hardware)]
         transitions = [self._needs_life(t) for t in net.transitions]

@@ -15,8 +15,8 @@ from mcpn_kernel import Zdd
 
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
+from mcpn.space.encoding import Encoding
 from mcpn.space.graph import Mask, StateGraph
-from mcpn.space.symbolic import Encoding
 
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
@@ -113,9 +113,8 @@ def diagram_modes(mission_net: MissionNet, encoding: Encoding, states: Zdd) -> d
     for section in mission_net.graph.walk():
         places = places_of_modes(mission_net, section)
         (objective,) = mission_net.by_role["objective", section.name]
-        running = states.subset(encoding.levels([objective]), encoding.partners([objective]))
-        kept = sorted({*encoding.levels(places), *encoding.partners(places)})
-        rows = [encoding.marking(levels) for levels in running.onto(kept)]
+        running = encoding.marking_all([objective], states)
+        rows = [encoding.marking(levels) for levels in running.onto(encoding.telling(places))]
         found[section.name] = modes_of(section, places, [[bool(row[p]) for p in places] for row in rows])
     return found
 

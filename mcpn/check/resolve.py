@@ -41,7 +41,7 @@ from mcpn.check.formula import (
     operands,
 )
 from mcpn.errors import InputError, LimitError
-from mcpn.net.compose import MissionNet
+from mcpn.net.compose import START, MissionNet
 from mcpn.net.petri import PetriNet
 
 TRUE = Const(True)
@@ -267,7 +267,7 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
         start, its ``OK`` or its ``FAIL`` happens.
     """
     net = mission_net.net
-    starts = [i for i, t in enumerate(net.transitions) if t.event == "MISSION_EV_START"]
+    starts = [i for i, t in enumerate(net.transitions) if t.event == START]
     constraints = [
         Justice(negation(marked(tuple(p for p, _ in net.transitions[i].consume))), (i,)) for i in starts
     ]

@@ -28,6 +28,7 @@ from scipy.sparse.linalg import spsolve
 
 from mcpn.check.losing import Outlook
 from mcpn.errors import InputError, Problem
+from mcpn.net.compose import START
 from mcpn.space.graph import Mask
 
 Floats = npt.NDArray[np.float64]
@@ -119,7 +120,7 @@ class Chain:
         return rates
 
     def _start(self) -> None:
-        start = self.outlook.fired("MISSION_EV_START")
+        start = self.outlook.fired(START)
         self._at_once(start)
 
     def _at_once(self, edges: Mask) -> None:

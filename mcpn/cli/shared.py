@@ -82,16 +82,15 @@ def composite_of(
 ) -> Composite:
     """The local spaces of a mission, glued; with the states of every section listed where so asked."""
     from mcpn.space.local.gluing import glue
-    from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED
+    from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED, Making
 
     with progress_line(quiet, SECTIONS) as progress:
-        return glue(
-            mission_net.usage,
-            mission_net.graph,
+        making = Making(
             max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
             most_listed=None if listed else MOST_LISTED,
             progress=progress,
         )
+        return glue(mission_net.usage, mission_net.graph, making)
 
 
 def is_net(path: Path) -> bool:

@@ -14,6 +14,7 @@ from mcpn.mission.model import Activity, Hardware, Mission, Software
 from mcpn.mission.usage import Usage
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
+from mcpn.net.templates.control import START as START
 
 
 @dataclass(frozen=True)
@@ -53,10 +54,15 @@ class MissionNet:
         return self.by_role["failure", self.mission.name][0]
 
     @cached_property
+    def start(self) -> int:
+        """The transition with which the mission begins."""
+        (start,) = [t for t, of in enumerate(self.net.transitions) if of.event == START]
+        return start
+
+    @cached_property
     def beginning(self) -> int:
         """The place that says that the mission has not begun: the one that its start consumes."""
-        (start,) = [t for t in self.net.transitions if t.event == "MISSION_EV_START"]
-        ((place, _),) = start.consume
+        ((place, _),) = self.net.transitions[self.start].consume
         return place
 
     def saying(self, kind: str) -> dict[int, str]:

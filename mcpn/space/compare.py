@@ -13,7 +13,7 @@ from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
 from mcpn.space.local.gluing import glue
-from mcpn.space.local.placing import DEFAULT_MAX_STATES
+from mcpn.space.local.placing import DEFAULT_MAX_STATES, Making
 from mcpn.space.summary import ENGINES, summarise
 
 MOST_PLACES_FOR_PYEDA = 24
@@ -93,7 +93,7 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Me
 def _local(mission: Mission, max_states: int) -> tuple[dict[str, int | None], float]:
     mission_net = compose(mission)
     started = time.perf_counter()
-    stable = glue(mission_net.usage, mission_net.graph, max_states=max_states).states
+    stable = glue(mission_net.usage, mission_net.graph, Making(max_states=max_states)).states
     return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
 
 

@@ -115,10 +115,7 @@ def prove_confluent(
         LimitError: A limit was hit.
     """
     space = space or reach(net)
-    assert space.stable is not None, "nets of missions have priorities"
-    undoing = [e for t, e in space.encoding.undoing.items() if net.transitions[t].internal]
-    ending = space.stable.saturate(undoing, within=space.reachable)
-    if ending == space.reachable and next(open_conflicts(space), None) is None:
+    if not space.endless and next(open_conflicts(space), None) is None:
         return PROOF_OF_ENDS
     proof = direct(net, proof=True, max_states=max_states).proof
     assert proof is not None, "a proof was asked for"

@@ -8,109 +8,21 @@ is new.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
-from mcpn_kernel import BudgetExceeded, MemoryLimit, Store, Zdd
+from mcpn_kernel import BudgetExceeded, MemoryLimit, Zdd
 
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
-from mcpn.net.structure import complements
+from mcpn.space.encoding import Encoding, distinct
 from mcpn.space.order import Order, candidates
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET, FIRST_BUDGET_OF_MISSIONS = 20_000, 400_000
 GROWTH = 4
-
-
-class Encoding:
-    """A net on the levels of a store.
-
-    A place that is marked exactly where its partner is not needs no level: consuming it is producing its
-    partner, and reading it is a test that the partner is unmarked.
-
-    Args:
-        net: The net, 1-safe at its initial marking.
-        order: Places from the top on.
-        memory_limit: Bytes for the store.
-    """
-
-    def __init__(self, net: PetriNet, order: Order, memory_limit: int) -> None:
-        self.net = net
-        self.memory_limit = memory_limit
-        self.partner: dict[int, int] = {}
-        for kept, dropped in complements(net):
-            if kept not in self.partner and dropped not in self.partner:
-                self.partner[dropped] = kept
-        self.places = tuple(p for p in order if p not in self.partner)
-        self.level = {p: level for level, p in enumerate(self.places)}
-        self.store = Store(len(self.places), memory_limit)
-        live = [(i, t) for i, t in enumerate(net.safe_transitions) if not t.blocked]
-        self.transitions = [i for i, _ in live]
-        self.enabling = {i: self.condition((*t.consume, *t.read)) for i, t in live}
-        self.events = {
-            i: self.event(t.consume, t.produce, t.read)
-            for i, t in live
-            if not t.overflow and self.enabling[i] is not None
-        }
-
-    def levels(self, places: Iterable[int]) -> list[int]:
-        """Levels of those places that have one."""
-        return [self.level[p] for p in places if p in self.level]
-
-    def partners(self, places: Iterable[int]) -> list[int]:
-        """Levels of the partners of those places that have none."""
-        return [self.level[self.partner[p]] for p in places if p in self.partner]
-
-    def condition(self, marked: Iterable[int], unmarked: Iterable[int] = ()) -> int | None:
-        """A condition of the store, or ``None`` where it contradicts itself."""
-        marked, unmarked = tuple(marked), tuple(unmarked)
-        yes = set(self.levels(marked)) | set(self.partners(unmarked))
-        no = set(self.levels(unmarked)) | set(self.partners(marked))
-        return None if yes & no else self.store.condition(sorted(yes), sorted(no))
-
-    def event(self, consume: tuple[int, ...], produce: tuple[int, ...], read: tuple[int, ...]) -> int:
-        """An event of the store."""
-        # A dropped place and its partner change together, so the partner's arcs say it all.
-        zero = sorted(set(self.partners(read)))
-        return self.store.event(self.levels(consume), self.levels(produce), self.levels(read), zero)
-
-    @cached_property
-    def undoing(self) -> dict[int, int]:
-        """By transition, the event that takes a marking after its firing back to the one before."""
-        safe = self.net.safe_transitions
-        return {t: self.event(safe[t].produce, safe[t].consume, safe[t].read) for t in self.events}
-
-    def initial(self) -> Zdd:
-        """The set that holds the initial marking."""
-        return self.set_of(self.net.initial)
-
-    def set_of(self, marking: Sequence[int]) -> Zdd:
-        """The set that holds one marking, given as tokens by place."""
-        return self.store.singleton(self.levels(p for p, tokens in enumerate(marking) if tokens))
-
-    def marking(self, levels: Iterable[int]) -> tuple[int, ...]:
-        """The tokens by place of a marking given as its marked levels."""
-        marked = {self.places[level] for level in levels}
-        marked.update(dropped for dropped, kept in self.partner.items() if kept not in marked)
-        return tuple(int(p in marked) for p in range(len(self.net.places)))
-
-    def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
-        """A weighted sum of tokens by what each marked level adds to it, and what is always there.
-
-        Args:
-            weights: By place; 0 for those not named.
-        """
-        levels, always = [0] * len(self.places), 0
-        for place, weight in weights.items():
-            if place in self.level:
-                levels[self.level[place]] += weight
-            else:  # marked where its partner is not
-                levels[self.level[self.partner[place]]] -= weight
-                always += weight
-        return levels, always
 
 
 @dataclass(frozen=True)
@@ -166,6 +78,12 @@ class SymbolicSpace:
     def dead(self) -> Zdd:
         """Markings that enable no transition."""
         return self.reachable.without([c for c in self.encoding.enabling.values() if c is not None])
+
+    @cached_property
+    def endless(self) -> Zdd:
+        """Markings from which no internal run comes to a stable one, of a net with priorities."""
+        assert self.stable is not None, "asked of nets with priorities"
+        return self.reachable - self.stable.saturate(self.encoding.internal_back, within=self.reachable)
 
     @property
     def dead_states(self) -> int:
@@ -251,17 +169,12 @@ def _again(
         yield candidate
 
 
-def distinct(events: Iterable[int]) -> list[int]:
-    """Each event once: transitions that do the same are one event of the store."""
-    return list(dict.fromkeys(events))
-
-
 def _close(net: PetriNet, name: str, order: Order, memory_limit: int, budget: int) -> SymbolicSpace:
     encoding = Encoding(net, order, memory_limit)
     if not net.priorities:
         everything = encoding.initial().saturate(distinct(encoding.events.values()), budget)
         return SymbolicSpace(encoding, everything, None, name, order, encoding.store.peak_nodes)
-    internal = distinct(e for t, e in encoding.events.items() if net.transitions[t].internal)
+    internal = encoding.internal
     unstable = [c for t, c in encoding.enabling.items() if c is not None and net.transitions[t].internal]
     reachable = encoding.initial().saturate(internal, budget)
     peak = encoding.store.peak_nodes

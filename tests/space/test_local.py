@@ -24,12 +24,13 @@ from mcpn.space.local.composite import Composite
 from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.expand import expand
 from mcpn.space.local.gluing import glue
+from mcpn.space.local.placing import Making
 from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError
 from mcpn.testing import missions
 
 
 def composed(mission_net: MissionNet, most_listed: int | None = None) -> Composite:
-    return glue(mission_net.usage, mission_net.graph, most_listed=most_listed)
+    return glue(mission_net.usage, mission_net.graph, Making(most_listed=most_listed))
 
 
 def check_equal(found: AlternativesGraph, expected: AlternativesGraph) -> None:
@@ -186,7 +187,7 @@ def test_a_section_that_leaves_something_behind_is_refused(
 ) -> None:
     mission_net = compose(ulysse, templates)
     with pytest.raises(PremiseError, match="use --engine explicit or symbolic") as caught:
-        glue(mission_net.usage, mission_net.graph, templates=templates, most_listed=most_listed)
+        glue(mission_net.usage, mission_net.graph, Making(templates, most_listed=most_listed))
     assert (caught.value.place, caught.value.section) == (place, section)
     assert caught.value.runs
 
@@ -198,8 +199,8 @@ def test_local_graphs_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
     usage, graph = ulysse_net.usage, ulysse_net.graph
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        composite = glue(usage, graph, executor=pool, progress=lambda *at: done.append(at))
-        diagrams = glue(usage, graph, executor=pool, most_listed=-1)
+        composite = glue(usage, graph, Making(executor=pool, progress=lambda *at: done.append(at)))
+        diagrams = glue(usage, graph, Making(executor=pool, most_listed=-1))
     assert composite.states == diagrams.states == 260
     assert (composite.edges, diagrams.edges) == (1332, 1332)
     # Two types of sections, then types of junctions.
@@ -212,5 +213,5 @@ def test_local_graphs_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None
         distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        composite = glue(ulysse_net.usage, ulysse_net.graph, executor=client.get_executor())
+        composite = glue(ulysse_net.usage, ulysse_net.graph, Making(executor=client.get_executor()))
     assert (composite.states, composite.edges) == (260, 1332)

@@ -10,6 +10,9 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.templates.activities import running_place
 from mcpn.net.templates.canvas import Canvas, Pen
 
+START = "MISSION_EV_START"
+"""The event with which a mission begins, and each section in its own net."""
+
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
 
@@ -27,7 +30,7 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     success = canvas.role(pen.place("MISSION_success"), ("success", mission.name))
     failure = canvas.role(pen.place("MISSION_failure"), ("failure", mission.name))
     control = _Control(canvas, graph, {SUCCEED: [success], FAIL: [failure]})
-    pen.transition("MISSION_EV_START", [begin], control.enter(graph.entry), event="MISSION_EV_START")
+    pen.transition(START, [begin], control.enter(graph.entry), event=START)
     control.draw()
 
 

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
+from mcpn.net.compose import START
 from mcpn.space.local.interface import HardwareStates
 from mcpn.space.local.junction import Junction
 from mcpn.space.local.placing import PlacedSection
@@ -134,6 +135,11 @@ class Composite:
                 for here in junction.torn(reached):
                     yield Tear(junction.first, junction.second, here)
 
+    @cached_property
+    def tear(self) -> Tear | None:
+        """The first of them, or ``None`` where all that the mission comes to is confluent and ends."""
+        return next(self.torn(), None)
+
     # --- sizes ---
 
     @cached_property
@@ -160,7 +166,7 @@ class Composite:
     @cached_property
     def events(self) -> frozenset[str]:
         """Names of all events that happen in the mission."""
-        found = {"MISSION_EV_START", *(f"{h}_EV_{change}" for h in self.faulty for change in ("OOS", "RD"))}
+        found = {START, *(f"{h}_EV_{change}" for h in self.faulty for change in ("OOS", "RD"))}
         for name, reached in self.reached.items():
             placed = self.by_name[name]
             own = placed.renaming.objectives

@@ -2,35 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial, wraps
-from typing import Any, TypeVar, cast
+from functools import cached_property, partial
 
 from mcpn_kernel import Zdd
 
 from mcpn.errors import ConfluenceError
-from mcpn.net.compose import MissionNet
+from mcpn.net.compose import START, MissionNet
 from mcpn.net.sections import LocalPart
 from mcpn.space.confluence import open_conflicts
+from mcpn.space.encoding import distinct
 from mcpn.space.local.interface import Frame, HardwareSpace, HardwareStates
-from mcpn.space.local.protocol import Outcome, PremiseError, TornHere
-from mcpn.space.symbolic import SymbolicSpace, chained, distinct, elements
-
-Method = TypeVar("Method", bound=Callable[..., Any])
-
-
-def once(method: Method) -> Method:
-    """A method that remembers its results: sections of one type ask their local space the same again."""
-
-    @wraps(method)
-    def remembering(self: LocalDiagram, *arguments: Hashable) -> Any:
-        key = method.__name__, arguments
-        if key not in self._known:
-            self._known[key] = method(self, *arguments)
-        return self._known[key]
-
-    return cast(Method, remembering)
+from mcpn.space.local.protocol import Known, Outcome, PremiseError, TornHere, once
+from mcpn.space.symbolic import SymbolicSpace, chained, elements
 
 
 class Undecided(ConfluenceError):
@@ -50,7 +35,7 @@ class LocalDiagram:
     part: LocalPart
     net: MissionNet
     space: SymbolicSpace
-    _known: dict[tuple[str, tuple[Hashable, ...]], Any] = field(default_factory=dict)
+    _known: Known = field(default_factory=dict)
 
     @property
     def faulty(self) -> tuple[str, ...]:
@@ -68,23 +53,21 @@ class LocalDiagram:
         assert self.space.stable is not None, "nets of missions have priorities"
         return self.space.stable
 
-    def marking(self, place: int, among: Zdd) -> Zdd:
-        """Those of some markings that mark a place."""
-        encoding = self.space.encoding
-        return among.subset(encoding.levels([place]), encoding.partners([place]))
-
     @cached_property
     def before(self) -> Zdd:
         """States before the entry."""
-        return self.marking(self.net.beginning, self.stable)
+        return self._marking(self.net.beginning)
 
     @cached_property
     def ended(self) -> Mapping[Outcome, Zdd]:
         """States after the section, by its outcome."""
         return {
-            "success": self.marking(self.net.success, self.stable),
-            "failure": self.marking(self.net.failure, self.stable),
+            "success": self._marking(self.net.success),
+            "failure": self._marking(self.net.failure),
         }
+
+    def _marking(self, place: int) -> Zdd:
+        return self.space.encoding.marking_all([place], self.stable)
 
     @cached_property
     def inside(self) -> Zdd:
@@ -138,48 +121,42 @@ class LocalDiagram:
     # --- events ---
 
     @cached_property
-    def _internal(self) -> list[int]:
-        encoding = self.space.encoding
-        return distinct(e for t, e in encoding.events.items() if self._is_internal(t))
-
-    @cached_property
-    def _internal_back(self) -> list[int]:
-        return distinct(e for t, e in self.space.encoding.undoing.items() if self._is_internal(t))
-
-    def _is_internal(self, transition: int) -> bool:
-        return self.net.net.transitions[transition].internal
-
-    @cached_property
-    def start(self) -> int:
-        """The transition of the section's entry."""
-        transitions = self.net.net.transitions
-        (start,) = [t for t, of in enumerate(transitions) if of.event == "MISSION_EV_START"]
-        return start
-
-    @cached_property
     def _by_element(self) -> list[list[int]]:
         """Event transitions but for the start, by the element that they are of."""
-        return [of for of in elements(self.space.encoding) if self.start not in of]
+        return [of for of in elements(self.space.encoding) if self.net.start not in of]
+
+    @cached_property
+    def _every(self) -> list[int]:
+        """The same in one list."""
+        return [t for of in self._by_element for t in of]
+
+    def _fired(self, before: Zdd, transitions: Iterable[int]) -> Zdd:
+        """Markings after one of some events, before any internal firing."""
+        events = self.space.encoding.events
+        return before.images(distinct(events[t] for t in transitions))
 
     def _settled(self, after: Zdd) -> Zdd:
         """The stable markings in which internal evolution ends."""
-        return after.saturate(self._internal) & self.stable
+        return after.saturate(self.space.encoding.internal) & self.stable
+
+    def _ending(self, goal: Zdd) -> Zdd:
+        """Markings from which internal evolution ends in a goal."""
+        return goal.saturate(self.space.encoding.internal_back, within=self.space.reachable)
 
     def _leading(self, goal: Zdd, transitions: Iterable[int], among: Zdd) -> Zdd:
         """States with an event that ends in a goal."""
         undoing = self.space.encoding.undoing
-        ending = goal.saturate(self._internal_back, within=self.space.reachable)
-        return ending.images(distinct(undoing[t] for t in transitions), within=among)
+        return self._ending(goal).images(distinct(undoing[t] for t in transitions), within=among)
 
     @once
     def begin(self, before: Zdd) -> Zdd:
         """First states inside after the start from states before."""
-        return self._settled(before.images([self.space.encoding.events[self.start]]))
+        return self._settled(self._fired(before, [self.net.start]))
 
     @once
     def beginnings(self, inside: Zdd) -> Zdd:
         """States before whose start leads into some states inside."""
-        return self._leading(inside, [self.start], self.before)
+        return self._leading(inside, [self.net.start], self.before)
 
     @once
     def reached(self, inside: Zdd) -> Zdd:
@@ -187,8 +164,7 @@ class LocalDiagram:
         return chained(inside, [partial(self._ahead, transitions=of) for of in self._by_element])
 
     def _ahead(self, states: Zdd, transitions: Iterable[int]) -> Zdd:
-        events = self.space.encoding.events
-        return self._settled(states.images(distinct(events[t] for t in transitions))) & self.inside
+        return self._settled(self._fired(states, transitions)) & self.inside
 
     @once
     def reaching(self, goal: Zdd) -> Zdd:
@@ -199,19 +175,13 @@ class LocalDiagram:
     @once
     def after(self, inside: Zdd) -> Zdd:
         """States, inside or after the section, one event after states inside."""
-        events = self.space.encoding.events
-        return self._settled(inside.images(distinct(events[t] for of in self._by_element for t in of)))
+        return self._settled(self._fired(inside, self._every))
 
     def step_into(self, goal: Zdd, among: Zdd) -> tuple[int, Zdd, Zdd] | None:
         """One step from one of some states inside to a goal: a transition, and one state at each end."""
-        encoding = self.space.encoding
-        ending = goal.saturate(self._internal_back, within=self.space.reachable)
-        for transition in (t for of in self._by_element for t in of):
-            before = ending.images([encoding.undoing[transition]], within=among)
-            if before:
-                source = self.pick(before)
-                after = self._settled(source.images([encoding.events[transition]]))
-                return transition, source, self.pick(after & goal)
+        for transition, before in self.crossing(goal, among):
+            source = self.pick(before)
+            return transition, source, self.pick(self._settled(self._fired(source, [transition])) & goal)
         return None
 
     def pick(self, states: Zdd) -> Zdd:
@@ -219,19 +189,18 @@ class LocalDiagram:
         marked = states.pick()
         return states if marked is None else self.space.encoding.store.singleton(marked)
 
-    def crossing(self, goal: Zdd, among: Zdd) -> list[tuple[int, Zdd]]:
+    def crossing(self, goal: Zdd, among: Zdd) -> Iterator[tuple[int, Zdd]]:
         """Event transitions that lead from some states inside to a goal, each with its states before."""
-        ending = goal.saturate(self._internal_back, within=self.space.reachable)
-        undoing = self.space.encoding.undoing
-        ways = ((t, ending.images([undoing[t]], within=among)) for of in self._by_element for t in of)
-        return [(transition, before) for transition, before in ways if before]
+        ending, undoing = self._ending(goal), self.space.encoding.undoing
+        ways = ((t, ending.images([undoing[t]], within=among)) for t in self._every)
+        return ((transition, before) for transition, before in ways if before)
 
     # --- what is in them ---
 
     def grouped(self, states: Zdd, places: Sequence[int]) -> list[tuple[list[int], int]]:
         """How many of some states there are for each way to mark some places, given as those marked."""
         encoding = self.space.encoding
-        kept = sorted({*encoding.levels(places), *encoding.partners(places)})
+        kept = encoding.telling(places)
         found = []
         for marked in states.onto(kept):
             alike = states.subset(marked=marked, unmarked=[level for level in kept if level not in marked])
@@ -249,13 +218,13 @@ class LocalDiagram:
 
     def _firings(self, states: Zdd) -> dict[int, int]:
         enabling = self.space.encoding.enabling
-        conditions = [(t, c) for of in self._by_element for t in of if (c := enabling[t]) is not None]
+        conditions = [(t, c) for t in self._every if (c := enabling[t]) is not None]
         counts = states.counts([c for _, c in conditions])
         return dict(zip([t for t, _ in conditions], counts, strict=True))
 
     def marks(self, place: int, states: Zdd) -> bool:
         """Whether some of the states mark a place."""
-        return bool(self.marking(place, states))
+        return bool(self.space.encoding.marking_all([place], states))
 
     # --- what composition rests on ---
 
@@ -268,21 +237,14 @@ class LocalDiagram:
         """A marking, given as tokens by place, as a set of one if it is among some states, else empty."""
         return self.space.encoding.set_of(marking) & states
 
-    @cached_property
-    def _endless(self) -> Zdd:
-        """Markings from which no internal run comes to a stable one."""
-        reachable = self.space.reachable
-        return reachable - self.stable.saturate(self._internal_back, within=reachable)
-
     def torn(self, inside: Zdd, before: Zdd) -> Iterator[TornHere]:
         """Where diagrams leave confluence or termination open after events in states inside and before."""
-        if not self._open and not self._endless:
+        endless = self.space.endless
+        if not self._open and not endless:
             return
-        events = self.space.encoding.events
-        ways = distinct(events[t] for of in self._by_element for t in of)
-        begun = before.images([events[self.start]]) | inside.images(ways)
-        transient = begun.saturate(self._internal)
-        if transient & self._endless:
+        begun = self._fired(before, [self.net.start]) | self._fired(inside, self._every)
+        transient = begun.saturate(self.space.encoding.internal)
+        if transient & endless:
             yield TornHere(inside, None, Undecided("internal runs that need not end"))
         names = self.net.net.transitions
         for first, second in open_conflicts(self.space, transient, self._open):
@@ -305,12 +267,16 @@ class LocalDiagram:
             if different:
                 raise PremiseError(section, self._changed(different, idle), [self._run_to(after, different)])
 
+    @cached_property
+    def _frame(self) -> Frame:
+        """The hardware in the names of the section that stands for its type."""
+        return HardwareSpace(self.faulty).frame(self.faulty)
+
     def _changed(self, different: Zdd, idle: Zdd) -> str:
         """The first place in which one of some markings differs from the idle one of the same hardware."""
         encoding = self.space.encoding
-        frame = HardwareSpace(self.faulty).frame(self.faulty)
         state = self.pick(different)
-        alike = self.with_hardware(idle, self.hardware(state, frame))
+        alike = self.with_hardware(idle, self.hardware(state, self._frame))
         marked, idling = set(state.pick() or []), set(alike.pick() or [])
         return self.net.net.places[min(encoding.places[level] for level in marked ^ idling)].name
 
@@ -328,6 +294,6 @@ class LocalDiagram:
             assert step is not None, "each state of a layer has one before it in the layer before"
             run.append(self.net.net.transitions[step[0]].event or "")
             goal = step[1]
-        failed = self.hardware(self.beginnings(goal), HardwareSpace(self.faulty).frame(self.faulty)).pick()
+        failed = self.hardware(self.beginnings(goal), self._frame).pick()
         out = [f"{name}_EV_OOS" for bit, name in enumerate(self.faulty) if failed >> bit & 1]
-        return [*out, "MISSION_EV_START", *reversed(run)]
+        return [*out, START, *reversed(run)]

@@ -69,10 +69,6 @@ class _Writing:
         self.begin_only = sum(1 << p for p, tokens in enumerate(self.net.initial) if tokens)
 
     @cached_property
-    def start(self) -> int:
-        return next(i for i, t in enumerate(self.net.transitions) if t.event == "MISSION_EV_START")
-
-    @cached_property
     def toggles(self) -> dict[str, tuple[int, int]]:
         """By hardware, the transitions with which it fails and recovers while nobody uses it."""
         found = {}
@@ -96,7 +92,7 @@ class _Writing:
             if hardware not in used:
                 yield self.toggles[hardware][mask >> bit & 1], (name, at, mask ^ 1 << bit)
         if name == BEGIN:
-            yield self.start, self.enter(self.composite.graph.entry, mask)
+            yield self.mission_net.start, self.enter(self.composite.graph.entry, mask)
         elif name not in ENDS:
             yield from self.places_inside(self.places[name], at, mask)
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import Executor
 from dataclasses import replace
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.usage import Usage
+from mcpn.net.compose import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
@@ -16,40 +16,20 @@ from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import Undecided
 from mcpn.space.local.graph import LocalGraph
 from mcpn.space.local.junction import open_junctions
-from mcpn.space.local.placing import (
-    DEFAULT_MAX_STATES,
-    MOST_LISTED,
-    PlacedSection,
-    Progress,
-    listed,
-    local_graphs,
-)
+from mcpn.space.local.placing import AS_USUAL, Making, PlacedSection, listed, local_graphs
 
 
 def glue(
-    usage: Usage,
-    graph: ObjectivesGraph,
-    *,
-    templates: TemplateSet | None = None,
-    executor: Executor | None = None,
-    max_states: int = DEFAULT_MAX_STATES,
-    most_listed: int | None = MOST_LISTED,
-    strict: bool = True,
-    progress: Progress | None = None,
+    usage: Usage, graph: ObjectivesGraph, making: Making = AS_USUAL, *, strict: bool = True
 ) -> Composite:
     """Makes the composite of a mission, and judges all that the mission comes to.
 
     Args:
         usage: Static facts of the mission.
         graph: Its objectives graph.
-        templates: The set of templates that the mission is composed with; the paper's by default.
-        executor: Where states are listed and junctions proved; in this process by default.
-        max_states: How many states a local graph may list; a section with more has a diagram.
-        most_listed: With more hardware that can fail a section has a diagram at once; ``None`` to list the
-            states of every section.
+        making: How local spaces are made.
         strict: Whether to raise where the mission comes to what is not confluent or need not end; else
-            :meth:`mcpn.space.local.composite.Composite.torn` tells it.
-        progress: Called after each local space and each junction, with how many of their kind there are.
+            :attr:`mcpn.space.local.composite.Composite.tear` tells it.
 
     Returns:
         The composite.
@@ -61,63 +41,45 @@ def glue(
         UnsafeError: A local net is not 1-safe.
         LimitError: A limit was hit.
     """
-    placed = local_graphs(
-        usage,
-        graph,
-        templates=templates,
-        executor=executor,
-        max_states=max_states,
-        most_listed=most_listed,
-        progress=progress,
-    )
-    junctions = open_junctions(
-        usage, graph, placed, templates=templates, executor=executor, max_states=max_states, progress=progress
-    )
-    composite = Composite(usage, graph, tuple(placed), tuple(junctions))
-    while (tear := next(composite.torn(), None)) is not None and isinstance(tear.here.error, Undecided):
-        composite = _listed_instead(composite, tear.section, tear.here.error, max_states)
+    composite = _put_together(usage, graph, making)
+    while (tear := composite.tear) is not None and isinstance(tear.here.error, Undecided):
+        composite = _listed_instead(composite, tear.section, tear.here.error, making.max_states)
     if tear is not None and strict:
-        raise error_of(composite, tear, templates)
+        raise error_of(composite, tear, making.templates)
     return composite
 
 
 def judged_everywhere(
-    usage: Usage,
-    graph: ObjectivesGraph,
-    *,
-    templates: TemplateSet | None = None,
-    executor: Executor | None = None,
-    max_states: int = DEFAULT_MAX_STATES,
-) -> list[PlacedSection]:
+    usage: Usage, graph: ObjectivesGraph, making: Making = AS_USUAL
+) -> tuple[PlacedSection, ...]:
     """The sections of a mission, or some of them, confluent for all states of their hardware.
 
     Args:
         usage: Static facts of the mission.
         graph: The sections.
-        templates: The set of templates that the mission is composed with; the paper's by default.
-        executor: Where states are listed and junctions proved; in this process by default.
-        max_states: How many states a local graph may list.
+        making: How local spaces are made; the states of every section are listed.
 
     Returns:
-        The sections, the states of each listed.
+        The sections.
 
     Raises:
         SemanticsError: As for :func:`glue`, also where the mission never comes.
         LimitError: A limit was hit.
     """
-    placed = local_graphs(
-        usage, graph, templates=templates, executor=executor, max_states=max_states, most_listed=None
-    )
-    alone = Composite(usage, graph, tuple(placed))
-    for p in placed:
+    composite = _put_together(usage, graph, replace(making, most_listed=None))
+    for p in composite.sections:
         for here in p.local.torn(p.local.inside, p.local.before):
-            raise error_of(alone, Tear(p, None, here), templates)
-    for junction in open_junctions(
-        usage, graph, placed, templates=templates, executor=executor, max_states=max_states
-    ):
+            raise error_of(composite, Tear(p, None, here), making.templates)
+    for junction in composite.junctions:
         for here in junction.torn(junction.first.local.inside):
-            raise error_of(alone, Tear(junction.first, junction.second, here), templates)
-    return placed
+            raise error_of(composite, Tear(junction.first, junction.second, here), making.templates)
+    return composite.sections
+
+
+def _put_together(usage: Usage, graph: ObjectivesGraph, making: Making) -> Composite:
+    placed = local_graphs(usage, graph, making)
+    junctions = open_junctions(usage, graph, placed, making)
+    return Composite(usage, graph, tuple(placed), tuple(junctions))
 
 
 def _listed_instead(
@@ -153,8 +115,8 @@ def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) ->
     if isinstance(error, UnsafeError):
         return error
     text = str(error)
-    if tear.here.event == "MISSION_EV_START" and tear.section is not composite.first:
-        text = text.replace("after MISSION_EV_START", "at its entry")
+    if tear.here.event == START and name != composite.graph.entry:
+        text = text.replace(f"after {START}", "at its entry")
     usage = composite.usage
     found = (*usage.contentions, *usage.exchanges) if isinstance(error, ConfluenceError) else ()
     reason = f" ({'; '.join(map(str, found))})" if found else ""

@@ -13,7 +13,7 @@ from mcpn.net.sections import LocalPart
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.graph import Ints, Mask, pack, rows
 from mcpn.space.local.interface import Frame, HardwareStates
-from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError, TornHere
+from mcpn.space.local.protocol import OUTCOMES, Known, Outcome, PremiseError, TornHere, once
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class LocalGraph:
     part: LocalPart
     net: MissionNet
     graph: AlternativesGraph
-    _reached: dict[Listed, Listed] = field(default_factory=dict)
+    _known: Known = field(default_factory=dict)
 
     @cached_property
     def faulty(self) -> tuple[str, ...]:
@@ -164,12 +164,10 @@ class LocalGraph:
         mask[states] = True
         return Listed(mask)
 
+    @once
     def reached(self, inside: Listed) -> Listed:
         """States inside to which runs inside lead from some, those included."""
-        if inside not in self._reached:
-            found = self.graph.reached(self.edges_inside, np.flatnonzero(inside.mask))
-            self._reached[inside] = Listed(found)
-        return self._reached[inside]
+        return Listed(self.graph.reached(self.edges_inside, np.flatnonzero(inside.mask)))
 
     def reaching(self, goal: Listed) -> Listed:
         """States inside from which some run through the inside leads to a goal, inside or after."""

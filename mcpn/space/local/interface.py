@@ -7,13 +7,17 @@ resource of the mission, marked where it is out of service.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from mcpn_kernel import Store, Zdd
 
 from mcpn.space.graph import Mask
+
+Part = TypeVar("Part", bound=Hashable)
 
 
 class HardwareSpace:
@@ -77,24 +81,11 @@ class Frame:
         key = masks.tobytes()
         if key not in self._known:
             # Axes from the mission's first resource on, so that equal parts are equal rows.
-            order = self._from_top()
-            count = len(order)
-            axes = [count - 1 - bit for _, bit in order]
-            table = masks.reshape((2,) * count).transpose(axes).reshape(-1)
-            self._known[key] = self._built(table, [level for level, _ in order], {})
+            count = len(self.names)
+            axes = [count - 1 - bit for _, bit in self.from_top]
+            table = masks.reshape((2,) * count).transpose(axes).tobytes()
+            self._known[key] = self._built(table, _halves, any)
         return HardwareStates(self, self._known[key])
-
-    def _built(self, table: Mask, levels: list[int], memo: dict[bytes, Zdd]) -> Zdd:
-        store = self.space.store
-        if not levels:
-            return store.singleton([]) if table[0] else store.empty()
-        key = table.tobytes()
-        if key not in memo:
-            half = len(table) // 2
-            low = self._built(table[:half], levels[1:], memo)
-            high = self._built(table[half:], levels[1:], memo)
-            memo[key] = low | high.images([self.space.fails[levels[0]]])
-        return memo[key]
 
     def from_diagram(self, states: Zdd, split: Callable[[Zdd, int], tuple[Zdd, Zdd]]) -> HardwareStates:
         """The states in a diagram of another store.
@@ -104,23 +95,42 @@ class Frame:
             split: Those of some states in which a resource, given by its bit, is in service, and those in
                 which it is out, with nothing more told of it.
         """
-        order, memo = self._from_top(), dict[tuple[Zdd, int], Zdd]()
+        return HardwareStates(self, self._built(states, split, bool))
+
+    def _built(
+        self, whole: Part, split: Callable[[Part, int], tuple[Part, Part]], there: Callable[[Part], bool]
+    ) -> Zdd:
+        """A diagram from parts: those without and with each resource out; equal parts are looked at once."""
+        memo: dict[tuple[Part, int], Zdd] = {}
         store, fails = self.space.store, self.space.fails
 
-        def built(part: Zdd, at: int) -> Zdd:
-            if not part or at == len(order):
-                return store.singleton([]) if part else store.empty()
+        def built(part: Part, at: int) -> Zdd:
+            if at == len(self.from_top) or not there(part):
+                return store.singleton([]) if there(part) else store.empty()
             if (part, at) not in memo:
-                level, bit = order[at]
+                level, bit = self.from_top[at]
                 up, down = split(part, bit)
                 memo[part, at] = built(up, at + 1) | built(down, at + 1).images([fails[level]])
             return memo[part, at]
 
-        return HardwareStates(self, built(states, 0))
+        return built(whole, 0)
 
-    def _from_top(self) -> list[tuple[int, int]]:
+    @cached_property
+    def from_top(self) -> list[tuple[int, int]]:
         """Levels of the mission's store, ascending, each with its bit."""
         return sorted((self.space.level[name], bit) for bit, name in enumerate(self.names))
+
+    def mask(self, levels: Iterable[int]) -> int:
+        """The mask of one state, given as the levels that it marks."""
+        return sum(self._bits[level] for level in levels)
+
+    @cached_property
+    def _bits(self) -> dict[int, int]:
+        return {level: 1 << bit for level, bit in self.from_top}
+
+
+def _halves(table: bytes, _: int) -> tuple[bytes, bytes]:
+    return table[: len(table) // 2], table[len(table) // 2 :]
 
 
 @dataclass(frozen=True)
@@ -176,17 +186,15 @@ class HardwareStates:
 
     def masks(self) -> Mask:
         """The states as an array, shape (2 ** hardware,), by the bits of what is out of service."""
-        bits = {level: 1 << bit for level, bit in self.frame._from_top()}
         found = np.zeros(1 << len(self.frame.names), np.bool_)
-        found[[sum(bits[level] for level in state) for state in self.out]] = True
+        found[[self.frame.mask(state) for state in self.out]] = True
         return found
 
     def pick(self) -> int:
         """The mask of one of the states, one with little out of service first; there must be one."""
-        bits = {level: 1 << bit for level, bit in self.frame._from_top()}
         state = self.out.pick()
         assert state is not None, "asked of sets that are not empty"
-        return sum(bits[level] for level in state)
+        return self.frame.mask(state)
 
     def built(self, one: Zdd, none: Zdd, join: Callable[[Zdd, Zdd, int], Zdd]) -> Zdd:
         """The set as a diagram of another store.
@@ -197,7 +205,7 @@ class HardwareStates:
             join: Puts together what is there where a resource, given by its bit, is in service, and what is
                 there where it is out.
         """
-        order, memo = self.frame._from_top(), dict[tuple[Zdd, int], Zdd]()
+        order, memo = self.frame.from_top, dict[tuple[Zdd, int], Zdd]()
         recovers = self.frame.space.recovers
 
         def follow(out: Zdd, at: int) -> Zdd:

@@ -8,7 +8,6 @@ depends on their order is proved on the net of both.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -20,13 +19,7 @@ from mcpn.net.sections import LocalPart, junction_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.confluence import prove_confluent
-from mcpn.space.local.placing import (
-    DEFAULT_MAX_STATES,
-    PlacedSection,
-    Progress,
-    in_section,
-    results_of,
-)
+from mcpn.space.local.placing import AS_USUAL, Making, PlacedSection, in_section, results_of
 from mcpn.space.local.protocol import TornHere
 
 Pair: TypeAlias = tuple[PlacedSection, PlacedSection]
@@ -60,14 +53,7 @@ class Junction:
 
 
 def open_junctions(
-    usage: Usage,
-    graph: ObjectivesGraph,
-    placed: list[PlacedSection],
-    *,
-    templates: TemplateSet | None = None,
-    executor: Executor | None = None,
-    max_states: int = DEFAULT_MAX_STATES,
-    progress: Progress | None = None,
+    usage: Usage, graph: ObjectivesGraph, placed: list[PlacedSection], making: Making = AS_USUAL
 ) -> list[Junction]:
     """Proves the junctions of a mission confluent, each type of pairs once.
 
@@ -75,10 +61,7 @@ def open_junctions(
         usage: Static facts of the mission.
         graph: Its objectives graph.
         placed: Its sections.
-        templates: The set of templates; without the paper's no two pairs are taken for one type.
-        executor: Where the proofs are made; in this process by default.
-        max_states: How many stable states a junction may have where it must be decided edge by edge.
-        progress: Called after each junction.
+        making: How the sections were made.
 
     Returns:
         Those that are not confluent for all states of their hardware, whether the mission comes there or not.
@@ -86,10 +69,11 @@ def open_junctions(
     Raises:
         LimitError: A limit was hit.
     """
+    templates, max_states = making.templates, making.max_states
     pairs = _pairs(usage, graph, {p.section.name: p for p in placed}, templates)
     nets = [junction_part(usage, *(p.section for p in of[0])).net(templates).net for of in pairs]
     found: list[Junction] = []
-    proofs = results_of([(is_confluent, net, max_states) for net in nets], executor)
+    proofs = results_of([(is_confluent, net, max_states) for net in nets], making.executor)
     for number, of in enumerate(pairs):
         with in_section(" to ".join(p.section.name for p in of[0])):
             if not next(proofs):
@@ -97,8 +81,8 @@ def open_junctions(
                     part = junction_part(usage, first.section, second.section)
                     torn = direct(part.net(templates).net, tear=True, max_states=max_states)
                     found.append(Junction(first, second, torn, templates))
-        if progress:
-            progress(number + 1, len(pairs))
+        if making.progress:
+            making.progress(number + 1, len(pairs))
     return found
 
 

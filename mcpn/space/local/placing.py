@@ -39,6 +39,32 @@ Progress: TypeAlias = Callable[[int, int], None]
 """Called after each local graph and junction with how many are done and how many there are."""
 
 
+@dataclass(frozen=True)
+class Making:
+    """How local spaces are made.
+
+    Args:
+        templates: The set of templates that the mission is composed with, the paper's by default; with
+            another no two sections, and no two junctions, are taken for one type.
+        executor: Where sections are explored and junctions proved; in this process one after the other by
+            default.
+        max_states: How many states a local graph, or a junction decided edge by edge, may list; a section
+            with more has a diagram.
+        most_listed: With more hardware that can fail a section has a diagram at once; ``None`` to list the
+            states of every section.
+        progress: Called after each local space and each junction, with how many of their kind there are.
+    """
+
+    templates: TemplateSet | None = None
+    executor: Executor | None = None
+    max_states: int = DEFAULT_MAX_STATES
+    most_listed: int | None = MOST_LISTED
+    progress: Progress | None = None
+
+
+AS_USUAL = Making()
+
+
 @dataclass(frozen=True, eq=False)
 class PlacedSection:
     """A section of the mission with the local space of its type.
@@ -104,16 +130,7 @@ class PlacedSection:
         return found
 
 
-def local_graphs(
-    usage: Usage,
-    graph: ObjectivesGraph,
-    *,
-    templates: TemplateSet | None = None,
-    executor: Executor | None = None,
-    max_states: int = DEFAULT_MAX_STATES,
-    most_listed: int | None = MOST_LISTED,
-    progress: Progress | None = None,
-) -> list[PlacedSection]:
+def local_graphs(usage: Usage, graph: ObjectivesGraph, making: Making = AS_USUAL) -> list[PlacedSection]:
     """Explores each type of sections once.
 
     A section whose internal evolution depends on interleaving is no error here: its space tells where
@@ -122,12 +139,7 @@ def local_graphs(
     Args:
         usage: Static facts of the mission.
         graph: Its objectives graph.
-        templates: The set of templates; without the paper's no two sections are taken for one type.
-        executor: Where types of sections are explored; in this process one after the other by default.
-        max_states: How many states a local graph may list; a section with more has a diagram.
-        most_listed: With more hardware that can fail a section has a diagram at once; ``None`` to list the
-            states of every section.
-        progress: Called after each local space.
+        making: How local spaces are made.
 
     Returns:
         Every section with its local space, in document order.
@@ -137,6 +149,7 @@ def local_graphs(
         UnsafeError: A section with a diagram has a local net that is not 1-safe.
         LimitError: A limit was hit.
     """
+    templates, most_listed = making.templates, making.most_listed
     parts = {section.name: section_part(usage, section) for section in graph.sections}
     kinds = {name: part.type if templates is None else name for name, part in parts.items()}
     types: dict[Hashable, str] = {}
@@ -146,8 +159,8 @@ def local_graphs(
     jobs: list[Job] = []
     for kind, name in types.items():
         small = most_listed is None or len(parts[name].faulty) <= most_listed
-        jobs.append((listed if small else as_diagram, nets[kind].net, max_states))
-    results = results_of(jobs, executor)
+        jobs.append((listed if small else as_diagram, nets[kind].net, making.max_states))
+    results = results_of(jobs, making.executor)
     locals_: dict[Hashable, LocalSpace] = {}
     for number, (kind, name) in enumerate(types.items()):
         with in_section(name):
@@ -160,8 +173,8 @@ def local_graphs(
             is_graph = isinstance(found, AlternativesGraph)
             locals_[kind] = LocalGraph(part, net, found) if is_graph else LocalDiagram(part, net, found)
             locals_[kind].check_premise(name)
-        if progress:
-            progress(number + 1, len(types))
+        if making.progress:
+            making.progress(number + 1, len(types))
     space = HardwareSpace([h.name for h in usage.mission.hardware if h.faulty])
     return [PlacedSection(s, parts[s.name], locals_[kinds[s.name]], space) for s in graph.sections]
 

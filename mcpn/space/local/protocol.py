@@ -6,8 +6,9 @@ those after, by the section's outcome. Composition needs no more of them than is
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from functools import wraps
+from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias, TypeVar, cast
 
 from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
@@ -147,3 +148,22 @@ class LocalSpace(Protocol):
 
     def torn(self, inside: Any, before: Any) -> Iterator[TornHere]:
         """Events whose outcome is not one stable state, in states inside and before."""
+
+
+Known: TypeAlias = dict[tuple[str, tuple[Hashable, ...]], Any]
+"""Results of methods, by their names and arguments."""
+
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+def once(method: Method) -> Method:
+    """A method that remembers its results: sections of one type ask their local space the same again."""
+
+    @wraps(method)
+    def remembering(self: Any, *arguments: Hashable) -> Any:
+        key = method.__name__, arguments
+        if key not in self._known:
+            self._known[key] = method(self, *arguments)
+        return self._known[key]
+
+    return cast(Method, remembering)
