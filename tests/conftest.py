@@ -26,7 +26,7 @@ def interruptible() -> None:
 
 
 _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-# smoke: a minute's look while one works; ci: the fixed set; fresh: drawn anew, beside it, from a printed seed.
+# smoke: a first look; ci: the fixed set; fresh: drawn anew beside it, from a printed seed.
 for _name, _examples, _fixed in (
     ("smoke", 10, True),
     ("dev", 100, False),
