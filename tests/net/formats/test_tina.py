@@ -142,7 +142,7 @@ def test_other_priorities_are_refused(priorities: str) -> None:
 
 def test_without_priorities_labels_are_events() -> None:
     net = read("tr a : EV p -> q\ntr b q -> p\n")
-    assert [(t.event, t.internal) for t in net.transitions] == [("EV", False), (None, True)]
+    assert [(t.event, t.internal) for t in net.transitions] == [(Event.parse("EV"), False), (None, True)]
     assert not net.priorities
 
 
@@ -154,7 +154,7 @@ def test_the_reference_nets_are_read(reference: Path) -> None:
     assert len(resource.transitions) == 10
     assert {p.name for p in resource.places if p.initial} == {"Rx_free", "Rx_available"}
     assert [t.name for t in resource.transitions if t.internal] == ["Rx_9", "Rx_3", "Rx_4", "Rx_8"]
-    events = {t.event for t in resource.transitions} - {None}
+    events = {str(t.event) for t in resource.transitions if t.event is not None}
     assert {"Rx_EV_OOS", "Rx_EV_RD"} <= events
     assert len(events) == 5  # two transitions share Rx_EV_OOS
 
