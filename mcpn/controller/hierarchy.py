@@ -12,7 +12,7 @@ Both give the same actions on the same events.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,7 +21,8 @@ from mcpn.controller.actions import Action
 from mcpn.controller.machine import Machine, controller
 from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.net.compose import START, MissionNet
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.local.composite import Composite
 
@@ -68,7 +69,7 @@ class SectionMachine:
 
     Args:
         hardware: The section's hardware that can fail, by its bit in the numbers of entries.
-        events: Texts of events, by number.
+        events: By number.
         states: What each state inside is.
         entries: By number whose bits say which hardware is out of service; ``None`` where the mission
             cannot come so.
@@ -76,7 +77,7 @@ class SectionMachine:
     """
 
     hardware: tuple[str, ...]
-    events: tuple[str, ...]
+    events: tuple[Event, ...]
     states: tuple[Situation, ...]
     entries: tuple[Entry | None, ...]
     moves: tuple[Move, ...]
@@ -91,14 +92,14 @@ class PlacedMachine:
         type: Number of its type's machine.
         names: By kind (:data:`KINDS`), from names in the type's machine to the section's own; alternatives
             as ``activity.alternative``. A name that is missing stays as it is.
-        events: Texts of the type's events with the section's own names, by number.
+        events: The type's events with the section's own names, by number.
         routes: By outcome, the section entered next, or ``succeed`` or ``fail``.
     """
 
     name: str
     type: int
     names: Mapping[str, Mapping[str, str]]
-    events: tuple[str, ...]
+    events: tuple[Event, ...]
     routes: Mapping[str, str]
 
 
@@ -163,7 +164,7 @@ def hierarchical_controller(composite: Composite) -> Controller:
         renaming = placed.renaming
         names = {kind: dict(getattr(renaming, kind)) for kind in KINDS}
         section = placed.section
-        events = tuple(_renamed_events(local.net, names, types[number].events))
+        events = tuple(_renamed(event, names) for event in types[number].events)
         routes = {"success": section.success, "failure": section.failure}
         sections.append(PlacedMachine(section.name, number, names, events, routes))
     mission = composite.usage.mission.name
@@ -238,17 +239,15 @@ def cut(machine: Machine, hardware: tuple[str, ...]) -> SectionMachine:
     return SectionMachine(hardware, events, states, tuple(entries), tuple(moves))
 
 
-def _renamed_events(
-    local: MissionNet, names: Mapping[str, Mapping[str, str]], events: tuple[str, ...]
-) -> Iterator[str]:
-    """Texts of a type's events with the names of a section of it."""
-    origin = {t.event: t.provenance for t in local.net.transitions if t.event}
-    for event in events:
-        made = origin[event]
-        kind = {"objective": "objectives", "hardware": "hardware"}.get(made.kind if made else "")
-        if made is None or kind is None:
-            yield event
-            continue
-        prefix = "OBJ_" if kind == "objectives" else ""
-        own = names[kind].get(made.name, made.name)
-        yield event.replace(f"{prefix}{made.name}_EV_", f"{prefix}{own}_EV_", 1)
+_KIND_OF_ELEMENT = {
+    What.SUCCESS: "objectives",
+    What.FAILURE: "objectives",
+    What.OUT_OF_SERVICE: "hardware",
+    What.REPAIRED: "hardware",
+}
+
+
+def _renamed(event: Event, names: Mapping[str, Mapping[str, str]]) -> Event:
+    """An event of a type with the names of a section of it; what is of no element of it stays."""
+    kind = _KIND_OF_ELEMENT.get(event.what)
+    return event if kind is None else Event(event.what, names[kind].get(event.element, event.element))

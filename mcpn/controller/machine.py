@@ -14,6 +14,7 @@ from mcpn.check.modes import Situation, situation
 from mcpn.controller.actions import Action, Ordering
 from mcpn.controller.run import Runner
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
 from mcpn.space.alternatives import AlternativesGraph
 
 
@@ -29,7 +30,7 @@ class Edge:
     """
 
     source: int
-    event: str
+    event: Event
     target: int
     actions: tuple[Action, ...]
 
@@ -53,7 +54,7 @@ class Machine:
     initial: int = 0
 
     @property
-    def events(self) -> tuple[str, ...]:
+    def events(self) -> tuple[Event, ...]:
         """Every event that the controller reacts to, sorted."""
         return tuple(sorted({edge.event for edge in self.edges}))
 

@@ -64,8 +64,8 @@ class NetRobot:
         for number in self.net.enabled(self.marking):
             event = self.net.transitions[number].event
             assert event is not None
-            assert event not in found
-            found[event] = number
+            assert str(event) not in found
+            found[str(event)] = number
         return found
 
     def handle(self, event: str) -> list[tuple[str, ...]]:

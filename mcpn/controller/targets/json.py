@@ -70,7 +70,7 @@ def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
                 "name": section.name,
                 "type": section.type,
                 "routes": dict(section.routes),
-                "events": list(section.events),
+                "events": [str(event) for event in section.events],
                 "names": {
                     kind: changed
                     for kind, names in section.names.items()
@@ -87,7 +87,7 @@ def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
 def _machine(machine: SectionMachine) -> dict[str, Any]:
     return {
         "hardware": list(machine.hardware),
-        "events": list(machine.events),
+        "events": [str(event) for event in machine.events],
         "states": [_state(state) for state in machine.states],
         "entries": [
             entry and {"to": entry.target, "actions": [_action(a) for a in entry.actions]}
