@@ -7,7 +7,8 @@ Connectives, loosest first: ``<->``, ``->``, ``|`` or ``or``, ``&`` or ``and``, 
 temporal operators ``EX AX EF AF EG AG`` before their operand, ``E[f U g]`` and ``A[f U g]``. Atoms:
 ``true``, ``false``, ``deadlock``, ``stable``, sums of tokens compared (``tokens(p, q) + r <= 1``), a place
 alone (it is marked), ``enabled(t, u)``, and the mission's words
-(:data:`mcpn.check.logic.formulas.WORDS`). Names that hold anything but letters, digits, ``_`` and ``.`` stand in double quotes.
+(:data:`mcpn.check.logic.formulas.WORDS`). Names that hold anything but
+letters, digits, ``_`` and ``.`` stand in double quotes.
 """
 
 from __future__ import annotations
