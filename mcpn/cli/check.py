@@ -85,7 +85,7 @@ def check(
 
 
 def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
-    from mcpn.check.foreign import check_net, examine_structure
+    from mcpn.check.nets.properties import check_net, examine_structure
     from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
     if structure:

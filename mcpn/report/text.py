@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from mcpn.check.answers import Answer
+from mcpn.check.logic.questions import Answer
 from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
 from mcpn.errors import Problem
