@@ -142,7 +142,9 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
         InputError: A template names a place that none of the parts draws.
     """
     templates = templates or PaperTemplates()
-    canvas = Canvas(usage.mission.name, usage)
+    drawn = {e.name for e in (*parts.software, *parts.activities)}
+    known = (*usage.mission.software, *usage.mission.activities)
+    canvas = Canvas(usage.mission.name, usage, frozenset(e.name for e in known if e.name not in drawn))
     for hardware in parts.hardware:
         templates.hardware(canvas, hardware)
     for software in parts.software:
