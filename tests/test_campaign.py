@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import random
+import sys
 import time
 from collections import Counter
 from dataclasses import replace
@@ -22,11 +23,11 @@ from mcpn.controller.hierarchy import Hierarchy, hierarchical_controller
 from mcpn.controller.machine import Action, Edge, Machine, controller
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import START, MissionNet, compose
-from mcpn.space.alternatives import AlternativesGraph, by_reduction
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import START, Event, What
+from mcpn.space.alternatives import by_reduction
 from mcpn.space.confluence import prove_confluent
 from mcpn.space.explicit import explore
-from mcpn.space.graph import StateGraph
 from mcpn.space.local.expand import expand
 from mcpn.space.local.gluing import glue
 from mcpn.space.local.placing import Making
@@ -70,11 +71,11 @@ def run_campaign(number: int, first: int) -> None:
     finally:
         took = time.monotonic() - began
         kinds = ", ".join(f"{n} {what} ({n / found['drawn']:.1%})" for what, n in found.items())
-        print(f"\nseed {first}: {kinds} in {took:.0f} s")
+        sys.stdout.write(f"\nseed {first}: {kinds} in {took:.0f} s\n")
 
 
 def judge(mission: Mission, choice: random.Random) -> str:
-    """Holds every engine and both controllers against one another on one mission, and says of what kind it is."""
+    """Holds every engine and both controllers against one another on a mission; says of what kind it is."""
     mission_net = compose(mission)
     net, usage = mission_net.net, mission_net.usage
     try:
@@ -94,6 +95,7 @@ def judge(mission: Mission, choice: random.Random) -> str:
             glue(usage, mission_net.graph, Making(most_listed=None))
         return "not confluent"
     prove_confluent(net, space=space)
+    assert space.stable is not None
     assert space.stable.count() == whole.states
     composite = glue(usage, mission_net.graph, Making(most_listed=None))
     written = expand(composite, mission_net)
@@ -116,7 +118,7 @@ class TwoLevels:
         self.place = "begin"
         self.state = 0
 
-    def events(self) -> set[str]:
+    def events(self) -> set[Event]:
         """Events that it reacts to now."""
         if self.place == "begin":
             return {START}
@@ -128,22 +130,17 @@ class TwoLevels:
         machine = self.hierarchy.types[self.sections[self.place].type]
         return [edge for edge in machine.edges if edge.source == self.state]
 
-    def renamed(self, event: str) -> str:
+    def renamed(self, event: Event) -> Event:
         names = self.sections[self.place].names
-        for kind in ("objectives", "hardware"):
-            for old, new in names[kind].items():
-                for before, after in (("OBJ_", ("_EV_OK", "_EV_FAIL")), ("", ("_EV_OOS", "_EV_RD"))):
-                    for suffix in after:
-                        if (before == "OBJ_") == (kind == "objectives") and event == before + old + suffix:
-                            return before + new + suffix
-        return event
+        hardware = event.what in (What.OUT_OF_SERVICE, What.REPAIRED)
+        return replace(event, element=names["hardware" if hardware else "objectives"][event.element])
 
-    def react(self, event: str) -> list[Action]:
+    def react(self, event: Event) -> list[Action]:
         """Takes an event and says the actions, in the mission's names."""
-        if event.endswith("_EV_OOS"):
-            self.out.add(event.removesuffix("_EV_OOS"))
-        if event.endswith("_EV_RD"):
-            self.out.discard(event.removesuffix("_EV_RD"))
+        if event.what is What.OUT_OF_SERVICE:
+            self.out.add(event.element)
+        if event.what is What.REPAIRED:
+            self.out.discard(event.element)
         if event == START and self.place == "begin":
             return self.enter(self.hierarchy.initial)
         for edge in self.edges() if self.place in self.sections else []:
@@ -190,7 +187,7 @@ class TwoLevels:
 
         def modes(mode: dict[str, str]) -> dict[str, str]:
             new = (names["alternatives"][f"{a}.{w}"].split(".", 1) for a, w in mode.items())
-            return {a: w for a, w in sorted(new)}
+            return dict(sorted((a, w) for a, w in new))
 
         return replace(
             found,
@@ -212,9 +209,13 @@ def joined(actions: list[Action], requested: set[str]) -> list[Action]:
     return [a for a in actions if a.verb == "select" or a.activity not in both]
 
 
+def is_of_hardware(event: Event) -> bool:
+    return event.what in (What.OUT_OF_SERVICE, What.REPAIRED)
+
+
 def lockstep(flat: Machine, two: Hierarchy, mission_net: MissionNet, choice: random.Random) -> None:
     """Drives both controllers by the same random events, ends begun anew."""
-    edges: dict[int, dict[str, Edge]] = {}
+    edges: dict[int, dict[Event, Edge]] = {}
     for edge in flat.edges:
         edges.setdefault(edge.source, {})[edge.event] = edge
     requested = {a.name for a in mission_net.mission.activities if a.produces}
@@ -222,10 +223,8 @@ def lockstep(flat: Machine, two: Hierarchy, mission_net: MissionNet, choice: ran
     for _ in range(EVENTS):
         at = edges.get(state, {})
         ahead = levels.events()
-        assert {e for e in at if not e.endswith(("_EV_OOS", "_EV_RD"))} == {
-            e for e in ahead if not e.endswith(("_EV_OOS", "_EV_RD"))
-        }
-        if not at or flat.states[state].outcome and choice.random() < 0.3:
+        assert {e for e in at if not is_of_hardware(e)} == {e for e in ahead if not is_of_hardware(e)}
+        if not at or (flat.states[state].outcome and choice.random() < 0.3):
             state, levels = flat.initial, TwoLevels(two)
             continue
         edge = at[choice.choice(sorted(at))]

@@ -121,7 +121,7 @@ def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
     if witness is None:
         return {"formula": answer.formula, "holds": answer.holds, "witness": None}
     shown = {
-        "events": [step.event for step in answer.told],
+        "events": [str(step.event) for step in answer.told],
         "firings": [net.transitions[t].name for t in witness.firings],
         "cycle": witness.cycle_firing,
         "notes": witness.notes,

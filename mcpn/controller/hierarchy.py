@@ -1,7 +1,7 @@
 """The mission controller in two levels: a machine for each type of section, and one that leads between them.
 
 Its size is the sum of the sizes of the types, where the flat machine's is a product with all hardware that a
-section does not use. To run it: keep the set of hardware out of service (``_EV_OOS`` adds, ``_EV_RD`` takes
+section does not use. To run it: keep the set of hardware out of service (its failure adds, its repair takes
 away). A section is entered by taking, in its type's machine, the edge ``MISSION_EV_START`` from the state
 before the start that has the section's own hardware in that set out of service. When the machine comes to a
 state with an outcome, the section has ended so, and its route for that outcome says what is entered next.

@@ -18,6 +18,7 @@ from typing import Literal
 
 from mcpn.check.modes import Situation, situation
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
 from mcpn.space.alternatives import AlternativesGraph
 
 
@@ -48,7 +49,7 @@ class Edge:
     """
 
     source: int
-    event: str
+    event: Event
     target: int
     actions: tuple[Action, ...]
 
@@ -70,7 +71,7 @@ class Machine:
     initial: int = 0
 
     @property
-    def events(self) -> tuple[str, ...]:
+    def events(self) -> tuple[Event, ...]:
         """Every event that the controller reacts to, sorted."""
         return tuple(sorted({edge.event for edge in self.edges}))
 
@@ -92,17 +93,15 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
         for label, target in alternatives.successors(source):
             transition = alternatives.net.transitions[label]
             assert transition.event is not None
-            restarted = _restarted(mission_net, transition.name, states[source], states[target])
+            restarted = _restarted(mission_net, transition.event, states[source], states[target])
             actions = tuple(_actions(states[source], states[target], restarted))
             edges.append(Edge(source, transition.event, target, actions))
     return Machine(mission_net.mission.name, states, tuple(edges))
 
 
-def _restarted(
-    mission_net: MissionNet, transition: str, before: Situation, after: Situation
-) -> frozenset[str]:
+def _restarted(mission_net: MissionNet, event: Event, before: Situation, after: Situation) -> frozenset[str]:
     """Activities that this event's objective stops and the objectives after it start again."""
-    ended = [name for name in before.objectives if transition.startswith(f"OBJ_{name}_EV_")]
+    ended = [event.element] if event.what in (What.SUCCESS, What.FAILURE) else []
     begun = [name for name in after.objectives if name not in before.objectives or name in ended]
     sections = {section.name: section for section in mission_net.graph.walk()}
     stopped = {a for name in ended for a in sections[name].activities}

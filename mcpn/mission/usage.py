@@ -17,7 +17,7 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
 

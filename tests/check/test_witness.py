@@ -93,7 +93,7 @@ def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet) -> None:
     answer = questions.answer("EF failure", questions.core(parse("EF failure")))
     assert answer.holds
     # The first objective, diving and going up must fail in turn: no run has fewer events.
-    assert [step.event for step in answer.told] == [
+    assert [str(step.event) for step in answer.told] == [
         "MISSION_EV_START",
         "OBJ_coral_head.manual_moving_EV_FAIL",
         "OBJ_transect.diving_EV_FAIL",

@@ -12,6 +12,7 @@ from mcpn.controller.targets.json import write_json
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.space.alternatives import direct
 from mcpn.testing import missions
 
@@ -22,7 +23,7 @@ def machine(ulysse_net: MissionNet) -> Machine:
 
 
 def step(machine: Machine, state: int, event: str) -> tuple[int, tuple[Action, ...]]:
-    (edge,) = [e for e in machine.edges if e.source == state and e.event == event]
+    (edge,) = [e for e in machine.edges if e.source == state and e.event == Event.parse(event)]
     return edge.target, edge.actions
 
 
@@ -58,7 +59,9 @@ def test_losing_the_gps_selects_the_imu(machine: Machine) -> None:
         "manual_moving",
     }
     assert {a.verb for a in actions} == {"stop"}
-    assert "OBJ_coral_head.manual_moving_EV_OK" not in {e.event for e in machine.edges if e.source == state}
+    assert "OBJ_coral_head.manual_moving_EV_OK" not in {
+        str(e.event) for e in machine.edges if e.source == state
+    }
 
 
 def test_what_both_objectives_use_goes_on(machine: Machine) -> None:

@@ -81,7 +81,7 @@ def write_hierarchical_json(hierarchy: Hierarchy, mission_net: MissionNet) -> st
 def _machine(machine: Machine) -> dict[str, Any]:
     return {
         "initial": machine.initial,
-        "events": machine.events,
+        "events": [str(event) for event in machine.events],
         "states": [
             {
                 "id": number,
@@ -97,7 +97,12 @@ def _machine(machine: Machine) -> dict[str, Any]:
             for number, state in enumerate(machine.states)
         ],
         "edges": [
-            {"from": e.source, "event": e.event, "to": e.target, "actions": [_action(a) for a in e.actions]}
+            {
+                "from": e.source,
+                "event": str(e.event),
+                "to": e.target,
+                "actions": [_action(a) for a in e.actions],
+            }
             for e in machine.edges
         ],
     }

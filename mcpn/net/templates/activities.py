@@ -276,7 +276,7 @@ class _AlternativeDrawing:
                 self._end("giveup_" + "_".join(stages), ending, [self.wait, *places], given)
 
     def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str]]]:
-        """How far its requests may be, one at least not answered: the places, and those that give all back."""
+        """How far its requests may be, not all answered: the places, and those that give everything back."""
         for places in product(*(self._stages(k) for k in self.consumes)):
             asked = [k for k, place in zip(self.consumes, places, strict=True) if place == f"{k}_waiting"]
             if asked:

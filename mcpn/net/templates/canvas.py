@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.usage import Usage
+from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
 
 Role: TypeAlias = tuple[
@@ -30,10 +31,11 @@ class Canvas(NetBuilder):
     Args:
         name: The net's name.
         usage: Static facts of the mission.
-        left_out: Names of activities and software resources that are not drawn; they are idle all the time.
+        left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
+            all the time.
     """
 
-    def __init__(self, name: str, usage: Usage, left_out: frozenset[str] = frozenset()) -> None:
+    def __init__(self, name: str, usage: Usage, left_out: frozenset[tuple[str, str]] = frozenset()) -> None:
         super().__init__(name, priorities=True)
         self.usage = usage
         self.left_out = left_out
@@ -72,7 +74,7 @@ class Pen:
         produce: list[str],
         *,
         read: list[str] | None = None,
-        event: str | None = None,
+        event: Event | None = None,
     ) -> None:
         """Draws a transition, internal unless an event is given."""
         self.canvas.transition(
