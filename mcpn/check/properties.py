@@ -16,6 +16,7 @@ from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.runs import Step, replay, run_in_words
 from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.usage import Usage
+from mcpn.mission.validate import never_entered
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
 from mcpn.space.explicit import Progress, explore
@@ -246,6 +247,7 @@ def find_unselectable(usage: Usage, happened: Happened) -> tuple[Problem, ...]:
         for outcome, verb in (("OK", "succeed"), ("FAIL", "fail")):
             if f"OBJ_{section.name}_EV_{outcome}" not in happened.events:
                 found.append(Problem(section.source, f"objective {section.name} can never {verb}"))
+    found.extend(map(never_entered, usage.graph.never_entered()))
     for resource in (*usage.mission.hardware, *usage.mission.software):
         if resource.name not in used:
             found.append(Problem(resource.source, f"resource {resource.name} is never used"))

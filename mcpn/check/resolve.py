@@ -174,7 +174,8 @@ class _Resolver:
             case "success" | "failure":
                 return marked(mission_net.by_role[word.kind, mission_net.mission.name])
             case "objective" | "pending":
-                objectives = [s.name for s in mission_net.graph.walk()]
+                graph = mission_net.graph
+                objectives = [s.name for s in (*graph.walk(), *graph.never_entered())]
                 return self.said(word.kind, [self.element(name, objectives, "objective", word)])
             case "oos" | "available":
                 return self.resource(mission_net, word, name)

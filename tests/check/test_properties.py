@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 
+from mcpn.check.by_diagrams import check_by_diagrams
+from mcpn.check.composition import check_by_composition
+from mcpn.check.formula import EU, Const
+from mcpn.check.language import parse
 from mcpn.check.modes import functioning_modes
 from mcpn.check.properties import INFORMATIVE, REQUIRED, MissionCheck, check_mission
+from mcpn.check.resolve import resolve
 from mcpn.check.runs import stabilise
 from mcpn.errors import LimitError
 from mcpn.mission.model import (
@@ -20,6 +27,8 @@ from mcpn.mission.model import (
     Parallel,
     Robot,
 )
+from mcpn.mission.validate import find_warnings
+from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
 from mcpn.space.alternatives import direct
@@ -198,3 +207,29 @@ def test_an_unsafe_net_leaves_the_rest_unknown(ulysse_net: MissionNet) -> None:
     assert found.verdicts["bounded"].holds is None
     assert len(found.verdicts["safe"].runs) == 1
     assert not found.passed
+
+
+def test_what_no_route_reaches_is_told_with_its_line(tmp_path: Path) -> None:
+    text = (
+        '<mission name="m" xmlns="urn:mcpn:mission:1">\n'
+        '<robot name="r"><hardware name="H"/><activity name="look" consumes="H"/>\n'
+        '<activity name="surface"/></robot>\n'
+        '<objective name="survey" success="succeed" failure="backup">\n'
+        '<objective name="look" activities="look" failure="succeed"/></objective>\n'
+        '<parallel name="both">\n<objective name="backup" activities="surface"/></parallel>\n'
+        "</mission>"
+    )
+    path = tmp_path / "m.xml"
+    path.write_text(text.replace('"backup">', '"both">'))
+    found = compose(read_mission(path))
+    for check in (check_mission(found), check_by_diagrams(found), check_by_composition(found)):
+        assert check.passed  # a warning, as for everything unselectable
+        assert check.verdicts["unselectable"].holds is True
+        assert [(p.source and p.source.line, p.message) for p in check.unselectable] == [
+            (7, "objective backup can never be entered: no route reaches it"),
+        ]
+    assert [(p.source and p.source.line, p.message) for p in find_warnings(found.mission)] == [
+        (3, "activity surface is never started"),
+        (7, "objective backup can never be entered: no route reaches it"),
+    ]
+    assert resolve(parse("EF objective(backup)"), found.net, found) == EU(Const(True), Const(False))
