@@ -23,7 +23,9 @@ MISSION = b"""<mission name="m" description="a &lt;small> mission" xmlns="urn:mc
     <activity name="dive" consumes="place"><parameter name="depth" value="12" unit="m"/></activity>
     <activity name="grasp" consumes="arm"/>
   </robot>
-  <protocols><protocol name="look"><objective name="down" activities="dive" duration="0.5"/></protocol></protocols>
+  <protocols><protocol name="look">
+    <objective name="down" activities="dive" duration="0.5"/>
+  </protocol></protocols>
   <use protocol="look" name="first" failure="both"/>
   <parallel name="both" failure="fail">
     <objective name="a" activities="dive" duration="1"/>
