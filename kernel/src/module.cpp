@@ -25,7 +25,8 @@
 namespace nb = nanobind;
 using namespace mcpn;
 
-void bind_explorer(nb::module_& module);  // explorer_module.cpp
+void bind_explorer(nb::module_& module);
+void bind_search(nb::module_& module);    // search_module.cpp
 
 namespace {
 
@@ -254,6 +255,7 @@ NB_MODULE(mcpn_kernel, module) {
   nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
 
   bind_explorer(module);
+  bind_search(module);
 
   using Levels = std::vector<std::int64_t>;
 
