@@ -26,11 +26,22 @@ def interruptible() -> None:
 
 
 _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-settings.register_profile("dev", max_examples=100, deadline=None, suppress_health_check=_quiet)
-settings.register_profile(
-    "ci", max_examples=200, deadline=None, suppress_health_check=_quiet, derandomize=True
-)
-settings.register_profile("nightly", max_examples=5000, deadline=None, suppress_health_check=_quiet)
+# smoke: a first look; ci: the fixed set; fresh: drawn anew beside it, from a printed seed.
+for _name, _examples, _fixed in (
+    ("smoke", 10, True),
+    ("dev", 100, False),
+    ("ci", 200, True),
+    ("fresh", 50, False),
+    ("nightly", 5000, False),
+):
+    settings.register_profile(
+        _name,
+        max_examples=_examples,
+        derandomize=_fixed,
+        deadline=None,
+        print_blob=True,
+        suppress_health_check=_quiet,
+    )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
 

@@ -109,10 +109,12 @@ class ObjectivesGraph:
     Args:
         sections: Those that some route reaches, in document order.
         entry: The first one's name.
+        unreached: Those that no route reaches, in document order; they are part of nothing that follows.
     """
 
     sections: tuple[Section, ...]
     entry: str
+    unreached: tuple[Section, ...] = ()
 
     @cached_property
     def _by_name(self) -> dict[str, Section]:
@@ -135,6 +137,19 @@ class ObjectivesGraph:
             else:
                 for branch in section.branches:
                     yield from branch.graph.walk()
+
+    def never_entered(self) -> Iterator[ElementarySection]:
+        """Every elementary objective, at any depth, that stands in a section that no route reaches."""
+        for section in self.sections:
+            for branch in section.branches if isinstance(section, ParallelSection) else ():
+                yield from branch.graph.never_entered()
+        for section in self.unreached:
+            if isinstance(section, ElementarySection):
+                yield section
+            else:
+                for branch in section.branches:
+                    yield from branch.graph.walk()
+                    yield from branch.graph.never_entered()
 
     def all_sections(self) -> Iterator[Section]:
         """Every section at any depth, parallel blocks before what they hold, in document order."""
@@ -180,7 +195,7 @@ def flatten(mission: Mission) -> ObjectivesGraph:
         mission: A valid mission.
 
     Returns:
-        Its graph; sections that no route reaches are left out.
+        Its graph; sections that no route reaches are kept aside in it.
 
     Raises:
         LimitError: Uses of protocols expand to more than :data:`MAX_OBJECTIVES` objectives, to more than
@@ -310,4 +325,5 @@ def _reachable(graph: ObjectivesGraph) -> ObjectivesGraph:
             if target.name not in seen:
                 seen.add(target.name)
                 stack.append(target.name)
-    return ObjectivesGraph(tuple(s for s in graph.sections if s.name in seen), graph.entry)
+    reached = tuple(s for s in graph.sections if s.name in seen)
+    return ObjectivesGraph(reached, graph.entry, tuple(s for s in graph.sections if s.name not in seen))

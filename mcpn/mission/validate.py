@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from itertools import islice
 
 from mcpn.errors import Problem, Source
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
 from mcpn.mission.model import (
     FAIL,
     SUCCEED,
@@ -54,7 +55,7 @@ def find_warnings(mission: Mission) -> list[Problem]:
         mission: A valid mission.
 
     Returns:
-        Activities that nothing starts, resources and protocols that nothing uses, blocks that no route
+        Activities that nothing starts, resources and protocols that nothing uses, objectives that no route
         reaches, alternatives that are never tried, each with its line.
     """
     return sorted(
@@ -276,7 +277,8 @@ class _Checks:
     # --- warnings --------------------------------------------------------------------------------------
 
     def warnings(self) -> Iterator[Problem]:
-        started = self.started()
+        graph = flatten(self.mission)
+        started = self.started(graph)
         consumed = {k for name in started for k in _consumed(self.activities[name])}
         for activity in self.mission.activities:
             if activity.name not in started:
@@ -296,14 +298,11 @@ class _Checks:
         for protocol in self.mission.protocols:
             if protocol.name not in used:
                 yield Problem(protocol.source, f"protocol {protocol.name} is never used")
-        for _, blocks in self.scopes:
-            for siblings in _families(blocks):
-                yield from _unreached(siblings)
+        yield from map(never_entered, graph.never_entered())
 
-    def started(self) -> set[str]:
+    def started(self, graph: ObjectivesGraph) -> set[str]:
         """Activities that objectives start, themselves or through resources."""
-        named = [b for _, blocks in self.scopes for b in walk(blocks) if isinstance(b, Objective)]
-        stack = [name for block in named for name in block.activities]
+        stack = [name for section in graph.walk() for name in section.activities]
         started: set[str] = set()
         while stack:
             name = stack.pop()
@@ -312,6 +311,11 @@ class _Checks:
                 for resource in _consumed(self.activities[name]):
                     stack.extend(a.name for a in self.producers.get(resource, ()))
         return started
+
+
+def never_entered(section: ElementarySection) -> Problem:
+    """The warning of an objective that no route reaches, in the words of every stage that finds it."""
+    return Problem(section.source, f"objective {section.name} can never be entered: no route reaches it")
 
 
 def _consumed(activity: Activity) -> list[str]:
@@ -347,22 +351,6 @@ def _elements(mission: Mission) -> Iterator[Element]:
             yield block
             if not isinstance(block, Parallel):
                 yield from block.parameters
-
-
-def _unreached(siblings: tuple[Block, ...]) -> Iterator[Problem]:
-    names = {block.name: number for number, block in enumerate(siblings)}
-    reached, stack = {0}, [0]
-    while stack:
-        number = stack.pop()
-        block = siblings[number]
-        following = siblings[number + 1].name if number + 1 < len(siblings) else SUCCEED
-        for route in (block.success or following, block.failure or FAIL):
-            if route in names and names[route] not in reached:
-                reached.add(names[route])
-                stack.append(names[route])
-    for number, block in enumerate(siblings):
-        if number not in reached:
-            yield Problem(block.source, f"no route reaches block {block.name}")
 
 
 def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 
+from mcpn.check.by_diagrams import check_by_diagrams
+from mcpn.check.composition import check_by_composition
+from mcpn.check.logic.formulas import EU, Const
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.modes import functioning_modes
 from mcpn.check.properties import INFORMATIVE, REQUIRED, MissionCheck, check_mission
 from mcpn.check.runs import stabilise
@@ -20,7 +27,10 @@ from mcpn.mission.model import (
     Parallel,
     Robot,
 )
+from mcpn.mission.validate import find_warnings
+from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.net.petri import Marking
 from mcpn.space.alternatives import direct
 from mcpn.testing import missions
@@ -49,7 +59,7 @@ def play(found: MissionNet, events: list[str]) -> Marking:
     net = found.net
     marking = stabilise(net, net.initial)
     for event in events:
-        (fired,) = [t for t in net.enabled(marking) if net.transitions[t].event == event]
+        (fired,) = [t for t in net.enabled(marking) if net.transitions[t].event == Event.parse(event)]
         marking = stabilise(net, net.fire(marking, fired))
     return marking
 
@@ -65,7 +75,7 @@ def test_ulysse_runs_are_shortest_and_lead_where_they_say(ulysse_check: MissionC
     found = ulysse_check.mission_net
     for name, place in (("success_reachable", found.success), ("failure_reachable", found.failure)):
         (run,) = ulysse_check.verdicts[name].runs
-        assert play(found, [step.event for step in run])[place]
+        assert play(found, [str(step.event) for step in run])[place]
         # Start, leave the coral head, fail to dive, go up: nothing shorter leads to an end of the mission.
         assert len(run) == 4
 
@@ -161,7 +171,7 @@ def test_a_trap_on_the_way_is_shown_by_its_shortest_run() -> None:
     )
     assert found.verdicts["success_reachable"].holds is True
     (run,) = found.verdicts["can_always_finish"].runs
-    assert [step.event for step in run] == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
+    assert [str(step.event) for step in run] == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
 
 
 def test_what_can_never_be_selected_is_found() -> None:
@@ -198,3 +208,29 @@ def test_an_unsafe_net_leaves_the_rest_unknown(ulysse_net: MissionNet) -> None:
     assert found.verdicts["bounded"].holds is None
     assert len(found.verdicts["safe"].runs) == 1
     assert not found.passed
+
+
+def test_what_no_route_reaches_is_told_with_its_line(tmp_path: Path) -> None:
+    text = (
+        '<mission name="m" xmlns="urn:mcpn:mission:1">\n'
+        '<robot name="r"><hardware name="H"/><activity name="look" consumes="H"/>\n'
+        '<activity name="surface"/></robot>\n'
+        '<objective name="survey" success="succeed" failure="backup">\n'
+        '<objective name="look" activities="look" failure="succeed"/></objective>\n'
+        '<parallel name="both">\n<objective name="backup" activities="surface"/></parallel>\n'
+        "</mission>"
+    )
+    path = tmp_path / "m.xml"
+    path.write_text(text.replace('"backup">', '"both">'))
+    found = compose(read_mission(path))
+    for check in (check_mission(found), check_by_diagrams(found), check_by_composition(found)):
+        assert check.passed  # a warning, as for everything unselectable
+        assert check.verdicts["unselectable"].holds is True
+        assert [(p.source and p.source.line, p.message) for p in check.unselectable] == [
+            (7, "objective backup can never be entered: no route reaches it"),
+        ]
+    assert [(p.source and p.source.line, p.message) for p in find_warnings(found.mission)] == [
+        (3, "activity surface is never started"),
+        (7, "objective backup can never be entered: no route reaches it"),
+    ]
+    assert resolve(parse("EF objective(backup)"), found.net, found) == EU(Const(True), Const(False))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import find, given
 from hypothesis import strategies as st
 
 from mcpn.mission.flatten import ParallelSection, flatten
-from mcpn.mission.model import FAIL, SUCCEED, Mission, Recursive
+from mcpn.mission.model import FAIL, SUCCEED, Block, Mission, Objective, Recursive, Use
 from mcpn.mission.usage import Usage
 from mcpn.mission.validate import find_errors, find_warnings
 from mcpn.mission.xml import read_mission, save_mission
@@ -197,16 +198,17 @@ def test_warnings_name_their_lines(tmp_path: Path) -> None:
         '<activity name="two">\n<alternative name="always"/>\n<alternative name="never" consumes="H"/>'
         "</activity></robot>\n"
         '<protocols><protocol name="unused"><objective name="x" activities="look"/></protocol></protocols>\n'
-        '<objective name="first" activities="two" success="succeed"/>\n'
+        '<objective name="first" activities="two go" success="succeed"/>\n'
         '<objective name="lost" activities="go"/>',
     )
     told = [(p.source.line, p.message) for p in find_warnings(found) if p.source]
     assert told == [
+        (1, "activity look is never started"),
         (2, "resource spare is never consumed"),
         (3, "activity idle is never started"),
         (6, "alternative never is never tried: always is always possible"),
         (7, "protocol unused is never used"),
-        (9, "no route reaches block lost"),
+        (9, "objective lost can never be entered: no route reaches it"),
     ]
 
 
@@ -215,6 +217,25 @@ def test_flattening_keeps_every_reachable_objective_once(generated: Mission, dat
     names = [section.name for section in flatten(generated).walk()]
     assert len(names) == len(set(names))
     assert names
+
+
+def written(mission: Mission, blocks: tuple[Block, ...], prefix: str = "") -> Iterator[str]:
+    """Qualified names of all elementary objectives as they stand in the text, routes left aside."""
+    for block in blocks:
+        if isinstance(block, Objective):
+            yield prefix + block.name
+        elif isinstance(block, Use):
+            (protocol,) = [p for p in mission.protocols if p.name == block.protocol]
+            yield from written(mission, protocol.blocks, f"{prefix}{block.name}.")
+        else:
+            yield from written(mission, block.blocks, prefix)
+
+
+@given(missions())
+def test_an_objective_is_in_the_graph_or_in_a_warning(generated: Mission) -> None:
+    told = [p.message.split()[1] for p in find_warnings(generated) if "never be entered" in p.message]
+    in_graph = [section.name for section in flatten(generated).walk()]
+    assert sorted([*in_graph, *told]) == sorted(written(generated, generated.blocks))
 
 
 def test_deeply_nested_blocks_are_flattened(tmp_path: Path) -> None:
