@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.cli.shared import (
     FILE,
-    composite_of,
+    SECTIONS,
+    STATES_AND_EDGES,
     emit_json,
     import_option,
     json_option,
@@ -19,18 +19,15 @@ from mcpn.cli.shared import (
     progress_line,
 )
 
-if TYPE_CHECKING:
-    from mcpn.net.compose import MissionNet
-
 
 @click.command()
 @click.argument("mission", type=FILE)
 @click.option("--target", type=click.Choice(["json"]), default="json", show_default=True)
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
-    "--flat/--hierarchical",
+    "--hierarchical/--flat",
     default=True,
-    help="One machine, or one for each type of section and one on top.",
+    help="A machine for each type of section (the default), or one for the whole mission.",
 )
 @limit_option
 @import_option
@@ -39,49 +36,34 @@ def controller(
     mission: Path,
     target: str,
     output: Path,
-    flat: bool,
+    hierarchical: bool,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
 ) -> None:
-    """Generate the controller of MISSION as finite state machines."""
-    from mcpn.controller.targets.json import FILE_NAME
+    """Generate the controller of MISSION: finite state machines that do what was verified."""
+    from mcpn.controller.generate import generate
+    from mcpn.controller.targets import files
     from mcpn.files import write_folder
 
     mission_net = mission_net_of(mission, import_root)
-    text, sizes = (_flat if flat else _hierarchical)(mission_net, max_states, as_json)
-    write_folder(output, {FILE_NAME: text})
+    with progress_line(as_json, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
+        found = generate(
+            mission_net,
+            "hierarchical" if hierarchical else "flat",
+            max_states=max_states,
+            progress=progress,
+            told=lambda text: click.echo(text, err=True),
+        )
+    texts = files(found, mission_net, target)
+    write_folder(output, texts)
+    paths = [str(output / name) for name in texts]
     if as_json:
-        emit_json({"files": [str(output / FILE_NAME)], **sizes})
-    else:
-        click.echo(f"{output / FILE_NAME}: {', '.join(f'{n} {what}' for what, n in sizes.items())}")
-
-
-def _flat(mission_net: MissionNet, max_states: int | None, quiet: bool) -> tuple[str, dict[str, int]]:
-    from mcpn.controller.machine import controller as generate
-    from mcpn.controller.targets.json import write_json
-    from mcpn.space.confluence import direct_with_proof
-
-    limits = {} if max_states is None else {"max_states": max_states}
-    with progress_line(quiet) as progress:
-        graph = direct_with_proof(mission_net.net, progress=progress, **limits)
-    machine = generate(mission_net, graph)
-    return write_json(machine, mission_net), {"states": len(machine.states), "edges": len(machine.edges)}
-
-
-def _hierarchical(mission_net: MissionNet, max_states: int | None, quiet: bool) -> tuple[str, dict[str, int]]:
-    from mcpn.controller.hierarchy import hierarchical_controller
-    from mcpn.controller.targets.json import write_hierarchical_json
-
-    composite = composite_of(mission_net, max_states, quiet=quiet, listed=True)
-    hierarchy = hierarchical_controller(composite)
-    sizes = {
-        "sections": len(hierarchy.sections),
-        "types": len(hierarchy.types),
-        "states": sum(len(machine.states) for machine in hierarchy.types),
-        "edges": sum(len(machine.edges) for machine in hierarchy.types),
-    }
-    return write_hierarchical_json(hierarchy, mission_net), sizes
+        emit_json({"mission": found.mission, "form": found.form, "size": found.size, "files": paths})
+        return
+    click.echo(f"{found.form} controller of {found.mission}: {found.size}")
+    for path in paths:
+        click.echo(path)
 
 
 @click.command()
