@@ -19,6 +19,7 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Hardware,
     Mission,
     Objective,
@@ -263,10 +264,15 @@ class _Reader:
             "success": element.get("success"),
             "failure": element.get("failure"),
             "mandatory": _truth(element, "mandatory"),
+            "retries": int(element.get("retries", "0")),
+            "repeat": int(element.get("repeat", "1")) if "repeat" in element.attrib else None,
         }
         tag = _tag(element)
         if tag == "parallel":
             return Parallel(**common, blocks=self.blocks(element, path))
+        if tag == "each":
+            common |= {"values": _names(element, "in"), "parameter": element.get("parameter")}
+            return Each(**common, blocks=self.blocks(element, path))
         parameters = self.parameters(element, path)
         if tag == "use":
             return Use(**common, protocol=element.get("protocol", ""), parameters=parameters)
@@ -402,6 +408,7 @@ def _write_blocks(parent: etree._Element, blocks: Iterable[Block], *, in_paralle
         routing: dict[str, str | float | None] = {"success": block.success, "failure": block.failure}
         if in_parallel and not block.mandatory:
             routing["mandatory"] = "false"
+        routing |= {"retries": block.retries or None, "repeat": block.repeat}
         if isinstance(block, Objective):
             routing |= {"duration": block.duration, "failure_probability": block.failure_probability}
             element = _child(parent, "objective", block, activities=" ".join(block.activities), **routing)
@@ -412,6 +419,10 @@ def _write_blocks(parent: etree._Element, blocks: Iterable[Block], *, in_paralle
         elif isinstance(block, Recursive):
             element = _child(parent, "objective", block, **routing)
             _write_parameters(element, block.parameters)
+            _write_blocks(element, block.blocks, in_parallel=False)
+        elif isinstance(block, Each):
+            values = " ".join(block.values)
+            element = _child(parent, "each", block, **{"in": values}, parameter=block.parameter, **routing)
             _write_blocks(element, block.blocks, in_parallel=False)
         else:
             _write_blocks(_child(parent, "parallel", block, **routing), block.blocks, in_parallel=True)
