@@ -16,12 +16,13 @@ from mcpn.check.causes import Causes, find_causes, find_causes_locally
 from mcpn.check.conditions import enumeration
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
 from mcpn.check.fmeca import fmeca
-from mcpn.check.language import parse
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.losing import Outlook
-from mcpn.check.resolve import resolve
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event, What
 from mcpn.report.causes import fmeca_rows
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.symbolic import reach
@@ -64,7 +65,7 @@ def success_reachable(found: MissionNet, dead: tuple[str, ...]) -> bool:
     """Whether some run succeeds with hardware out of service from the initial marking on, not repaired."""
     tokens = {f"{h}_{place}": int(place == "OOS") for h in dead for place in ("free", "available", "OOS")}
     places = tuple(replace(p, initial=tokens.get(p.name, p.initial)) for p in found.net.places)
-    kept = tuple(t for t in found.net.transitions if t.event not in {f"{h}_EV_RD" for h in dead})
+    kept = tuple(t for t in found.net.transitions if t.event not in {Event(What.REPAIRED, h) for h in dead})
     net = replace(found.net, places=places, transitions=kept)
     return Evaluation(SymbolicMarkings(reach(net))).holds(resolve(parse("EF success"), net, found))
 

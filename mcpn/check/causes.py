@@ -17,6 +17,7 @@ from mcpn.check.runs import Step, run_in_words
 from mcpn.check.scenarios import Run, Scenarios
 from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ class GoalCauses:
     nonmonotone: Nonmonotone | None
 
     @property
-    def critical_events(self) -> list[str] | None:
-        """Names of the events after which only a repair helps, or nothing."""
+    def critical_events(self) -> list[Event] | None:
+        """The events after which only a repair helps, or nothing."""
         return None if self.critical is None else sorted({critical.event for critical in self.critical})
 
 

@@ -21,7 +21,8 @@ from mcpn.check.properties import (
 from mcpn.check.runs import Step, what_happens
 from mcpn.errors import SemanticsError, UnsafeError
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.net.compose import START, MissionNet
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
@@ -95,8 +96,9 @@ def _steps_to(
     steps = told(Journeys(composite).to_tear(tear), templates)
     if tear.here.event == START:  # the entry: what begins then is what depends on the interleaving
         return [*steps[:-1], Step(steps[-1].event, steps[-1].words.split(": ")[0])]
-    at = next(t for t in mission_net.net.transitions if t.event == tear.here.event)
-    return [*steps, Step(tear.here.event or at.name, what_happens(at))]
+    if tear.here.event is None:
+        return steps
+    return [*steps, Step(tear.here.event, what_happens(tear.here.event, mission_net.mission.name))]
 
 
 def _parting(net: PetriNet, run: Sequence[str]) -> list[Step]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mcpn.check.runs import Step, replay, what_happens
-from mcpn.net.compose import START
+from mcpn.net.events import START, Event, What
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.composite import ENDS, Composite, Tear
 from mcpn.space.local.interface import HardwareStates
@@ -278,7 +278,8 @@ def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
         net = mission_net.net
         names = {t.event: t.name for t in reversed(net.transitions) if t.event}
         failed = [h for i, h in enumerate(leg.placed.faulty) if leg.entry >> i & 1]
-        begin = [names[f"{h}_EV_OOS"] for h in failed]  # of its two transitions, that of a free resource
+        # Of the two transitions with which a resource fails, that of a free one.
+        begin = [names[Event(What.OUT_OF_SERVICE, h)] for h in failed]
         firings = [
             names[START],
             *(net.transitions[t].name for t in leg.transitions),
@@ -292,9 +293,12 @@ def told(legs: list[Leg], templates: TemplateSet | None = None) -> list[Step]:
         inside = local_steps[len(failed) + 1 :]
         leaves = number + 1 < len(legs)
         steps += inside[: len(inside) - leaves]
+        mission = mission_net.mission.name
         for name, fails in leg.toggled:
-            words = f"{name} goes out of service" if fails else f"{name} is ready again"
-            steps.append(Step(f"{name}_EV_{'OOS' if fails else 'RD'}", words))
+            toggle = Event(What.OUT_OF_SERVICE if fails else What.REPAIRED, name)
+            steps.append(Step(toggle, what_happens(toggle, mission)))
         if leaves:
-            steps.append(Step(inside[-1].event, what_happens(net.transitions[leg.transitions[-1]])))
+            end = net.transitions[leg.transitions[-1]].event
+            assert end is not None, "only events lead out of a section"
+            steps.append(Step(end, what_happens(end, mission)))
     return steps

@@ -20,6 +20,7 @@ from mcpn.check.local_sections import Behind, Out, SectionLosses
 from mcpn.check.losing import CriticalEvent
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.net.events import Event, What
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.interface import HardwareStates
@@ -94,21 +95,33 @@ class TextSection:
 
     def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
         """Critical events of the objective, for which repairs come too late; its modes are not told apart."""
-        return [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(self.succeeding)]
+        return [
+            self._critical(Event(What.OUT_OF_SERVICE, self.hardware[h]))
+            for h in self.families.support(self.succeeding)
+        ]
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Critical events of the mission while the objective runs; its modes are not told apart."""
         lost, either = self._lost(behind), self.families.either
-        found = [self._critical(f"{self.hardware[h]}_EV_OOS") for h in self.families.support(lost)]
+        found = [
+            self._critical(Event(What.OUT_OF_SERVICE, self.hardware[h])) for h in self.families.support(lost)
+        ]
         if first:
             found += [replace(critical, objectives=()) for critical in found]
         running = either(lost, self.succeeding)
-        for before, after, end in ((running, behind.success, "OK"), (lost, behind.failure, "FAIL")):
+        for before, after, what in (
+            (running, behind.success, What.SUCCESS),
+            (lost, behind.failure, What.FAILURE),
+        ):
             if either(before, after) != before:
-                found.append(self._critical(f"OBJ_{self.section.name}_EV_{end}"))
+                found.append(self._critical(Event(what, self.section.name)))
         return found
 
-    def _critical(self, event: str) -> CriticalEvent:
+    def _failures(self, lost: Family) -> list[Event]:
+        """Failures of the hardware that a function depends on."""
+        return [Event(What.OUT_OF_SERVICE, self.hardware[h]) for h in self.families.support(lost)]
+
+    def _critical(self, event: Event) -> CriticalEvent:
         return CriticalEvent(event, (self.section.name,), {}, 1)
 
 
@@ -205,7 +218,9 @@ class BlockSection:
     def critical_of(self, objective: str, repairs: bool) -> list[CriticalEvent]:
         """Critical events of one of its objectives, for which repairs come too late; modes not told apart."""
         support = self.families.support(self.inside[objective])
-        return [CriticalEvent(f"{self.hardware[h]}_EV_OOS", (objective,), {}, 1) for h in support]
+        return [
+            CriticalEvent(Event(What.OUT_OF_SERVICE, self.hardware[h]), (objective,), {}, 1) for h in support
+        ]
 
     def critical(self, behind: Behind, first: bool) -> list[CriticalEvent]:
         """Not told of blocks without repairs."""
@@ -241,7 +256,7 @@ def critical_in_diagram(
     if first and good:
         crossing.append((own.start, local.beginnings(local.inside - good)))
     running = own.saying("objective")
-    found: dict[tuple[str, tuple[str, ...]], int] = {}
+    found: dict[tuple[Event, tuple[str, ...]], int] = {}
     for transition, before in sorted(crossing, key=lambda each: each[0]):
         event = own.net.transitions[transition].event
         assert event is not None, "only events lead from one stable state to another"

@@ -19,6 +19,7 @@ from mcpn.check.families import ALWAYS, NEVER, Family
 from mcpn.check.losing import CriticalEvent, Goal, Outlook
 from mcpn.mission.flatten import Section
 from mcpn.mission.model import FAIL
+from mcpn.net.events import Event, What
 from mcpn.net.templates import TemplateSet
 from mcpn.space.graph import Mask
 from mcpn.space.local.placing import PlacedSection
@@ -211,13 +212,13 @@ class GraphSection:
         worse = [chance[a] and families.either(lost[a], lost[b]) != lost[a] for a, b in ends]
         crossing = np.flatnonzero(outlook.allowed(False) & np.array(worse, np.bool_)).tolist()
         besides = [
-            (f"{self.hardware[h]}_EV_OOS", state)
+            (Event(What.OUT_OF_SERVICE, self.hardware[h]), state)
             for state in np.flatnonzero(chance).tolist()
             for h in families.support(lost[state])
         ]
         return self.outlook.grouped([*self._named(crossing), *besides])
 
-    def _named(self, edges: Iterable[int]) -> Iterator[tuple[str, int]]:
+    def _named(self, edges: Iterable[int]) -> Iterator[tuple[Event, int]]:
         """Events of some edges with the states before them."""
         graph = self.outlook.graph
         for edge in edges:

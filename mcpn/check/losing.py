@@ -1,8 +1,8 @@
 """The losing region: states from which success is out of reach, and the critical events that lead into it.
 
 Source: the paper, 7.2 ("studying the resource events that force the mission into a branch leading to
-failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
-event ``EV_RD`` does. The goal of the mission is its success; the goal of an objective is that its present run
+failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without a
+repair does. The goal of the mission is its success; the goal of an objective is that its present run
 ends in success, so that a later retry is another run.
 """
 
@@ -19,7 +19,8 @@ import numpy as np
 from mcpn.check.modes import Mode, situation
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.mission.usage import entries
-from mcpn.net.compose import START, MissionNet
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
 from mcpn.space.graph import Ints, Mask, StateGraph
 
 Kind: TypeAlias = Literal["objective", "pending", "done"]
@@ -49,13 +50,13 @@ class CriticalEvent:
     """Edges of one event that cross into a losing region from one functioning mode.
 
     Args:
-        event: The event's name.
+        event: The event.
         objectives: Objectives that run before it.
         mode: The functioning mode before it.
         edges: How many edges of the graph.
     """
 
-    event: str
+    event: Event
     objectives: tuple[str, ...]
     mode: Mode
     edges: int
@@ -85,24 +86,23 @@ class Outlook:
         columns = [self.graph.marked(*self.mission_net.by_role["oos", name]) for name in self.hardware]
         return np.stack(columns, axis=1) if columns else np.zeros((self.graph.states, 0), np.bool_)
 
-    def _hardware_of(self, ending: str) -> Ints:
+    def _hardware_of(self, what: What) -> Ints:
         transitions = self.graph.net.transitions
         number = np.full(len(transitions), -1, np.int64)
         for t, transition in enumerate(transitions):
-            name = (transition.event or "").removesuffix(ending)
-            if transition.event == f"{name}{ending}" and name in self.index:
-                number[t] = self.index[name]
+            if transition.event is not None and transition.event.what is what:
+                number[t] = self.index.get(transition.event.element, -1)
         return number[self.graph.labels]
 
     @cached_property
     def failing(self) -> Ints:
         """The hardware that goes out of service at each edge, -1 for other edges, shape (edges,)."""
-        return self._hardware_of("_EV_OOS")
+        return self._hardware_of(What.OUT_OF_SERVICE)
 
     @cached_property
     def repaired(self) -> Ints:
         """The hardware that is ready again at each edge, -1 for other edges, shape (edges,)."""
-        return self._hardware_of("_EV_RD")
+        return self._hardware_of(What.REPAIRED)
 
     def allowed(self, repairs: bool) -> Mask:
         """Edges that runs with, or without, repairs may take."""
@@ -123,7 +123,7 @@ class Outlook:
 
     def _objective(self, name: str) -> Goal:
         graph, running = self.graph, self.runs(name)
-        succeeds, fails = self.fired(f"OBJ_{name}_EV_OK"), self.fired(f"OBJ_{name}_EV_FAIL")
+        succeeds, fails = self.fired(Event(What.SUCCESS, name)), self.fired(Event(What.FAILURE, name))
         won = np.zeros(graph.states, np.bool_)
         won[graph.sources[succeeds]] = True
         inside = running[graph.sources] & running[graph.targets] & ~succeeds & ~fails
@@ -134,11 +134,15 @@ class Outlook:
         (place,) = self.mission_net.by_role["objective", objective]
         return self.graph.marked(place)
 
-    def fired(self, event: str) -> Mask:
+    def fired(self, event: Event) -> Mask:
         """Edges of an event."""
         transitions = self.graph.net.transitions
         named = np.array([t.event == event for t in transitions], np.bool_)
         return named[self.graph.labels]
+
+    def ended(self, objective: str) -> Mask:
+        """Edges with which an objective ends."""
+        return self.fired(Event(What.SUCCESS, objective)) | self.fired(Event(What.FAILURE, objective))
 
     @cached_property
     def begun(self) -> Mask:
@@ -157,7 +161,7 @@ class Outlook:
         running, again = inside, np.zeros(graph.edges, np.bool_)
         if isinstance(section, ElementarySection):
             # A retry ends one run and begins the next with one event.
-            again = self.fired(f"OBJ_{section.name}_EV_OK") | self.fired(f"OBJ_{section.name}_EV_FAIL")
+            again = self.ended(section.name)
         else:
             for branch in section.branches:
                 names = [branch.name, *(inner.name for inner in branch.graph.walk())]
@@ -205,7 +209,7 @@ class Outlook:
         along = self.allowed(False)
         for name, goal in self.objectives.items():
             lost = self.losing(goal, repairs=False)
-            along = along & ~(self.fired(f"OBJ_{name}_EV_FAIL") & ~lost[self.graph.sources])
+            along = along & ~(self.fired(Event(What.FAILURE, name)) & ~lost[self.graph.sources])
         return np.asarray(along, np.bool_)
 
     def crossing(self, goal: Goal, repairs: bool) -> Mask:
@@ -231,7 +235,7 @@ class Outlook:
         # On a markings graph internal steps cross too, of which the event before them has decided.
         return self.grouped((event, state) for event, state in named if event is not None)
 
-    def grouped(self, crossings: Iterable[tuple[str, int]]) -> list[CriticalEvent]:
+    def grouped(self, crossings: Iterable[tuple[Event, int]]) -> list[CriticalEvent]:
         """Critical events from single ones.
 
         Args:
@@ -239,7 +243,7 @@ class Outlook:
         """
         said = [p for kind in ("objective", "active") for p in self.mission_net.saying(kind)]
         columns = [self.graph.marked(p) for p in said]
-        groups: dict[tuple[str, bytes], list[int]] = {}
+        groups: dict[tuple[Event, bytes], list[int]] = {}
         for event, state in crossings:
             marks = bytes(bool(column[state]) for column in columns)
             groups.setdefault((event, marks), []).append(state)

@@ -17,7 +17,8 @@ from mcpn_kernel import Zdd
 
 from mcpn.check.ctl import SymbolicMarkings
 from mcpn.check.cutsets import CutSet
-from mcpn.net.compose import START, MissionNet
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet, Place, Transition
 from mcpn.space.symbolic import SymbolicSpace, reach
 
@@ -41,7 +42,7 @@ class SymbolicOutlook:
         """Reachable markings that mark some places."""
         return self.space.encoding.marking_all(places, self.space.reachable)
 
-    def of_events(self, events: Iterable[str]) -> list[int]:
+    def of_events(self, events: Iterable[Event]) -> list[int]:
         """Transitions that carry one of these events."""
         wanted = set(events)
         return [t for t, transition in enumerate(self.net.transitions) if transition.event in wanted]
@@ -49,7 +50,7 @@ class SymbolicOutlook:
     @cached_property
     def repairs(self) -> frozenset[int]:
         """Transitions that repair hardware."""
-        return frozenset(self.of_events(f"{h}_EV_RD" for h in self.hardware))
+        return frozenset(self.of_events(Event(What.REPAIRED, h) for h in self.hardware))
 
     def reaching(self, along: Zdd, goal: Zdd, without: Iterable[int] = ()) -> Zdd:
         """Markings from which a run reaches a goal.
@@ -82,12 +83,12 @@ class SymbolicOutlook:
         """
         (place,) = self.mission_net.by_role["objective", name]
         running = self.marked(place)
-        succeeds = self.of_events([f"OBJ_{name}_EV_OK"])
-        ends = {*succeeds, *self.of_events([f"OBJ_{name}_EV_FAIL"])}
+        succeeds = self.of_events([Event(What.SUCCESS, name)])
+        ends = {*succeeds, *self.of_events([Event(What.FAILURE, name)])}
         won = self.graph.enabling(succeeds)
         return running - self.reaching(running, won, ends if repairs else ends | self.repairs)
 
-    def critical(self, losing: Zdd, running: Zdd, repairs: bool) -> dict[str, int]:
+    def critical(self, losing: Zdd, running: Zdd, repairs: bool) -> dict[Event, int]:
         """Critical events, and in how many stable markings each leads from a chance to none.
 
         Args:
@@ -95,7 +96,7 @@ class SymbolicOutlook:
             running: Where the goal is open.
             repairs: Whether hardware may be repaired.
         """
-        found: dict[str, int] = {}
+        found: dict[Event, int] = {}
         chance = running - losing
         for t in self.graph.stable_only:
             if repairs or t not in self.repairs:
@@ -128,7 +129,7 @@ def symbolic_cut_sets(
     mission = mortal.minimal(outlook.reaching(everything, outlook.marked(mission_net.success)))
     ever = {}
     for name in objectives:
-        won = outlook.graph.enabling(outlook.of_events([f"OBJ_{name}_EV_OK"]))
+        won = outlook.graph.enabling(outlook.of_events([Event(What.SUCCESS, name)]))
         ever[name] = mortal.minimal(outlook.reaching(everything, won))
     return mission, ever
 
@@ -151,18 +152,18 @@ class _Mortal:
         transitions = [self._needs_life(t) for t in net.transitions]
         for name in hardware:
             reads = tuple(sorted((p, 1) for p in (self.oos[name], *begin)))
-            death = Transition(f"{name}_EV_DEATH", ((self.alive[name], 1),), (), reads, f"{name}_EV_DEATH")
-            transitions.append(death)
+            death = Event.parse(f"{name}_EV_DEATH")
+            transitions.append(Transition(str(death), ((self.alive[name], 1),), (), reads, death))
         augmented = PetriNet(net.name, tuple(places), tuple(transitions), True, net.units)
         self.outlook = SymbolicOutlook(replace(mission_net, net=augmented), reach(augmented))
         self.begin = begin
 
     def _needs_life(self, transition: Transition) -> Transition:
         """A repair reads that the resource is alive."""
-        name = (transition.event or "").removesuffix("_EV_RD")
-        if transition.event != f"{name}_EV_RD" or name not in self.alive:
+        event = transition.event
+        if event is None or event.what is not What.REPAIRED or event.element not in self.alive:
             return transition
-        return replace(transition, read=(*transition.read, (self.alive[name], 1)))
+        return replace(transition, read=(*transition.read, (self.alive[event.element], 1)))
 
     def minimal(self, hopeful: Zdd) -> list[CutSet]:
         """Minimal sets that are dead, all else in service, at the begin and outside a set of markings."""

@@ -18,6 +18,7 @@ from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, Se
 from mcpn.mission.usage import Usage
 from mcpn.mission.validate import never_entered
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
 from mcpn.space.explicit import Progress, explore
 from mcpn.space.graph import Mask, StateGraph
@@ -202,12 +203,12 @@ class Happened:
     Args:
         selected: Alternatives that are active somewhere, as ``activity.alternative``.
         entered: Objectives that run somewhere.
-        events: Names of events that happen somewhere.
+        events: Events that happen somewhere.
     """
 
     selected: frozenset[str]
     entered: frozenset[str]
-    events: frozenset[str]
+    events: frozenset[Event]
 
 
 def _happened(mission_net: MissionNet, graph: StateGraph) -> Happened:
@@ -244,8 +245,8 @@ def find_unselectable(usage: Usage, happened: Happened) -> tuple[Problem, ...]:
         if section.name not in happened.entered:
             found.append(Problem(section.source, f"objective {section.name} can never be entered"))
             continue
-        for outcome, verb in (("OK", "succeed"), ("FAIL", "fail")):
-            if f"OBJ_{section.name}_EV_{outcome}" not in happened.events:
+        for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
+            if Event(what, section.name) not in happened.events:
                 found.append(Problem(section.source, f"objective {section.name} can never {verb}"))
     found.extend(map(never_entered, usage.graph.never_entered()))
     for resource in (*usage.mission.hardware, *usage.mission.software):
@@ -264,16 +265,14 @@ def told(mission_net: MissionNet, error: SemanticsError) -> tuple[tuple[Step, ..
             (i for i, name in enumerate(run) if _event(mission_net, name) is not None), default=-1
         )
         steps = [
-            Step(event, step.words.split(":")[0])
-            for step in replay(mission_net, run[: last_event + 1])
-            if (event := step.event)
+            Step(step.event, step.words.split(":")[0]) for step in replay(mission_net, run[: last_event + 1])
         ]
         steps += [Step(name, f"internal: {name}") for name in run[last_event + 1 :]]
         runs.append(tuple(steps))
     return tuple(runs)
 
 
-def _event(mission_net: MissionNet, name: str) -> str | None:
+def _event(mission_net: MissionNet, name: str) -> Event | None:
     net = mission_net.net
     return net.transitions[net.transition_index[name]].event
 

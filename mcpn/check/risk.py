@@ -28,7 +28,7 @@ from scipy.sparse.linalg import spsolve
 
 from mcpn.check.losing import Outlook
 from mcpn.errors import InputError, Problem
-from mcpn.net.compose import START
+from mcpn.net.events import START, Event, What
 from mcpn.space.graph import Mask
 
 Floats = npt.NDArray[np.float64]
@@ -138,8 +138,8 @@ class Chain:
         failed = np.zeros(graph.edges, np.bool_)
         for section in outlook.mission_net.graph.walk():
             goal = outlook.objectives[section.name]
-            well = outlook.fired(f"OBJ_{section.name}_EV_OK")
-            badly = outlook.fired(f"OBJ_{section.name}_EV_FAIL")
+            well = outlook.fired(Event(What.SUCCESS, section.name))
+            badly = outlook.fired(Event(What.FAILURE, section.name))
             if not goal.running.any():
                 continue
             assert section.duration is not None

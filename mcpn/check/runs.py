@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from mcpn.check.modes import Situation, situation
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import PetriNet, Transition
+from mcpn.net.events import Event, What
+from mcpn.net.petri import PetriNet
 from mcpn.space.graph import StateGraph
 
 
@@ -16,11 +17,11 @@ class Step:
     """One event of a run, or one internal firing where a run shows the net's own behaviour.
 
     Args:
-        event: The event's name (the transition's for an internal firing).
+        event: The event; for an internal firing the transition's name.
         words: The same for a reader: what happens, and what changes in the functioning mode.
     """
 
-    event: str
+    event: Event | str
     words: str
 
 
@@ -52,17 +53,18 @@ def replay(mission_net: MissionNet, firings: Sequence[str]) -> list[Step]:
     net = mission_net.net
     marking = net.initial
     steps: list[Step] = []
-    pending: tuple[Transition, Situation] | None = None
+    pending: tuple[Event, Situation] | None = None
+    mission = mission_net.mission.name
     for name in firings:
         transition = net.transitions[net.transition_index[name]]
         if transition.event is not None:
             marking = stabilise(net, marking)
             if pending:
-                steps.append(_step(*pending, situation(mission_net, marking)))
-            pending = transition, situation(mission_net, marking)
+                steps.append(_step(mission, *pending, situation(mission_net, marking)))
+            pending = transition.event, situation(mission_net, marking)
         marking = net.fire(marking, net.transition_index[name])
     if pending:
-        steps.append(_step(*pending, situation(mission_net, stabilise(net, marking))))
+        steps.append(_step(mission, *pending, situation(mission_net, stabilise(net, marking))))
     return steps
 
 
@@ -82,32 +84,38 @@ def stabilise(net: PetriNet, marking: Sequence[int]) -> tuple[int, ...]:
     return at
 
 
-def _step(transition: Transition, before: Situation, after: Situation) -> Step:
-    assert transition.event is not None
-    words = what_happens(transition)
+def _step(mission: str, event: Event, before: Situation, after: Situation) -> Step:
+    words = what_happens(event, mission)
     changes = _changes(before, after)
-    return Step(transition.event, f"{words}: {', '.join(changes)}" if changes else words)
+    return Step(event, f"{words}: {', '.join(changes)}" if changes else words)
 
 
-def what_happens(transition: Transition) -> str:
+def what_happens(event: Event, mission: str) -> str:
     """An event in mission words.
 
     Args:
-        transition: A transition of a mission's net that carries an event.
+        event: The event.
+        mission: The mission's name.
 
     Returns:
         For example "GPS_sensor goes out of service".
     """
-    event = transition.event or transition.name
-    name = transition.provenance.name if transition.provenance else event
-    endings = {
-        "_EV_START": f"mission {name} starts",
-        "_EV_OOS": f"{name} goes out of service",
-        "_EV_RD": f"{name} is ready again",
-        "_EV_OK": f"objective {name} succeeds",
-        "_EV_FAIL": f"objective {name} fails",
-    }
-    return next((words for ending, words in endings.items() if event.endswith(ending)), event)
+    name = event.element
+    match event.what:
+        case What.START:
+            return f"mission {mission} starts"
+        case What.SUCCESS:
+            return f"objective {name} succeeds"
+        case What.FAILURE:
+            return f"objective {name} fails"
+        case What.OUT_OF_SERVICE:
+            return f"{name} goes out of service"
+        case What.REPAIRED:
+            return f"{name} is ready again"
+        case What.DECLARED:
+            return f"event {name} happens"
+        case What.NAMED:
+            return name
 
 
 def _changes(before: Situation, after: Situation) -> list[str]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from mcpn.check.cutsets import Losses
 from mcpn.check.losing import Goal
+from mcpn.net.events import Event, What
 from mcpn.space.graph import Mask
 
 Run = list[int]
@@ -38,7 +39,7 @@ class Scenarios:
             cut_set: Names of hardware; all of it is out of service at the end.
 
         Returns:
-            Up to the mission's failure or the objective's event ``EV_FAIL``; where the mission need not end,
+            Up to the mission's failure or the objective's failure; where the mission need not end,
             up to where it can no longer succeed. ``None`` where no run without repairs leads there.
         """
         outlook, graph = self.outlook, self.graph
@@ -48,7 +49,7 @@ class Scenarios:
         ways = (outlook.forced & mine, outlook.allowed(False) & mine)
         if goal.kind == "objective":
             lost = outlook.losing(goal, repairs=False) & out
-            fails = outlook.fired(f"OBJ_{goal.name}_EV_FAIL")
+            fails = outlook.fired(Event(What.FAILURE, goal.name))
             for along in ways:
                 run = graph.run_to(lost, along=along)
                 if run is not None:

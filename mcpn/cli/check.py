@@ -85,7 +85,7 @@ def check(
 
 
 def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
-    from mcpn.check.foreign import check_net, examine_structure
+    from mcpn.check.nets.properties import check_net, examine_structure
     from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
     if structure:
@@ -106,7 +106,7 @@ def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {
-            name: [[step.event for step in run] for run in verdict.runs]
+            name: [[str(step.event) for step in run] for run in verdict.runs]
             for name, verdict in found.verdicts.items()
             if verdict.runs
         },

@@ -20,7 +20,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.answers import Answer
+    from mcpn.check.logic.questions import Answer
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -67,9 +67,9 @@ def ctl(
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
     if scn and (len(formulas) != 1 or engine != "symbolic"):
         raise click.UsageError("--scn goes with one FORMULA and the symbolic engine")
-    from mcpn.check.answers import Questions
-    from mcpn.check.contest import read_properties
-    from mcpn.check.language import parse
+    from mcpn.check.logic.contest import read_properties
+    from mcpn.check.logic.language import parse
+    from mcpn.check.logic.questions import Questions
 
     net, mission_net = _subject(file, import_root)
     questions = Questions(
@@ -109,7 +109,7 @@ def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet
 
 
 def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
-    from mcpn.check.witness import scenario
+    from mcpn.check.logic.witness import scenario
     from mcpn.files import write_atomically
 
     assert answer.witness is not None, "the symbolic engine always gives a witness"
@@ -121,7 +121,7 @@ def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
     if witness is None:
         return {"formula": answer.formula, "holds": answer.holds, "witness": None}
     shown = {
-        "events": [step.event for step in answer.told],
+        "events": [str(step.event) for step in answer.told],
         "firings": [net.transitions[t].name for t in witness.firings],
         "cycle": witness.cycle_firing,
         "notes": witness.notes,

@@ -12,9 +12,9 @@ from functools import cached_property
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Activity, Hardware, Mission, Software
 from mcpn.mission.usage import Usage
+from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
-from mcpn.net.templates.control import START as START
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Petri nets with read arcs and two priority levels, their markings and the one definition of firing.
 
-A transition carries an *event* name or is *internal*. Where a net has priorities, internal transitions come
+A transition carries an *event* or is *internal*. Where a net has priorities, internal transitions come
 first: an event transition may fire only in a marking that enables no internal transition (paper, 7.1).
 
 >>> builder = NetBuilder("toggle")
@@ -8,7 +8,7 @@ first: an event transition may fire only in a marking that enables no internal t
 'off'
 >>> builder.place("on")
 'on'
->>> builder.transition("switch", consume=["off"], produce=["on"], event="EV_SWITCH")
+>>> builder.transition("switch", consume=["off"], produce=["on"], event=Event.parse("SWITCH"))
 >>> net = builder.build()
 >>> net.fire(net.initial, 0)
 (0, 1)
@@ -22,6 +22,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError, Source
+from mcpn.net.events import Event
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
@@ -81,7 +82,7 @@ class Transition:
     consume: Arcs = ()
     produce: Arcs = ()
     read: Arcs = ()
-    event: str | None = None
+    event: Event | None = None
     provenance: Provenance | None = field(default=None, compare=False)
 
     @property
@@ -242,7 +243,7 @@ class NetBuilder:
         consume: Iterable[str] | Mapping[str, int] = (),
         produce: Iterable[str] | Mapping[str, int] = (),
         read: Iterable[str] | Mapping[str, int] = (),
-        event: str | None = None,
+        event: Event | None = None,
         provenance: Provenance | None = None,
     ) -> None:
         """Declares a transition; arcs are names of places (weight 1 each, repeats add up) or weights by name.

@@ -22,6 +22,7 @@ from mcpn.check.risk import Risk
 from mcpn.check.runs import Step
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
+from mcpn.net.events import Event
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
@@ -63,7 +64,7 @@ def causes_object(causes: Causes) -> dict[str, Any]:
                 "cut_sets": _lists(found.cut_sets),
                 "always": found.always,
                 "at_most": found.at_most,
-                "run": None if found.run is None else [step.event for step in found.run],
+                "run": None if found.run is None else [str(step.event) for step in found.run],
             }
             for found in causes.survival
         ],
@@ -73,7 +74,7 @@ def causes_object(causes: Causes) -> dict[str, Any]:
 def _goal(goal: GoalCauses) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
-        "critical_events": goal.critical_events,
+        "critical_events": _texts(goal.critical_events),
         "condition": sentence(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
@@ -81,11 +82,15 @@ def _goal(goal: GoalCauses) -> dict[str, Any]:
             "with_repairs": _all_critical(goal.critical_with_repairs),
         },
         "runs": [
-            {"cut_set": list(names), "events": None if run is None else [step.event for step in run]}
+            {"cut_set": list(names), "events": None if run is None else [str(step.event) for step in run]}
             for names, run in goal.runs.items()
         ],
         "monotone": goal.nonmonotone is None,
     }
+
+
+def _texts(events: Sequence[Event] | None) -> list[str] | None:
+    return None if events is None else [str(event) for event in events]
 
 
 def _all_critical(found: Sequence[CriticalEvent] | None) -> list[dict[str, Any]] | None:
@@ -94,7 +99,7 @@ def _all_critical(found: Sequence[CriticalEvent] | None) -> list[dict[str, Any]]
 
 def _critical(critical: CriticalEvent) -> dict[str, Any]:
     return {
-        "event": critical.event,
+        "event": str(critical.event),
         "objectives": list(critical.objectives),
         "mode": critical.mode,
         "edges": critical.edges,
@@ -195,13 +200,15 @@ def _print_run(console: Console, what: str, run: Sequence[Step] | None) -> None:
         return
     console.print(f"\n{what}:")
     for step in run:
-        console.print(f"    {step.event:34} {step.words}", markup=False)
+        console.print(f"    {step.event!s:34} {step.words}", markup=False)
 
 
 def _print_critical(console: Console, goal: GoalCauses) -> None:
     during: dict[str, dict[str, None]] = {}
     for critical in goal.critical or ():
-        during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("no objective",)))
+        during.setdefault(str(critical.event), {}).update(
+            dict.fromkeys(critical.objectives or ("no objective",))
+        )
     if during:
         table = Table("critical event: after it nothing but repair can help", "while one of these runs")
         for event, objectives in during.items():

@@ -28,7 +28,8 @@ def save_graph(graph: AlternativesGraph, mission_net: MissionNet, path: Path) ->
     """
     suffix = path.suffix.lower()
     edges = [
-        (int(graph.sources[edge]), graph.event(edge), int(graph.targets[edge])) for edge in range(graph.edges)
+        (int(graph.sources[edge]), str(graph.event(edge)), int(graph.targets[edge]))
+        for edge in range(graph.edges)
     ]
     if suffix == ".aut":
         lines = [f"des (0, {graph.edges}, {graph.states})"]

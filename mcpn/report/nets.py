@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from rich.console import Console
 
-from mcpn.check.foreign import NetCheck, Structure, marking_after
+from mcpn.check.nets.properties import NetCheck, Structure, marking_after
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
 from mcpn.space.tokens import OMEGA

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from mcpn.check.answers import Answer
+from mcpn.check.logic.questions import Answer
 from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
 from mcpn.errors import Problem
@@ -55,7 +55,7 @@ def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
             continue
         if answer.told:
             for step in answer.told:
-                console.print(f"    {step.event:34} {step.words}", markup=False)
+                console.print(f"    {step.event!s:34} {step.words}", markup=False)
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
@@ -63,7 +63,7 @@ def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
                 console.print(f"    {net.transitions[t].name}", markup=False)
         if answer.told and witness.cycle is not None:
             repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
-            events = [e for t in repeated if (e := net.transitions[t].event)]
+            events = [str(e) for t in repeated if (e := net.transitions[t].event)]
             console.print(f"    for ever: {' '.join(events) or 'internal firings'}", markup=False)
         for note in witness.notes:
             console.print(f"    {note}", markup=False)
@@ -114,7 +114,7 @@ def _print_verdict(console: Console, verdict: Verdict) -> None:
         if len(verdict.runs) > 1:
             console.print(f"    run {number}")
         for step in run:
-            console.print(f"    {step.event:34} {step.words}", markup=False)
+            console.print(f"    {step.event!s:34} {step.words}", markup=False)
 
 
 def _print_modes(console: Console, modes: Mapping[str, list[Mode]]) -> None:

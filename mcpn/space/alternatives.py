@@ -16,6 +16,7 @@ import numpy as np
 from mcpn_kernel import MemoryLimit, StateLimit
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
+from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.firing import MaskedNet
@@ -52,13 +53,13 @@ class AlternativesGraph(StateGraph):
     proof: str | None
     torn: tuple[Torn, ...] = ()
 
-    def event(self, edge: int) -> str:
+    def event(self, edge: int) -> Event:
         """The event of an edge."""
         event = self.net.transitions[int(self.labels[edge])].event
         assert event is not None, "only event transitions label the alternatives graph"
         return event
 
-    def events(self, run: list[int]) -> list[str]:
+    def events(self, run: list[int]) -> list[Event]:
         """The events of a run given as edges."""
         return [self.event(edge) for edge in run]
 

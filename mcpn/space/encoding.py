@@ -90,13 +90,22 @@ class Encoding:
         places = tuple(places)
         return sorted({*self.levels(places), *self.partners(places)})
 
+    def bit(self, place: int) -> tuple[int, bool]:
+        """The level that says whether a place is marked, and whether it says the reverse."""
+        partner = self.partner.get(place)
+        return (self.level[place], False) if partner is None else (self.level[partner], True)
+
+    def marked_levels(self, marking: Sequence[int]) -> list[int]:
+        """The marked levels of a marking, given as tokens by place."""
+        return sorted(self.levels(p for p, tokens in enumerate(marking) if tokens))
+
     def initial(self) -> Zdd:
         """The set that holds the initial marking."""
         return self.set_of(self.net.initial)
 
     def set_of(self, marking: Sequence[int]) -> Zdd:
         """The set that holds one marking, given as tokens by place."""
-        return self.store.singleton(self.levels(p for p, tokens in enumerate(marking) if tokens))
+        return self.store.singleton(self.marked_levels(marking))
 
     def marking(self, levels: Iterable[int]) -> tuple[int, ...]:
         """The tokens by place of a marking given as its marked levels."""

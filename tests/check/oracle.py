@@ -36,7 +36,7 @@ class Play:
     def edges(self, marking: Marking) -> list[Edge]:
         if marking not in self._edges:
             self._edges[marking] = [
-                (self.net.transitions[t].event or "", self.settle(self.net.fire(marking, t)))
+                (str(self.net.transitions[t].event), self.settle(self.net.fire(marking, t)))
                 for t in self.net.enabled(marking)
             ]
         return self._edges[marking]

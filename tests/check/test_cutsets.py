@@ -12,9 +12,9 @@ from hypothesis import given, settings
 
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
 from mcpn.check.cutsets import CutSet, Losses, Moment
-from mcpn.check.language import parse
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.losing import Outlook
-from mcpn.check.resolve import resolve
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
@@ -150,8 +150,11 @@ def confirm(found: MissionNet, losses: Losses) -> None:
             if runs(m) and (not runs(before) or event in (f"OBJ_{name}_EV_OK", f"OBJ_{name}_EV_FAIL"))
         }
         if entered and isinstance(section, ElementarySection) and not pending(found, name):
+            events = {str(t.event) for t in found.net.transitions if t.event is not None}
+            others = [event for event in events if not event.endswith("_EV_OOS")]
             dying = play.reach(
-                entered, [e for t in found.net.transitions if (e := t.event) and "_EV_OOS" not in e]
+                entered,
+                others,
             )
             check(
                 losses.listed(losses.cut_sets(goal, Moment.ENTRY, name)),
@@ -210,7 +213,7 @@ def success_reachable(found: MissionNet, dead: Collection[str]) -> bool:
     tokens = {f"{h}_{place}": int(place == "OOS") for h in dead for place in ("free", "available", "OOS")}
     places = [replace(p, initial=tokens.get(p.name, p.initial)) for p in net.places]
     repairs = [f"{h}_EV_RD" for h in dead]
-    kept = [t for t in net.transitions if t.event not in repairs]
+    kept = [t for t in net.transitions if str(t.event) not in repairs]
     crippled = replace(net, places=tuple(places), transitions=tuple(kept))
     formula = resolve(parse("EF success"), crippled, found)
     return Evaluation(SymbolicMarkings(reach(crippled))).holds(formula)

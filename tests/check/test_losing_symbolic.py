@@ -13,6 +13,7 @@ from mcpn.check.losing_symbolic import SymbolicOutlook, symbolic_cut_sets
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.space.alternatives import direct
 from mcpn.space.explicit import explore
 from mcpn.space.symbolic import reach
@@ -52,10 +53,10 @@ def agree(found: MissionNet, max_states: int) -> None:
                 assert symbolic.critical(losing, open_, repairs) == crossings(stable, on_stable, repairs)
 
 
-def crossings(outlook: Outlook, goal: Goal, repairs: bool) -> dict[str, int]:
+def crossings(outlook: Outlook, goal: Goal, repairs: bool) -> dict[Event | None, int]:
     edges = np.flatnonzero(outlook.crossing(goal, repairs)).tolist()
     transitions = outlook.graph.net.transitions
-    return dict(Counter(transitions[int(outlook.graph.labels[e])].event or "" for e in edges))
+    return dict(Counter(transitions[int(outlook.graph.labels[e])].event for e in edges))
 
 
 def test_ulysse_regions_agree(ulysse_net: MissionNet) -> None:

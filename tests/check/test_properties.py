@@ -9,11 +9,11 @@ from hypothesis import given
 
 from mcpn.check.by_diagrams import check_by_diagrams
 from mcpn.check.composition import check_by_composition
-from mcpn.check.formula import EU, Const
-from mcpn.check.language import parse
+from mcpn.check.logic.formulas import EU, Const
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.modes import functioning_modes
 from mcpn.check.properties import INFORMATIVE, REQUIRED, MissionCheck, check_mission
-from mcpn.check.resolve import resolve
 from mcpn.check.runs import stabilise
 from mcpn.errors import LimitError
 from mcpn.mission.model import (
@@ -30,6 +30,7 @@ from mcpn.mission.model import (
 from mcpn.mission.validate import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.net.petri import Marking
 from mcpn.space.alternatives import direct
 from mcpn.testing import missions
@@ -58,7 +59,7 @@ def play(found: MissionNet, events: list[str]) -> Marking:
     net = found.net
     marking = stabilise(net, net.initial)
     for event in events:
-        (fired,) = [t for t in net.enabled(marking) if net.transitions[t].event == event]
+        (fired,) = [t for t in net.enabled(marking) if net.transitions[t].event == Event.parse(event)]
         marking = stabilise(net, net.fire(marking, fired))
     return marking
 
@@ -74,7 +75,7 @@ def test_ulysse_runs_are_shortest_and_lead_where_they_say(ulysse_check: MissionC
     found = ulysse_check.mission_net
     for name, place in (("success_reachable", found.success), ("failure_reachable", found.failure)):
         (run,) = ulysse_check.verdicts[name].runs
-        assert play(found, [step.event for step in run])[place]
+        assert play(found, [str(step.event) for step in run])[place]
         # Start, leave the coral head, fail to dive, go up: nothing shorter leads to an end of the mission.
         assert len(run) == 4
 
@@ -170,7 +171,7 @@ def test_a_trap_on_the_way_is_shown_by_its_shortest_run() -> None:
     )
     assert found.verdicts["success_reachable"].holds is True
     (run,) = found.verdicts["can_always_finish"].runs
-    assert [step.event for step in run] == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
+    assert [str(step.event) for step in run] == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
 
 
 def test_what_can_never_be_selected_is_found() -> None:

@@ -17,7 +17,7 @@ from tests.check.oracle import Play, fragile_missions
 
 
 def events(graph: AlternativesGraph, run: list[int]) -> list[str]:
-    return [graph.event(edge) for edge in run]
+    return [str(graph.event(edge)) for edge in run]
 
 
 def test_ulysse_runs_to_failure(ulysse_net: MissionNet) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.answers import Questions
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
-from mcpn.check.formula import EG, EU, EX, Const, Justice, walk
-from mcpn.check.language import parse
-from mcpn.check.resolve import resolve
-from mcpn.check.witness import Witness, explain, scenario
+from mcpn.check.logic.formulas import EG, EU, EX, Const, Justice, walk
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.resolve import resolve
+from mcpn.check.logic.witness import Witness, explain, scenario
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.symbolic import reach
@@ -93,7 +93,7 @@ def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet) -> None:
     answer = questions.answer("EF failure", questions.core(parse("EF failure")))
     assert answer.holds
     # The first objective, diving and going up must fail in turn: no run has fewer events.
-    assert [step.event for step in answer.told] == [
+    assert [str(step.event) for step in answer.told] == [
         "MISSION_EV_START",
         "OBJ_coral_head.manual_moving_EV_FAIL",
         "OBJ_transect.diving_EV_FAIL",

@@ -6,7 +6,10 @@ from collections import deque
 
 from hypothesis import strategies as st
 
+from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
+
+EVENTS = (Event.parse("EV_A"), Event(What.SUCCESS, "x"))
 
 ODD_NAMES = st.text(
     st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co", "Zl", "Zp")),
@@ -42,7 +45,7 @@ def nets(
     weights = st.dictionaries(st.sampled_from(names), st.integers(1, max_weight), max_size=3)
     for name in transitions:
         consume, produce, read = draw(weights), draw(weights), draw(weights)
-        event = draw(st.none() | st.sampled_from(["EV_A", "EV_B"])) if events else None
+        event = draw(st.none() | st.sampled_from(EVENTS)) if events else None
         builder.transition(name, consume=consume, produce=produce, read=read, event=event)
     return builder.build()
 
@@ -99,6 +102,13 @@ def state_machines(draw: st.DrawFn) -> tuple[PetriNet, int]:
     return builder.build(), machines
 
 
+def events(names: st.SearchStrategy[str]) -> st.SearchStrategy[Event]:
+    """Events of every kind: of an element, or of whatever a text says."""
+    of_elements = [what for what in What if what not in (What.START, What.NAMED)]
+    typed = st.builds(Event, st.sampled_from(of_elements), names.filter(bool))
+    return st.just(START) | typed | names.map(Event.parse)
+
+
 @st.composite
 def odd_nets(draw: st.DrawFn, *, line_breaks: bool = False) -> PetriNet:
     """Small nets whose names are whatever the model allows, places and transitions of one name included."""
@@ -115,5 +125,7 @@ def odd_nets(draw: st.DrawFn, *, line_breaks: bool = False) -> PetriNet:
     weights = st.dictionaries(st.sampled_from(places), st.integers(1, 3) | st.just(10**18 - 1), max_size=3)
     for name in names:
         consume, produce, read = draw(weights), draw(weights), draw(weights)
-        builder.transition(name, consume=consume, produce=produce, read=read, event=draw(st.none() | texts))
+        builder.transition(
+            name, consume=consume, produce=produce, read=read, event=draw(st.none() | events(texts))
+        )
     return builder.build()

@@ -23,6 +23,7 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.net.templates import Canvas, PaperTemplates
@@ -53,7 +54,7 @@ def test_our_hardware_template_has_the_markings_of_figure_10() -> None:
         ("ERROROK", "error", "release"),
     ):
         name = f"Rx_EV_{event}"
-        canvas.transition(name, consume=[f"Rx_{before}"], produce=[f"Rx_{after}"], event=name)
+        canvas.transition(name, consume=[f"Rx_{before}"], produce=[f"Rx_{after}"], event=Event.parse(name))
     check_figure_10(explore(canvas.build()), "Rx")
 
 
@@ -130,7 +131,7 @@ def test_ulysse_written_flat_bears_the_paper_s_names(reference: Path, tmp_path: 
         t.event for t in theirs.transitions if t.event
     )
 
-    def arcs(net: PetriNet) -> set[tuple[str | None, frozenset[str], frozenset[str]]]:
+    def arcs(net: PetriNet) -> set[tuple[Event | None, frozenset[str], frozenset[str]]]:
         def names(*sides: tuple[tuple[int, int], ...]) -> frozenset[str]:
             return frozenset(net.places[p].name for side in sides for p, _ in side)
 

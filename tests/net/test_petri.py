@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.errors import InputError
+from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
 from tests.net.nets import nets
 
@@ -14,12 +15,12 @@ def test_internal_transitions_come_before_events() -> None:
     builder = NetBuilder("n", priorities=True)
     builder.place("p", initial=1)
     builder.transition("internal", consume=["p"])
-    builder.transition("event", consume=["p"], event="EV")
+    builder.transition("event", consume=["p"], event=Event.parse("EV"))
     assert builder.build().enabled((1,)) == [0]
     builder = NetBuilder("n", priorities=False)
     builder.place("p", initial=1)
     builder.transition("internal", consume=["p"])
-    builder.transition("event", consume=["p"], event="EV")
+    builder.transition("event", consume=["p"], event=Event.parse("EV"))
     assert builder.build().enabled((1,)) == [0, 1]
 
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.explicit import explore
@@ -127,7 +128,7 @@ def test_a_torn_graph_leaves_out_the_events_without_one_end_and_no_others(
     drawn, _ = machines
     kinds = data.draw(st.lists(st.sampled_from([True, True, False]), min_size=len(drawn.transitions)))
     marked = zip(drawn.transitions, kinds, strict=False)
-    transitions = tuple(replace(t, event=t.name if is_event else None) for t, is_event in marked)
+    transitions = tuple(replace(t, event=Event.parse(t.name) if is_event else None) for t, is_event in marked)
     net = PetriNet(drawn.name, drawn.places, transitions, priorities=True)
     first = ends(net, net.initial)
     if first is None or len(first) > 1:
@@ -185,7 +186,7 @@ def test_the_direct_way_without_proof_still_ends_where_it_would_diverge() -> Non
     builder.place("a", initial=1)
     builder.place("b")
     builder.place("c")
-    builder.transition("go", consume=["a"], produce=["b"], event="EV")
+    builder.transition("go", consume=["a"], produce=["b"], event=Event.parse("EV"))
     builder.transition("there", consume=["b"], produce=["c"])
     builder.transition("back", consume=["c"], produce=["b"])
     for proof in (True, False):

@@ -9,6 +9,7 @@ from hypothesis import given
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
 from mcpn.space.confluence import PROOF, direct_with_proof, open_conflicts
@@ -60,8 +61,8 @@ def test_a_conflict_that_no_marking_enables_is_no_obstacle() -> None:
     builder = NetBuilder("apart", priorities=True)
     for place, tokens in (("a", 1), ("b", 0), ("left", 0), ("right", 0), ("x", 0), ("y", 0)):
         builder.place(place, initial=tokens)
-    builder.transition("go_left", consume=["a"], produce=["b", "left"], event="LEFT")
-    builder.transition("go_right", consume=["a"], produce=["b", "right"], event="RIGHT")
+    builder.transition("go_left", consume=["a"], produce=["b", "left"], event=Event.parse("LEFT"))
+    builder.transition("go_right", consume=["a"], produce=["b", "right"], event=Event.parse("RIGHT"))
     builder.transition("one", consume=["b", "left"], produce=["x"])
     builder.transition("other", consume=["b", "right"], produce=["y"])
     assert direct_with_proof(builder.build()).proof == PROOF
@@ -71,7 +72,7 @@ def test_a_conflict_that_rejoins_is_decided_edge_by_edge() -> None:
     builder = NetBuilder("rejoin", priorities=True)
     for place, tokens in (("a", 1), ("b", 0), ("x", 0), ("y", 0), ("end", 0)):
         builder.place(place, initial=tokens)
-    builder.transition("go", consume=["a"], produce=["b"], event="GO")
+    builder.transition("go", consume=["a"], produce=["b"], event=Event.parse("GO"))
     builder.transition("one", consume=["b"], produce=["x"])
     builder.transition("other", consume=["b"], produce=["y"])
     builder.transition("from_x", consume=["x"], produce=["end"])

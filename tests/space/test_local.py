@@ -26,6 +26,7 @@ from mcpn.mission.model import (
     Software,
 )
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.explicit import explore
@@ -194,7 +195,7 @@ class Spending(PaperTemplates):
         if activity.name == "filming":
             pen = canvas.of("activity", activity.name, activity.source)
             film, running = pen.place("filming_film", initial=1), f"{activity.name}_active1"
-            pen.transition("filming_used", [film], [], read=[running], event="FILMING_EV_USED")
+            pen.transition("filming_used", [film], [], read=[running], event=Event.parse("FILMING_EV_USED"))
 
 
 class Wearing(PaperTemplates):
@@ -205,7 +206,7 @@ class Wearing(PaperTemplates):
         if resource.name == "thruster_actuator":
             pen = canvas.of("hardware", resource.name, resource.source)
             new, busy = pen.place("thruster_actuator_new", initial=1), "thruster_actuator_busy"
-            pen.transition("thruster_worn", [new], [], read=[busy], event="THRUSTER_EV_WORN")
+            pen.transition("thruster_worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
 
 
 @pytest.mark.parametrize("most_listed", [None, -1], ids=["listed", "diagrams"])

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 
 from mcpn.errors import LimitError
+from mcpn.net.events import Event
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.tokens import OMEGA, boundedness, explore_tokens
@@ -25,7 +26,7 @@ def producer_consumer(*, events: bool = False) -> PetriNet:
         ("get", ["buffer", "hungry"], ["full"]),
         ("eat", ["full"], ["hungry"]),
     ):
-        builder.transition(name, consume=before, produce=after, event=name if events else None)
+        builder.transition(name, consume=before, produce=after, event=Event.parse(name) if events else None)
     return builder.build()
 
 

@@ -65,7 +65,7 @@ def _transition(number: int, transition: Transition) -> str:
         bar = 'shape=box, height=0.1, width=0.35, style=filled, fillcolor=gray30, label=""'
         look = f"{bar}, xlabel={_quote(transition.name)}"
     else:
-        look = f"shape=box, color=firebrick, label={_quote(transition.event or '')}"
+        look = f"shape=box, color=firebrick, label={_quote(str(transition.event))}"
     return f"t{number} [{look}];"
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from mcpn.errors import InputError, Source
+from mcpn.net.events import Event
 from mcpn.net.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts
 from mcpn.net.petri import Arcs, NetBuilder, PetriNet, Provenance
 
@@ -41,7 +42,7 @@ def write_json(net: PetriNet) -> str:
         "transitions": [
             {
                 "name": t.name,
-                "event": t.event,
+                "event": None if t.event is None else str(t.event),
                 "consume": _weights(net, t.consume),
                 "produce": _weights(net, t.produce),
                 "read": _weights(net, t.read),
@@ -169,7 +170,7 @@ def _net(document: _Value) -> PetriNet:
             consume=t.get("consume").weights(),
             produce=t.get("produce").weights(),
             read=t.get("read").weights(),
-            event=None if event.value is None else event.text(),
+            event=None if event.value is None else Event.parse(event.text()),
             provenance=_provenance(t),
         )
     for unit in document.get("units").items():

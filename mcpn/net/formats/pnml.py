@@ -20,6 +20,7 @@ from typing import NoReturn
 from lxml import etree
 
 from mcpn.errors import InputError, Source
+from mcpn.net.events import Event
 from mcpn.net.formats.counts import MAX_DIGITS, check_counts, read_count
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.xmlio import parse_xml
@@ -75,7 +76,8 @@ class _Reader:
                 self.fail(element, f"two transitions are named {name}")
             named.add(name)
             consume, produce, read = sides[key]
-            builder.transition(name, consume=consume, produce=produce, read=read, event=event)
+            typed = None if event is None else Event.parse(event)
+            builder.transition(name, consume=consume, produce=produce, read=read, event=typed)
         for unit in self.units:
             builder.unit(self.name(self.places[key]) for key in unit if key in self.places)
         return builder.build()
@@ -254,7 +256,9 @@ def write_pnml(net: PetriNet) -> bytes:
         if place.initial:
             _add(_add(drawn, "initialMarking"), "text", str(place.initial))
     for t in net.transitions:
-        key = _node(page, "transition", new_id, t.name, "event", t.event).get("id", "")
+        key = _node(
+            page, "transition", new_id, t.name, "event", None if t.event is None else str(t.event)
+        ).get("id", "")
         arcs = [(places[p], key, w, False) for p, w in t.consume]
         arcs += [(key, places[p], w, False) for p, w in t.produce]
         for p, w in t.read:

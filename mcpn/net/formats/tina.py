@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from mcpn.errors import InputError, Source
+from mcpn.net.events import Event
 from mcpn.net.formats.counts import MAX_COUNT, MAX_DIGITS, check_counts, read_count
 from mcpn.net.petri import NetBuilder, PetriNet
 
@@ -266,7 +267,8 @@ class _Reader:
             if self.priorities:
                 event = self.labels.get(name, name) if name in lower else None
             consume, produce, read = (sides.get(side, {}) for side in ("consume", "produce", "read"))
-            builder.transition(name, consume=consume, produce=produce, read=read, event=event)
+            typed = None if event is None else Event.parse(event)
+            builder.transition(name, consume=consume, produce=produce, read=read, event=typed)
         return builder.build()
 
     def lower_level(self) -> set[str]:
@@ -330,7 +332,7 @@ def write_tina(net: PetriNet) -> str:
             may say.
     """
     check_counts(net)
-    events = (t.event for t in net.transitions if t.event is not None)
+    events = (str(t.event) for t in net.transitions if t.event is not None)
     for name in (net.name, *net.place_index, *net.transition_index, *events):
         if re.search(r"[\r\n]", name):
             raise InputError.at(None, f"the name {name!r} holds a line break, which .net files cannot say")
@@ -342,7 +344,7 @@ def _lines(net: PetriNet) -> Iterator[str]:
     for place in net.places:
         yield f"pl {quote(place.name)}" + (f" ({place.initial})" if place.initial else "")
     for t in net.transitions:
-        label = f" : {quote(t.event)}" if t.event is not None else ""
+        label = f" : {quote(str(t.event))}" if t.event is not None else ""
         inputs = [_arc(net, arc, "*") for arc in t.consume] + [_arc(net, arc, "?") for arc in t.read]
         outputs = [_arc(net, arc, "*") for arc in t.produce]
         yield " ".join([f"tr {quote(t.name)}{label}", *inputs, "->", *outputs])

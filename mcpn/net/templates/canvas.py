@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.usage import Usage
+from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
 
 Role: TypeAlias = tuple[
@@ -70,7 +71,7 @@ class Pen:
         produce: list[str],
         *,
         read: list[str] | None = None,
-        event: str | None = None,
+        event: Event | None = None,
     ) -> None:
         """Draws a transition, internal unless an event is given."""
         self.canvas.transition(

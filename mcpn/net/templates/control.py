@@ -7,11 +7,9 @@ from itertools import product
 
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
 from mcpn.net.templates.canvas import Canvas, Pen
-
-START = "MISSION_EV_START"
-"""The event with which a mission begins, and each section in its own net."""
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -30,7 +28,7 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     success = canvas.role(pen.place("MISSION_success"), ("success", mission.name))
     failure = canvas.role(pen.place("MISSION_failure"), ("failure", mission.name))
     control = _Control(canvas, graph, {SUCCEED: [success], FAIL: [failure]})
-    pen.transition(START, [begin], control.enter(graph.entry), event=START)
+    pen.transition(f"{START}", [begin], control.enter(graph.entry), event=START)
     control.draw()
 
 
@@ -87,12 +85,12 @@ class _Control:
             pen.transition(f"OBJ_{name}_begin", [gate, *idle], self.begin(section), read=settled)
         stops = [f"{a}_Stop" for a in section.activities]
         running = [running_place(usage.activities[a]) for a in section.activities]
-        for outcome, route, read in (
-            ("OK", section.success, [p for p in running if p is not None]),
-            ("FAIL", section.failure, []),
+        for what, route, read in (
+            (What.SUCCESS, section.success, [p for p in running if p is not None]),
+            (What.FAILURE, section.failure, []),
         ):
-            event = f"OBJ_{name}_EV_{outcome}"
-            pen.transition(event, [place], [*stops, *self.enter(route)], read=read, event=event)
+            event = Event(what, name)
+            pen.transition(f"{event}", [place], [*stops, *self.enter(route)], read=read, event=event)
 
     def parallel(self, section: ParallelSection) -> None:
         """Each child marks that it is done; when all are, internal transitions leave the block."""

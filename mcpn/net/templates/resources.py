@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mcpn.mission.model import Activity, Hardware, Software
+from mcpn.net.events import Event, What
 from mcpn.net.templates.canvas import Canvas
 
 
@@ -24,11 +25,12 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     answer, release = pen.place(f"{r}_answer"), pen.place(f"{r}_release")
     if resource.faulty:
         error = pen.place(f"{r}_error")
-        pen.transition(f"{r}_EV_OOS_f", [free], [failing], event=f"{r}_EV_OOS")
-        pen.transition(f"{r}_EV_OOS_b", [busy, answer], [failing, error], event=f"{r}_EV_OOS")
+        fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
+        pen.transition(f"{fails}_f", [free], [failing], event=fails)
+        pen.transition(f"{fails}_b", [busy, answer], [failing, error], event=fails)
         pen.transition(f"{r}_3", [failing, available], [oos])
         pen.transition(f"{r}_4", [failing, release], [oos])
-        pen.transition(f"{r}_EV_RD", [oos], [free, available], event=f"{r}_EV_RD")
+        pen.transition(f"{returns}", [oos], [free, available], event=returns)
     pen.transition(f"{r}_8", [busy, release], [free, available])
     pen.transition(f"{r}_9", [free, take], [busy, answer])
     canvas.unit([free, busy, oos, failing] if resource.faulty else [free, busy])

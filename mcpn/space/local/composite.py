@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
-from mcpn.net.compose import START
+from mcpn.net.events import START, Event, What
 from mcpn.space.local.interface import HardwareStates
 from mcpn.space.local.junction import Junction
 from mcpn.space.local.placing import PlacedSection
@@ -164,17 +164,19 @@ class Composite:
         return total
 
     @cached_property
-    def events(self) -> frozenset[str]:
-        """Names of all events that happen in the mission."""
-        found = {START, *(f"{h}_EV_{change}" for h in self.faulty for change in ("OOS", "RD"))}
+    def events(self) -> frozenset[Event]:
+        """All events that happen in the mission."""
+        found = {
+            START,
+            *(Event(what, h) for h in self.faulty for what in (What.OUT_OF_SERVICE, What.REPAIRED)),
+        }
         for name, reached in self.reached.items():
             placed = self.by_name[name]
             own = placed.renaming.objectives
             for label in placed.local.fired(reached):
-                transition = placed.local.net.net.transitions[label]
-                origin = transition.provenance
-                if transition.event and origin and origin.kind == "objective":
-                    found.add(transition.event.replace(f"OBJ_{origin.name}_", f"OBJ_{own[origin.name]}_"))
+                event = placed.local.net.net.transitions[label].event
+                if event and event.what in (What.SUCCESS, What.FAILURE):
+                    found.add(Event(event.what, own[event.element]))
         return frozenset(found)
 
     @cached_property

@@ -9,7 +9,8 @@ from functools import cached_property, partial
 from mcpn_kernel import Zdd
 
 from mcpn.errors import ConfluenceError
-from mcpn.net.compose import START, MissionNet
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
 from mcpn.net.sections import LocalPart
 from mcpn.space.confluence import open_conflicts
 from mcpn.space.encoding import distinct
@@ -292,8 +293,10 @@ class LocalDiagram:
         for layer in reversed(layers):
             step = self.step_into(goal, layer)
             assert step is not None, "each state of a layer has one before it in the layer before"
-            run.append(self.net.net.transitions[step[0]].event or "")
+            run.append(str(self.net.net.transitions[step[0]].event))
             goal = step[1]
         failed = self.hardware(self.beginnings(goal), self._frame).pick()
-        out = [f"{name}_EV_OOS" for bit, name in enumerate(self.faulty) if failed >> bit & 1]
-        return [*out, START, *reversed(run)]
+        out = [
+            str(Event(What.OUT_OF_SERVICE, name)) for bit, name in enumerate(self.faulty) if failed >> bit & 1
+        ]
+        return [*out, str(START), *reversed(run)]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.usage import Usage
-from mcpn.net.compose import START
+from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error

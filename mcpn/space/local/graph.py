@@ -238,4 +238,6 @@ class LocalGraph:
             changed = markings[state] ^ idle[self.out_of_service[state]]
             place = next(p for p in range(len(net.net.places)) if int(changed[p // 64]) >> p % 64 & 1)
             run = graph.run_to(np.arange(graph.states) == state) or []
-            raise PremiseError(section, net.net.places[place].name, [graph.events(run)])
+            raise PremiseError(
+                section, net.net.places[place].name, [[str(event) for event in graph.events(run)]]
+            )

@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple, Protocol, Self, TypeAlias, TypeVar,
 
 from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
 from mcpn.net.sections import LocalPart
 from mcpn.space.local.interface import Frame, HardwareStates
 
@@ -59,7 +60,7 @@ class TornHere(NamedTuple):
     """
 
     states: Any
-    event: str | None
+    event: Event | None
     error: SemanticsError
 
 

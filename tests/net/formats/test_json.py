@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, Source
+from mcpn.net.events import Event
 from mcpn.net.formats.json import read_json, write_json
 from mcpn.net.petri import NetBuilder, PetriNet, Provenance
 from tests.net.nets import odd_nets
@@ -29,7 +30,7 @@ def small() -> PetriNet:
     origin = Provenance("activity", "a", Source("robot.xml", 7))
     builder.place("p", initial=1, provenance=origin)
     builder.place("q", provenance=Provenance("mission", "m"))
-    builder.transition("t", consume={"p": 2}, read=["q"], event="EV", provenance=origin)
+    builder.transition("t", consume={"p": 2}, read=["q"], event=Event.parse("EV"), provenance=origin)
     builder.unit(["p", "q"])
     return builder.build()
 

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Collection
 from difflib import get_close_matches
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     AF,
     AG,
     AU,
@@ -41,7 +41,8 @@ from mcpn.check.formula import (
     operands,
 )
 from mcpn.errors import InputError, LimitError
-from mcpn.net.compose import START, MissionNet
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
 
 TRUE = Const(True)
@@ -180,9 +181,9 @@ class _Resolver:
             case "oos" | "available":
                 return self.resource(mission_net, word, name)
             case "event":
-                events = {t.event for t in self.net.transitions if t.event}
-                name = self.element(name, events, "event", word)
-                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == name))
+                texts = {str(t.event) for t in self.net.transitions if t.event}
+                event = Event.parse(self.element(name, texts, "event", word))
+                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
         return self.activity(word, name)
 
     def resource(self, mission_net: MissionNet, word: Word, name: str) -> Core:
@@ -273,7 +274,7 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
         Justice(negation(marked(tuple(p for p, _ in net.transitions[i].consume))), (i,)) for i in starts
     ]
     for place, name in mission_net.saying("objective").items():
-        endings = {f"OBJ_{name}_EV_OK", f"OBJ_{name}_EV_FAIL"}
+        endings = {Event(What.SUCCESS, name), Event(What.FAILURE, name)}
         taken = tuple(i for i, t in enumerate(net.transitions) if t.event in endings)
         constraints.append(Justice(negation(marked((place,))), taken))
     return tuple(constraints)

@@ -10,14 +10,14 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from mcpn.check.arrays import ExplicitEvaluation
-from mcpn.check.behaviour import examine
-from mcpn.check.contest import Property
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
-from mcpn.check.formula import Core, Formula, Justice
-from mcpn.check.language import parse
-from mcpn.check.resolve import progress, resolve
+from mcpn.check.logic.contest import Property
+from mcpn.check.logic.formulas import Core, Formula, Justice
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import progress, resolve
+from mcpn.check.logic.witness import Witness, explain
+from mcpn.check.nets.behaviour import examine
 from mcpn.check.runs import Step, replay
-from mcpn.check.witness import Witness, explain
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
@@ -175,7 +175,7 @@ class Questions:
         return str(tokens.max())
 
     def examination(self, name: str) -> str:
-        """Answers an examination of the contest (see :func:`mcpn.check.behaviour.examine`)."""
+        """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`)."""
         try:
             return str(examine(name, self.space)).upper()
         except UnsafeError:

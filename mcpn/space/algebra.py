@@ -1,0 +1,159 @@
+"""Sets of states and spaces of states: the small algebra in which every question is asked once.
+
+Three spaces satisfy it: the graph in arrays (:mod:`mcpn.space.arrays`), the decision diagram
+(:mod:`mcpn.space.diagrams`), and the composite of a mission's sections (:mod:`mcpn.space.local.composite`).
+Each is either the *markings graph*, whose edges are firings, or the *alternatives graph*, whose states are
+stable and whose edges are events, each run to completion. Places and transitions are always those of the
+whole net, by index, so that a question is the same for every space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, Self, TypeVar
+
+from mcpn_kernel import Zdd
+
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.images import ImageStore
+
+
+class States(Protocol):
+    """A set of states of one space. Sets never change, and sets of two spaces do not mix."""
+
+    def __and__(self, other: Self, /) -> Self: ...
+    def __or__(self, other: Self, /) -> Self: ...
+    def __sub__(self, other: Self, /) -> Self: ...
+    def __bool__(self) -> bool:
+        """Whether the set has a member."""
+
+    def count(self) -> int:
+        """How many members the set has, exact at any size."""
+
+    def pick(self) -> Any:
+        """One member, the same each time; what it is only its space knows. ``None`` for the empty set."""
+
+
+S = TypeVar("S", bound=States)
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """One edge of a run.
+
+    Args:
+        transition: The transition of the event, or of the firing on a markings graph.
+        target: The state after it, a member as :meth:`States.pick` gives it.
+        internal: The internal transitions fired after the event until the target is stable, where the space
+            knows them; empty on markings graphs.
+    """
+
+    transition: int
+    target: Any
+    internal: tuple[int, ...] = ()
+
+
+class Space(Protocol[S]):
+    """A finite graph of states, all reachable from its initial ones.
+
+    ``transitions`` limits which transitions an edge may carry (all by default); ``along`` limits the states
+    that a run may pass (all by default).
+    """
+
+    @property
+    def net(self) -> PetriNet:
+        """The net whose places and transitions questions name."""
+
+    @property
+    def initial(self) -> S:
+        """The initial state, as a set of one."""
+
+    @property
+    def everything(self) -> S:
+        """All states."""
+
+    @property
+    def nothing(self) -> S:
+        """No state."""
+
+    @property
+    def dead(self) -> S:
+        """States without an edge."""
+
+    @property
+    def stable(self) -> S:
+        """States that enable no internal transition; all where the net has no priorities."""
+
+    @property
+    def regions(self) -> Sequence[S]:
+        """A partition of the states such that each cycle of the graph stays in one of its sets."""
+
+    # --- what states say ---
+
+    def single(self, state: Any) -> S:
+        """The set that holds one member."""
+
+    def marking(self, state: Any) -> Marking:
+        """The marking of a member, as tokens by place."""
+
+    def marked(self, places: Collection[int]) -> S:
+        """States that mark at least one of some places."""
+
+    def at_most(self, weights: Mapping[int, int], bound: int) -> S:
+        """States whose weighted sum of tokens is at most a bound."""
+
+    def enabling(self, transitions: Collection[int]) -> S:
+        """States with an edge of some of these transitions."""
+
+    def firings(self, states: S) -> Mapping[int, int]:
+        """In how many of some states each transition has an edge; transitions with none may be left out."""
+
+    def image(self, states: S, places: Sequence[int], images: ImageStore) -> Zdd:
+        """How some states mark some places: the image of a set on the hardware, say.
+
+        Args:
+            states: The states.
+            places: The places.
+            images: Where the image is made; number ``i`` stands for ``places[i]``.
+
+        Returns:
+            The family of the sets of numbers whose places a state marks.
+        """
+
+    # --- steps and closures ---
+
+    def before(self, states: S, transitions: Collection[int] | None = None) -> S:
+        """States with an edge into some states."""
+
+    def after(self, states: S, transitions: Collection[int] | None = None) -> S:
+        """States that an edge leads to from some states."""
+
+    def reaching(self, goal: S, along: S | None = None, transitions: Collection[int] | None = None) -> S:
+        """States from which some run through ``along`` leads into a goal, the goal's own included."""
+
+    def reached(self, begin: S, along: S | None = None, transitions: Collection[int] | None = None) -> S:
+        """States of ``along`` to which some run through it leads, those it begins from included."""
+
+    def staying(self, along: S) -> S:
+        """States from which some maximal run, endless or ending in a dead state, stays in a set."""
+
+    # --- runs ---
+
+    def edges(self, state: Any) -> Iterator[Edge]:
+        """The edges of one member."""
+
+    def run(
+        self, begin: Any, goal: S, along: S | None = None, transitions: Collection[int] | None = None
+    ) -> list[Edge] | None:
+        """A short run from a member into a goal; a shortest one on arrays and diagrams.
+
+        Args:
+            begin: The member to begin from; the run is empty where it is in the goal.
+            goal: Where the run leads.
+            along: What it may pass before its last state.
+            transitions: What its edges may carry.
+
+        Returns:
+            The run, the same each time; ``None`` where there is none.
+        """

@@ -1,0 +1,219 @@
+"""The space of a graph in arrays: sets are masks over the states that the explicit engine has listed.
+
+Every operation is linear in the size of the graph. Endless runs are found by strongly connected components
+(Clarke, Emerson, Sistla, *Automatic verification of finite-state concurrent systems*, TOPLAS 1986), so that
+this space shares no algorithm with that of diagrams.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from mcpn_kernel import Zdd
+
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Edge
+from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.graph import Mask, StateGraph
+from mcpn.space.images import ImageStore
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ArraySet:
+    """A set of states of one graph.
+
+    Args:
+        mask: Shape (states,).
+    """
+
+    mask: Mask
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ArraySet) and np.array_equal(self.mask, other.mask)
+
+    def __hash__(self) -> int:
+        return hash(self.mask.tobytes())
+
+    def __and__(self, other: ArraySet) -> ArraySet:
+        return ArraySet(self.mask & other.mask)
+
+    def __or__(self, other: ArraySet) -> ArraySet:
+        return ArraySet(self.mask | other.mask)
+
+    def __sub__(self, other: ArraySet) -> ArraySet:
+        return ArraySet(self.mask & ~other.mask)
+
+    def __bool__(self) -> bool:
+        return bool(self.mask.any())
+
+    def count(self) -> int:
+        """How many states the set has."""
+        return int(np.count_nonzero(self.mask))
+
+    def pick(self) -> int | None:
+        """The state with the lowest number."""
+        return int(self.mask.argmax()) if self else None
+
+
+class ArraySpace:
+    """A markings graph or an alternatives graph in arrays.
+
+    Args:
+        graph: The graph.
+    """
+
+    def __init__(self, graph: StateGraph) -> None:
+        self.graph = graph
+        self.net: PetriNet = graph.net
+        self.nothing = ArraySet(np.zeros(graph.states, np.bool_))
+        self.everything = ArraySet(np.ones(graph.states, np.bool_))
+        self.initial = self.single(0)
+
+    @cached_property
+    def dead(self) -> ArraySet:
+        """States without an edge."""
+        return ArraySet(self.graph.dead)
+
+    @cached_property
+    def stable(self) -> ArraySet:
+        """States that enable no internal transition; all where the net has no priorities."""
+        if isinstance(self.graph, AlternativesGraph) or not self.net.priorities:
+            return self.everything
+        return self.everything - self.enabling([i for i, t in enumerate(self.net.transitions) if t.internal])
+
+    @cached_property
+    def regions(self) -> Sequence[ArraySet]:
+        """One region: cycles are looked for by components."""
+        return (self.everything,)
+
+    # --- what states say ---
+
+    def single(self, state: int) -> ArraySet:
+        """The set that holds one state, given by its number."""
+        mask = np.zeros(self.graph.states, np.bool_)
+        mask[state] = True
+        return ArraySet(mask)
+
+    def marking(self, state: int) -> Marking:
+        """The marking of a state, as tokens by place."""
+        return self.graph.marking(state)
+
+    def marked(self, places: Collection[int]) -> ArraySet:
+        """States that mark at least one of some places."""
+        mask = np.zeros(self.graph.states, np.bool_)
+        for place in places:
+            mask |= self.graph.marked(place)
+        return ArraySet(mask)
+
+    def at_most(self, weights: Mapping[int, int], bound: int) -> ArraySet:
+        """States whose weighted sum of tokens is at most a bound."""
+        total = np.zeros(self.graph.states, np.int64)
+        for place, weight in weights.items():
+            total += weight * self.graph.marked(place)
+        return ArraySet(np.asarray(total <= bound, np.bool_))
+
+    def enabling(self, transitions: Collection[int]) -> ArraySet:
+        """States with an edge of some of these transitions."""
+        mask = np.zeros(self.graph.states, np.bool_)
+        mask[self.graph.sources[self._carrying(transitions)]] = True
+        return ArraySet(mask)
+
+    def firings(self, states: ArraySet) -> Mapping[int, int]:
+        """In how many of some states each transition has an edge."""
+        labels = self.graph.labels[states.mask[self.graph.sources]]
+        transitions, counts = np.unique(labels, return_counts=True)
+        return dict(zip(transitions.tolist(), counts.tolist(), strict=True))
+
+    def image(self, states: ArraySet, places: Sequence[int], images: ImageStore) -> Zdd:
+        """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
+        if not places:
+            return images.of_rows([()] if states else [])
+        columns = np.stack([self.graph.marked(p) for p in places], axis=1)[states.mask]
+        return images.of_rows(np.flatnonzero(row).tolist() for row in np.unique(columns, axis=0))
+
+    # --- steps and closures ---
+
+    def before(self, states: ArraySet, transitions: Collection[int] | None = None) -> ArraySet:
+        """States with an edge into some states."""
+        edges = states.mask[self.graph.targets]
+        if transitions is not None:
+            edges &= self._carrying(transitions)
+        mask = np.zeros(self.graph.states, np.bool_)
+        mask[self.graph.sources[edges]] = True
+        return ArraySet(mask)
+
+    def after(self, states: ArraySet, transitions: Collection[int] | None = None) -> ArraySet:
+        """States that an edge leads to from some states."""
+        edges = states.mask[self.graph.sources]
+        if transitions is not None:
+            edges &= self._carrying(transitions)
+        mask = np.zeros(self.graph.states, np.bool_)
+        mask[self.graph.targets[edges]] = True
+        return ArraySet(mask)
+
+    def reaching(
+        self, goal: ArraySet, along: ArraySet | None = None, transitions: Collection[int] | None = None
+    ) -> ArraySet:
+        """States from which some run through ``along`` leads into a goal, the goal's own included."""
+        edges = self._edges(along, transitions)
+        return ArraySet(self.graph.reaching(goal.mask, edges))
+
+    def reached(
+        self, begin: ArraySet, along: ArraySet | None = None, transitions: Collection[int] | None = None
+    ) -> ArraySet:
+        """States of ``along`` to which some run through it leads, those it begins from included."""
+        edges = np.ones(self.graph.edges, np.bool_)
+        if along is not None:
+            edges = along.mask[self.graph.targets]
+        if transitions is not None:
+            edges = edges & self._carrying(transitions)
+        begin = begin if along is None else begin & along
+        return ArraySet(self.graph.reached(edges, np.flatnonzero(begin.mask)))
+
+    def staying(self, along: ArraySet) -> ArraySet:
+        """States from which some maximal run, endless or ending in a dead state, stays in a set."""
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import connected_components
+
+        graph, states = self.graph, self.graph.states
+        inside = along.mask[graph.sources] & along.mask[graph.targets]
+        ends = graph.sources[inside], graph.targets[inside]
+        matrix = coo_matrix((np.ones(len(ends[0]), np.int8), ends), (states, states))
+        number, component = connected_components(matrix.tocsr(), directed=True, connection="strong")
+        turns = inside & (component[graph.sources] == component[graph.targets])
+        cyclic = np.zeros(number, np.bool_)
+        cyclic[component[graph.sources[turns]]] = True
+        return ArraySet(graph.reaching(along.mask & (cyclic[component] | graph.dead), inside))
+
+    def _carrying(self, transitions: Collection[int]) -> Mask:
+        wanted = np.zeros(len(self.net.transitions), np.bool_)
+        wanted[list(transitions)] = True
+        return np.asarray(wanted[self.graph.labels], np.bool_)
+
+    def _edges(self, along: ArraySet | None, transitions: Collection[int] | None) -> Mask | None:
+        """Edges of some transitions out of some states; ``None`` for all edges."""
+        if along is None:
+            return None if transitions is None else self._carrying(transitions)
+        edges = along.mask[self.graph.sources]
+        return edges if transitions is None else edges & self._carrying(transitions)
+
+    # --- runs ---
+
+    def edges(self, state: int) -> Iterator[Edge]:
+        """The edges of one state."""
+        return (Edge(t, after) for t, after in self.graph.successors(state))
+
+    def run(
+        self,
+        begin: int,
+        goal: ArraySet,
+        along: ArraySet | None = None,
+        transitions: Collection[int] | None = None,
+    ) -> list[Edge] | None:
+        """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
+        found = self.graph.run_to(goal.mask, begin, self._edges(along, transitions))
+        labels, targets = self.graph.labels, self.graph.targets
+        return None if found is None else [Edge(int(labels[e]), int(targets[e])) for e in found]

@@ -1,0 +1,107 @@
+"""Images of sets of states on some places: families of sets, as decision diagrams of their own.
+
+Which hardware is out of service in some states is such an image; minimal cut sets are the minimal members of
+another. The families are far too large to be listed, so they are built diagram from diagram.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from mcpn_kernel import Store, Zdd
+
+from mcpn.errors import LimitError
+
+MAX_MINIMAL = 10_000
+"""Minimal sets of a family that are listed at most."""
+
+Bit = tuple[int, bool] | bool
+"""Where a diagram says whether a place is marked: a level and whether it says the reverse, or a constant."""
+
+
+class ImageStore:
+    """Families of sets of the numbers from 0 to ``levels - 1``.
+
+    Args:
+        levels: How many numbers there are.
+    """
+
+    def __init__(self, levels: int) -> None:
+        self.levels = levels
+        self.store = Store(levels)
+        self._puts = [self.store.event([], [level]) for level in range(levels)]
+
+    @property
+    def nothing(self) -> Zdd:
+        """The family without a member."""
+        return self.store.empty()
+
+    @property
+    def everything(self) -> Zdd:
+        """The family of all sets."""
+        return self.upward(self.store.singleton([]))
+
+    def of_rows(self, rows: Iterable[Sequence[int]]) -> Zdd:
+        """The family of sets given one by one, each as its numbers."""
+        found = self.nothing
+        for row in rows:
+            found |= self.store.singleton(sorted(row))
+        return found
+
+    def upward(self, family: Zdd) -> Zdd:
+        """The sets of a family and all that contain one of them."""
+        return family.saturate(self._puts)
+
+    def of_diagram(self, states: Zdd, store: Store, bits: Sequence[Bit]) -> Zdd:
+        """The image of a diagram of another store.
+
+        Args:
+            states: The diagram.
+            store: Its store.
+            bits: For each number, where the diagram says whether it is in the set.
+
+        Returns:
+            The family; linear in the size of the diagram's projection on the levels named.
+        """
+        levels = sorted({bit[0] for bit in bits if not isinstance(bit, bool)})
+        takes = {level: store.event([level], []) for level in levels}
+        numbers = sorted(range(self.levels), key=lambda i: -1 if isinstance(b := bits[i], bool) else b[0])
+        memo: dict[tuple[Zdd, int], Zdd] = {}
+
+        def built(part: Zdd, at: int) -> Zdd:
+            if not part:
+                return self.nothing
+            if at == len(numbers):
+                return self.store.singleton([])
+            if (part, at) not in memo:
+                number = numbers[at]
+                bit = bits[number]
+                if isinstance(bit, bool):
+                    without, with_it = (part - part, part) if bit else (part, part - part)
+                else:
+                    level, reverse = bit
+                    unmarked, marked = part.subset(unmarked=[level]), part.images([takes[level]])
+                    without, with_it = (marked, unmarked) if reverse else (unmarked, marked)
+                memo[part, at] = built(without, at + 1) | built(with_it, at + 1).images([self._puts[number]])
+            return memo[part, at]
+
+        return built(states.onto(levels), 0)
+
+    def minimal(self, family: Zdd) -> list[tuple[int, ...]]:
+        """The minimal members of a family, those that contain no other member; smaller ones first.
+
+        Raises:
+            LimitError: There are more than :data:`MAX_MINIMAL`.
+        """
+        found: list[tuple[int, ...]] = []
+        weights = [1] * self.levels
+        for size in range(self.levels + 1):
+            if not family:
+                break
+            members = family.weighing(weights, size, size)
+            if len(found) + members.count() > MAX_MINIMAL:
+                raise LimitError(f"more than {MAX_MINIMAL} minimal sets: the limit on cut sets was hit")
+            new = [tuple(sorted(member)) for member in members]
+            found += new
+            family = family.without([self.store.condition(list(member)) for member in new]) if new else family
+        return found

@@ -1,0 +1,237 @@
+"""Every space of states against plain graph search on its own edges, and against the other spaces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.errors import SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Space
+from mcpn.space.alternatives import by_reduction
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.confluence import prove_confluent
+from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
+from mcpn.space.explicit import explore
+from mcpn.space.images import ImageStore
+from mcpn.space.symbolic import reach
+from mcpn.testing import missions
+
+Graph = dict[Marking, list[tuple[int, Marking]]]
+Spaces = dict[str, Space[Any]]
+
+
+def plain_graph(net: PetriNet, *, stable: bool) -> tuple[Marking, Graph]:
+    """The markings graph, or the alternatives graph, by firing alone."""
+
+    def settled(marking: Marking) -> Marking:
+        while stable and (enabled := net.enabled(marking)) and net.transitions[enabled[0]].internal:
+            marking = net.fire(marking, enabled[0])
+        return marking
+
+    start = settled(net.initial)
+    graph: Graph = {}
+    queue = [start]
+    for marking in queue:
+        if marking not in graph:
+            graph[marking] = [(t, settled(net.fire(marking, t))) for t in net.enabled(marking)]
+            queue += [after for _, after in graph[marking]]
+    return start, graph
+
+
+def members(space: Space[Any], states: Any) -> set[Marking]:
+    """The markings of a set, picked one after the other."""
+    found = set()
+    while states:
+        state = states.pick()
+        found.add(space.marking(state))
+        states = states - space.single(state)
+    return found
+
+
+def markings_spaces(net: PetriNet) -> Spaces:
+    return {"arrays": ArraySpace(explore(net)), "diagrams": DiagramMarkings(reach(net))}
+
+
+def alternatives_spaces(mission_net: MissionNet) -> Spaces:
+    space = reach(mission_net.net)
+    prove_confluent(mission_net.net, space=space)
+    graph = by_reduction(explore(mission_net.net))
+    return {"arrays": ArraySpace(graph), "diagrams": DiagramAlternatives(space)}
+
+
+class Questions:
+    """Draws sets and transitions, and asks every space and plain search the same of them."""
+
+    def __init__(self, draw: Callable[[Any], Any], start: Marking, graph: Graph, spaces: Spaces) -> None:
+        self.draw = draw
+        self.start, self.graph, self.spaces = start, graph, spaces
+        self.net = next(iter(spaces.values())).net
+
+    def places(self) -> list[int]:
+        places: list[int] = self.draw(
+            st.lists(st.sampled_from(range(len(self.net.places))), max_size=3, unique=True)
+        )
+        return places
+
+    def transitions(self) -> list[int] | None:
+        some = st.sets(st.sampled_from(range(len(self.net.transitions)))).map(sorted)
+        drawn: list[int] | None = self.draw(st.none() | some | some.map(self.all_but))
+        return drawn
+
+    def all_but(self, some: list[int]) -> list[int]:
+        return [t for t in range(len(self.net.transitions)) if t not in some]
+
+    def states(self) -> tuple[set[Marking], dict[str, Any]]:
+        places, negated = self.places(), self.draw(st.booleans())
+        plain = {m for m in self.graph if any(m[p] for p in places) != negated}
+        sets = {
+            n: s.everything - s.marked(places) if negated else s.marked(places)
+            for n, s in self.spaces.items()
+        }
+        self.same(plain, lambda s, n: sets[n])
+        return plain, sets
+
+    def same(self, plain: set[Marking], asked: Callable[[Space[Any], str], Any]) -> None:
+        for name, space in self.spaces.items():
+            found = asked(space, name)
+            assert found.count() == len(plain), name
+            assert members(space, found) == plain, name
+            assert bool(found) == bool(plain), name
+
+    def edges(self, transitions: Iterable[int] | None) -> list[tuple[Marking, int, Marking]]:
+        wanted = None if transitions is None else set(transitions)
+        return [(m, t, a) for m, to in self.graph.items() for t, a in to if wanted is None or t in wanted]
+
+    def ask(self) -> None:
+        graph, same = self.graph, self.same
+        same({self.start}, lambda s, n: s.initial)
+        same(set(graph), lambda s, n: s.everything)
+        same(set(), lambda s, n: s.nothing)
+        same({m for m, to in graph.items() if not to}, lambda s, n: s.dead)
+        stable = {m for m in graph if not any(self.net.transitions[t].internal for t in self.net.enabled(m))}
+        same(stable if self.net.priorities else set(graph), lambda s, n: s.stable)
+        a, sets_a = self.states()
+        b, sets_b = self.states()
+        same(a | b, lambda s, n: sets_a[n] | sets_b[n])
+        same(a & b, lambda s, n: sets_a[n] & sets_b[n])
+        same(a - b, lambda s, n: sets_a[n] - sets_b[n])
+        along = self.draw(st.booleans())
+        inside = b if along else set(graph)
+        wanted = self.transitions()
+        edges = self.edges(wanted)
+        within = (lambda n: sets_b[n]) if along else (lambda n: None)
+        same({m for m, _, t in edges if t in a}, lambda s, n: s.before(sets_a[n], wanted))
+        same({t for m, _, t in edges if m in a}, lambda s, n: s.after(sets_a[n], wanted))
+        same({m for m, _, _ in edges}, lambda s, n: s.enabling(s_all(s) if wanted is None else wanted))
+        back = set(a)
+        while more := {m for m, _, t in edges if t in back and m in inside} - back:
+            back |= more
+        same(back, lambda s, n: s.reaching(sets_a[n], within(n), wanted))
+        forth = a & inside
+        while more := {t for m, _, t in edges if m in forth and t in inside} - forth:
+            forth |= more
+        same(forth, lambda s, n: s.reached(sets_a[n], within(n), wanted))
+        stays = set(a)
+        while lost := {m for m in stays if graph[m] and not any(t in stays for _, t in graph[m])}:
+            stays -= lost
+        same(stays, lambda s, n: s.staying(sets_a[n]))
+        weights = dict(
+            zip(self.places(), self.draw(st.lists(st.integers(-2, 2), min_size=3, max_size=3)), strict=False)
+        )
+        bound = self.draw(st.integers(-3, 3))
+        same(
+            {m for m in graph if sum(m[p] * w for p, w in weights.items()) <= bound},
+            lambda s, n: s.at_most(weights, bound),
+        )
+        self.ask_images(a, sets_a)
+        self.ask_runs(a, sets_a, inside, within, wanted)
+        for name, space in self.spaces.items():
+            counts = {t: n for t, n in space.firings(sets_a[name]).items() if n}
+            expected: dict[int, int] = {}
+            for m in a:
+                for t, _ in graph[m]:
+                    expected[t] = expected.get(t, 0) + 1
+            assert counts == expected, name
+            for index, region in enumerate(space.regions):
+                others = [r for i, r in enumerate(space.regions) if i != index]
+                assert not any(region & other for other in others), name
+            assert sum(region.count() for region in space.regions) == len(graph), name
+
+    def ask_images(self, a: set[Marking], sets_a: dict[str, Any]) -> None:
+        places = self.places()
+        images = ImageStore(len(places))
+        rows = {tuple(i for i, p in enumerate(places) if m[p]) for m in a}
+        expected = images.of_rows(rows)
+        least = sorted((r for r in rows if not any(set(o) < set(r) for o in rows)), key=lambda r: (len(r), r))
+        for name, space in self.spaces.items():
+            found = space.image(sets_a[name], places, images)
+            assert found == expected, name
+            assert sorted(images.minimal(found), key=lambda r: (len(r), r)) == least
+
+    def ask_runs(
+        self, goal: set[Marking], sets: dict[str, Any], inside: set[Marking], within: Any, wanted: Any
+    ) -> None:
+        distance = dict.fromkeys(goal, 0)
+        edges = self.edges(wanted)
+        length = 0
+        while more := {m for m, _, t in edges if distance.get(t) == length and m in inside} - distance.keys():
+            length += 1
+            distance.update(dict.fromkeys(more, length))
+        for name, space in self.spaces.items():
+            begin = space.initial.pick()
+            run = space.run(begin, sets[name], within(name), wanted)
+            assert (run is None) == (self.start not in distance), name
+            if run is None:
+                continue
+            if name != "composite":
+                assert len(run) == distance[self.start], name
+            at = self.start
+            for edge in run:
+                assert at in inside or at in goal
+                assert wanted is None or edge.transition in wanted
+                after = space.marking(edge.target)
+                assert (edge.transition, after) in self.graph[at], name
+                at = after
+            assert at in goal, name
+            assert {(e.transition, space.marking(e.target)) for e in space.edges(begin)} == set(
+                self.graph[self.start]
+            )
+
+
+def s_all(space: Space[Any]) -> list[int]:
+    return list(range(len(space.net.transitions)))
+
+
+@given(missions(max_hardware=2, max_producers=1, max_sections=4), st.data())
+def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
+    net = compose(mission).net
+    start, graph = plain_graph(net, stable=False)
+    assume(len(graph) < 2000)
+    Questions(data.draw, start, graph, markings_spaces(net)).ask()
+
+
+@given(missions(max_hardware=3, max_producers=2), st.data())
+def test_spaces_of_alternatives_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
+    mission_net = compose(mission)
+    try:
+        spaces = alternatives_spaces(mission_net)
+    except SemanticsError:
+        assume(False)
+    start, graph = plain_graph(mission_net.net, stable=True)
+    assume(len(graph) < 1000)
+    Questions(data.draw, start, graph, spaces).ask()
+
+
+@pytest.mark.parametrize("kind", ["markings", "alternatives"])
+def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> None:
+    spaces = markings_spaces(ulysse_net.net) if kind == "markings" else alternatives_spaces(ulysse_net)
+    for space in spaces.values():
+        assert space.everything.count() == (44299 if kind == "markings" else 260)
+        assert sum(space.firings(space.everything).values()) == (124078 if kind == "markings" else 1332)
