@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from itertools import islice, product
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.flatten import MAX_OBJECTIVES, ElementarySection, ObjectivesGraph, flatten
+from mcpn.mission.flatten import MAX_OBJECTIVES
 from mcpn.mission.model import (
     FAIL,
     SUCCEED,
@@ -52,22 +52,6 @@ def find_errors(mission: Mission) -> list[Problem]:
         size.
     """
     return list(_Checks(mission).errors())
-
-
-def find_warnings(mission: Mission) -> list[Problem]:
-    """What is suspicious in a valid mission, though it can be verified as it stands.
-
-    Args:
-        mission: A valid mission.
-
-    Returns:
-        Activities that nothing starts, resources and protocols that nothing uses, objectives that no route
-        reaches, alternatives that are never tried, each with its line.
-    """
-    return sorted(
-        _Checks(mission).warnings(),
-        key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0),
-    )
 
 
 class _Checks:
@@ -297,49 +281,6 @@ class _Checks:
             if child.success is not None or child.failure is not None:
                 message = f"{child.name} has a route, though it is a child of a parallel block"
                 yield Problem(child.source, message)
-
-    # --- warnings --------------------------------------------------------------------------------------
-
-    def warnings(self) -> Iterator[Problem]:
-        graph = flatten(self.mission)
-        started = self.started(graph)
-        consumed = {k for name in started for k in _consumed(self.activities[name])}
-        for activity in self.mission.activities:
-            if activity.name not in started:
-                yield Problem(activity.source, f"activity {activity.name} is never started")
-            for number, alternative in enumerate(activity.alternatives[:-1]):
-                if not alternative.consumes:
-                    for late in activity.alternatives[number + 1 :]:
-                        message = (
-                            f"alternative {late.name} is never tried: {alternative.name} is always possible"
-                        )
-                        yield Problem(late.source, message)
-                    break
-        for resource in (*self.mission.hardware, *self.mission.software):
-            if resource.name not in consumed:
-                yield Problem(resource.source, f"resource {resource.name} is never consumed")
-        used = {b.protocol for _, blocks in self.scopes for b in walk(blocks) if isinstance(b, Use)}
-        for protocol in self.mission.protocols:
-            if protocol.name not in used:
-                yield Problem(protocol.source, f"protocol {protocol.name} is never used")
-        yield from map(never_entered, graph.never_entered())
-
-    def started(self, graph: ObjectivesGraph) -> set[str]:
-        """Activities that objectives start, themselves or through resources."""
-        stack = [name for section in graph.walk() for name in section.activities]
-        started: set[str] = set()
-        while stack:
-            name = stack.pop()
-            if name not in started:
-                started.add(name)
-                for resource in _consumed(self.activities[name]):
-                    stack.extend(a.name for a in self.producers.get(resource, ()))
-        return started
-
-
-def never_entered(section: ElementarySection) -> Problem:
-    """The warning of an objective that no route reaches, in the words of every stage that finds it."""
-    return Problem(section.source, f"objective {section.name} can never be entered: no route reaches it")
 
 
 def _consumed(activity: Activity) -> list[str]:

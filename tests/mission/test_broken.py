@@ -25,8 +25,10 @@ from mcpn.mission.model import (
     Recursive,
     Robot,
 )
-from mcpn.mission.validate import find_errors, find_warnings
-from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission, write_mission
+from mcpn.mission.validate import find_errors
+from mcpn.mission.warnings import find_warnings
+from mcpn.mission.writer import write_mission
+from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission
 from tests.conftest import ULYSSE
 
 NS = 'xmlns="urn:mcpn:mission:1"'

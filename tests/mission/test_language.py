@@ -25,8 +25,10 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.mission.usage import Usage
-from mcpn.mission.validate import find_errors, find_warnings
-from mcpn.mission.xml import read_mission, save_mission
+from mcpn.mission.validate import find_errors
+from mcpn.mission.warnings import find_warnings
+from mcpn.mission.writer import save_mission
+from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
 
 HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1">'
