@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from mcpn.controller.generate import generate
@@ -69,7 +69,7 @@ def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[s
     return files(controller, ulysse_net, "c"), document(controller, ulysse_net)
 
 
-@pytest.mark.parametrize("compiler", list(COMPILERS))
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.long)])
 def test_every_edge_of_ulysse(
     made: tuple[dict[str, str], dict[str, Any]], compiler: str, tmp_path: Path
 ) -> None:
@@ -193,7 +193,13 @@ def test_sizes_in_the_header_are_those_of_the_compiler(
     assert f" {size} bytes of constant tables" in header
 
 
-@settings(max_examples=15, suppress_health_check=list(HealthCheck), deadline=None)
+@pytest.mark.long
+@settings(
+    max_examples=10,
+    suppress_health_check=list(HealthCheck),
+    deadline=None,
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),  # each example is compiled: shrinking takes minutes
+)
 @given(missions(max_objectives=3, max_depth=1, text=True), st.integers(0, 2**32), st.booleans())
 def test_any_mission(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool

@@ -118,10 +118,9 @@ def _arrays(n: Numbers) -> list[Array]:
     nothing = 2 * len(n.faulty)
     events = [change.get(e, nothing) for e in range(len(n.events))]
     columns = list(zip(*n.action_rows, strict=True)) or [(), (), (), ()]
+    meaning = f"2 i: hardware i fails; 2 i + 1: it is ready again; {nothing}: neither"
     arrays = [
-        Array(
-            "event_change", events, f"2 i: hardware i fails; 2 i + 1: it is ready again; {nothing}: neither"
-        ),
+        *([Array("event_change", events, meaning)] if n.faulty else []),
         Array("section_type", n.section_type, "type of each section"),
         Array("section_success", [r[0] for r in n.routes], "section entered after success, or the outcome"),
         Array("section_failure", [r[1] for r in n.routes], "the same after failure"),
