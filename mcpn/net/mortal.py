@@ -1,8 +1,9 @@
 """Hardware that may die: a net in which each resource may be given up for good while it is out of service.
 
-Each hardware resource that can fail gets a place *alive* and a place *dead*; it dies, at any moment, while it
-is out of service, and a repair reads that it is alive. Whether a goal can be reached although some hardware is
-lost for good is then reachability in this net, and minimal cut sets are a projection on the places *dead*.
+Each hardware resource that can fail gets a place *alive* and a place *dead*; it dies, at any moment, while
+it is out of service, and a repair reads that it is alive. Whether a goal can be reached although some
+hardware is lost for good is then reachability in this net, and minimal cut sets are a projection on the
+places *dead*.
 """
 
 from __future__ import annotations

@@ -25,9 +25,7 @@ class Encoding:
         store: A store that others use too, whose first levels are for the places; a new one by default.
     """
 
-    def __init__(
-        self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None
-    ) -> None:
+    def __init__(self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None) -> None:
         self.net = net
         self.memory_limit = memory_limit
         self.partner: dict[int, int] = {}

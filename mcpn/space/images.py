@@ -82,9 +82,9 @@ class ImageStore:
             if (part, at) not in memo:
                 level, take, where_unmarked, where_marked = ways[at]
                 unmarked, marked = part.subset(unmarked=[level]), part.images([take])
-                memo[part, at] = built(unmarked, at + 1).images([where_unmarked]) | built(marked, at + 1).images(
-                    [where_marked]
-                )
+                memo[part, at] = built(unmarked, at + 1).images([where_unmarked]) | built(
+                    marked, at + 1
+                ).images([where_marked])
             return memo[part, at]
 
         return built(states.onto(levels), 0).images([always])

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.errors import SemanticsError
+from mcpn.errors import ConfluenceError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.mortal import mortal
@@ -258,3 +258,33 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
         "composite": composite_space(mission_net, Options(mortal=True)),
     }
     Questions(data.draw, start, graph, spaces).ask()
+
+
+@given(missions(max_hardware=3, max_producers=2))
+def test_the_composite_refuses_what_is_not_confluent(mission: Mission) -> None:
+    mission_net = compose(mission)
+    net = mission_net.net
+    try:
+        prove_confluent(net)
+    except SemanticsError as error:
+        kind = type(error)
+    else:
+        composite_space(mission_net)
+        return
+    with pytest.raises(kind) as caught:
+        composite_space(mission_net)
+    ends = {_replayed(net, run) for run in caught.value.runs}
+    assert kind is not ConfluenceError or len(ends) == 2
+
+
+def _replayed(net: PetriNet, run: Iterable[str]) -> Marking:
+    """Where a run leads; internal firings that it leaves out before an event are the only ones there are."""
+    marking = net.initial
+    for name in run:
+        t = net.transition_index[name]
+        while t not in net.enabled(marking):
+            internal = [i for i in net.enabled(marking) if net.transitions[i].internal]
+            assert internal, name
+            marking = net.fire(marking, internal[0])
+        marking = net.fire(marking, t)
+    return marking

@@ -11,7 +11,17 @@ from mcpn.net.petri import NetBuilder, Provenance
 
 Role: TypeAlias = tuple[
     Literal[
-        "active", "wait", "refused", "oos", "objective", "pending", "done", "success", "failure", "alive", "dead"
+        "active",
+        "wait",
+        "refused",
+        "oos",
+        "objective",
+        "pending",
+        "done",
+        "success",
+        "failure",
+        "alive",
+        "dead",
     ],
     str,
 ]

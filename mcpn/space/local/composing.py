@@ -23,6 +23,7 @@ from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.composite_space import CompositeSpace
 from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
+from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Elements, PlacedSection
 from mcpn.space.symbolic import SymbolicSpace, reach
@@ -66,6 +67,8 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
 
     Raises:
         PremiseError: A section hands on more than the state of its hardware.
+        ConfluenceError: An event that the mission comes to has two outcomes.
+        DivergenceError: After an event that the mission comes to internal evolution need not end.
         UnsafeError: A local net is not 1-safe.
         LimitError: A limit was hit.
     """
@@ -95,7 +98,12 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         PlacedSection(section, parts[section.name], types[kinds[section.name]], layout, elements, templates)
         for section in graph.sections
     ]
-    return CompositeSpace(whole, layout, placed)
+    composite = CompositeSpace(whole, layout, placed)
+    if not options.mortal:  # what may die behaves as what may not
+        if templates is not None:
+            refuse_open_junctions(composite)
+        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types}, options.max_states)
+    return composite
 
 
 def _net(local: MissionNet, options: Options) -> MissionNet:

@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import chain
+from typing import Literal
 
 from mcpn_kernel import Store, Zdd
 
 from mcpn.space.symbolic import DEFAULT_MEMORY
 
-Bits = tuple[str, ...]
+Bits = tuple[Literal["oos", "dead"], ...]
 """What a slot says of a hardware resource, as the role of the place that says the same."""
 
 IMMORTAL: Bits = ("oos",)

@@ -197,6 +197,18 @@ class SectionType:
         counts = states.counts([c for _, c in wanted])
         return {t: n for (t, _), n in zip(wanted, counts, strict=True) if n}
 
+    def begun(self, inside: Zdd, entering: Zdd) -> Zdd:
+        """Markings just after an event, before any internal firing.
+
+        Args:
+            inside: States inside, for the section's own events.
+            entering: States before the entry, for the start.
+        """
+        events = self.encoding.events
+        return inside.images(distinct(events[t] for t in self._every)) | entering.images(
+            [events[self.net.start]]
+        )
+
     # --- steps: inside the section, or from inside to its ends ---
 
     def after(self, states: Zdd, allowed: Allowed = ALL) -> Zdd:
@@ -328,7 +340,9 @@ class SectionType:
             found = states.subset(unmarked=sorted(self.layout.slots_of(own)))
             for ways, known in zip(self._ways(own), self._patterns, strict=True):
                 moved = found.images([to for to, _ in ways])
-                found = moved | found.subset(sorted(known.in_service), sorted(known.levels - known.in_service))
+                found = moved | found.subset(
+                    sorted(known.in_service), sorted(known.levels - known.in_service)
+                )
             return found.images([self.layout.event(consume=self._marked_idle(exit_))])
 
         return self.remembered(("to slots", states, tuple(own), exit_), compute)
