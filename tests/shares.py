@@ -14,6 +14,9 @@ from hypothesis import event
 CEILING = 0.6
 """The largest share of examples that may be left, unless a test is marked ``may_leave(share)``."""
 
+ENOUGH = 30
+"""Examples below which a share says nothing."""
+
 left: Counter[str] = Counter()
 """Examples left by the test under way, by reason."""
 

@@ -9,6 +9,7 @@ from mcpn.errors import InputError
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
 from tests.net.nets import nets
+from tests.shares import returns_early
 
 
 def test_internal_transitions_come_before_events() -> None:
@@ -50,6 +51,7 @@ def test_builders_refuse_what_makes_no_sense() -> None:
 @given(nets(max_weight=3))
 def test_the_safe_view_fires_like_the_net_where_it_is_safe(net: PetriNet) -> None:
     if max(net.initial) > 1:
+        returns_early("not safe at first")
         return
     marked = {p for p, tokens in enumerate(net.initial) if tokens}
     for number, safe in enumerate(net.safe_transitions):

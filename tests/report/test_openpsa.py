@@ -137,6 +137,7 @@ def test_the_flat_tree_says_what_it_is_given(mission: Mission) -> None:
     found = compose(mission)
     text = Availability(found.usage)
     if not text.hardware:
+        returns_early("no hardware that fails")
         return
     # Cut sets that the text of the mission does not have, as contention brings them about.
     given_sets: list[CutSet] = [tuple(sorted(text.hardware[:2]))]
