@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -20,7 +20,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.logic.questions import Answer
+    from mcpn.check.logic.questions import Answer, Engine
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -41,7 +41,9 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
     help="Evaluate on all markings, or on stable markings and events.",
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
-@click.option("--engine", type=click.Choice(["symbolic", "explicit"]), default="symbolic", show_default=True)
+@click.option(
+    "--engine", type=click.Choice(["auto", "symbolic", "explicit"]), default="auto", show_default=True
+)
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @limit_option
 @import_option
@@ -65,11 +67,12 @@ def ctl(
     """
     if not (formulas or properties or examination):
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
-    if scn and (len(formulas) != 1 or engine != "symbolic"):
-        raise click.UsageError("--scn goes with one FORMULA and the symbolic engine")
+    if scn and (len(formulas) != 1 or engine == "explicit"):
+        raise click.UsageError("--scn goes with one FORMULA, and not with the explicit engine")
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
+    from mcpn.check.logic.verdicts import answer_examination, answer_file
 
     net, mission_net = _subject(file, import_root)
     questions = Questions(
@@ -77,15 +80,15 @@ def ctl(
         mission_net,
         on="alternatives" if graph == "alternatives" else "markings",
         fair=fair,
-        engine="explicit" if engine == "explicit" else "symbolic",
+        engine=cast("Engine", engine),
         max_states=max_states,
     )
     asked = [(text, questions.core(parse(text))) for text in formulas]
-    if properties:
-        for found in read_properties(properties):
-            click.echo(f"FORMULA {found.name} {questions.property(found)}")
     if examination:
-        click.echo(f"FORMULA {net.name}-{examination} {questions.examination(examination)}")
+        click.echo(str(answer_examination(questions, examination)))
+    if properties:
+        for verdict in answer_file(questions, read_properties(properties)):
+            click.echo(str(verdict))
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
         _write_scenario(answers[0], net, scn)
