@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -12,6 +12,7 @@ import click
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    emit_json,
     import_option,
     is_net,
     json_option,
@@ -21,6 +22,7 @@ from mcpn.cli.shared import (
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer, Engine
+    from mcpn.check.logic.verdicts import Verdict
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -83,17 +85,20 @@ def ctl(
         engine=cast("Engine", engine),
         max_states=max_states,
     )
+    # Everything asked is understood before anything is answered.
     asked = [(text, questions.core(parse(text))) for text in formulas]
-    if examination:
-        click.echo(str(answer_examination(questions, examination)))
-    if properties:
-        for verdict in answer_file(questions, read_properties(properties)):
+    of_file = answer_file(questions, read_properties(properties)) if properties else iter(())
+    of_net = [examination] if examination else []
+    objects = []
+    for verdict in chain(of_file, (answer_examination(questions, each) for each in of_net)):
+        objects.append(_contest_object(verdict))
+        if not as_json:
             click.echo(str(verdict))
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
         _write_scenario(answers[0], net, scn)
     if as_json:
-        click.echo(json.dumps([_answer_object(answer, net) for answer in answers], ensure_ascii=False))
+        emit_json([*objects, *(_answer_object(answer, net) for answer in answers)])
     elif answers:
         from mcpn.report.text import print_answers
 
@@ -117,6 +122,14 @@ def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
 
     assert answer.witness is not None, "the symbolic engine always gives a witness"
     write_atomically(path, scenario(answer.witness, net))
+
+
+def _contest_object(verdict: Verdict) -> dict[str, Any]:
+    """The answer to a property of the contest: a truth value, or a bound."""
+    truth = {"TRUE": True, "FALSE": False}.get(verdict.value)
+    answer: dict[str, Any] = {"formula": verdict.name, "holds": truth, "witness": None}
+    answer["techniques"] = list(verdict.techniques)
+    return answer if truth is not None else {**answer, "value": int(verdict.value)}
 
 
 def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -50,6 +51,10 @@ class _SliceSpent(Exception):
     """A formula has had its time slice."""
 
 
+Meaning: TypeAlias = Core | dict[int, int]
+"""A formula, or places with their weights, where the most tokens that they hold together is asked."""
+
+
 def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterator[Verdict]:
     """Answers the properties of a file.
 
@@ -57,47 +62,59 @@ def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterato
         questions: About the net.
         properties: What is asked.
 
-    Yields:
-        The answers in the order in which they are found.
+    Returns:
+        The answers in the order in which they are found. Taking them raises UnsafeError or LimitError where
+        what is left needs the space and the net is not 1-safe, or a limit was hit.
 
     Raises:
-        InputError: A name is unknown; nothing is answered then.
-        UnsafeError: What is left needs the space, and the net is not 1-safe.
-        LimitError: What is left needs the space, and a limit was hit.
+        InputError: A name is unknown; every name is looked up before anything is answered.
     """
-    cores = {asked.name: _core(questions, asked) for asked in properties}
+    return _answers(questions, properties, {asked.name: look_up(questions, asked) for asked in properties})
+
+
+def look_up(questions: Questions, asked: Property) -> Meaning:
+    """What a property asks, names looked up.
+
+    Raises:
+        InputError: A name is unknown.
+    """
+    if asked.formula is not None:
+        try:
+            return questions.core(asked.formula)
+        except InputError as error:
+            raise InputError.at(asked.source, f"{asked.name}: {error}") from error
+    weights: dict[int, int] = {}
+    for name in asked.bound:
+        if name not in questions.net.place_index:
+            raise InputError.at(asked.source, f"no place is named {name}")
+        place = questions.net.place_index[name]
+        weights[place] = weights.get(place, 0) + 1
+    return weights
+
+
+def _answers(
+    questions: Questions, properties: Sequence[Property], meant: dict[str, Meaning]
+) -> Iterator[Verdict]:
     answered: set[str] = set()
-    for verdict in _by_search(questions, cores):
+    for verdict in _by_search(questions, meant):
         answered.add(verdict.name)
         yield verdict
-    waiting = [asked for asked in properties if asked.name not in answered]
+    waiting = [asked.name for asked in properties if asked.name not in answered]
     if not waiting:
         return
     if questions.engine == "explicit":
-        for asked in waiting:
-            yield Verdict(asked.name, _value(questions, asked, cores[asked.name]), (EXPLICIT,))
+        for name in waiting:
+            yield Verdict(name, _value(questions, meant[name]), (EXPLICIT,))
         return
-    yield from _by_slices(questions, waiting, cores)
+    yield from _by_slices(questions, {name: meant[name] for name in waiting})
 
 
-def _core(questions: Questions, asked: Property) -> Core | None:
-    if asked.formula is None:
-        for name in asked.bound:
-            if name not in questions.net.place_index:
-                raise InputError.at(asked.source, f"no place is named {name}")
-        return None
-    try:
-        return questions.core(asked.formula)
-    except InputError as error:
-        raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-
-
-def _by_search(questions: Questions, cores: dict[str, Core | None]) -> Iterator[Verdict]:
+def _by_search(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
     if not questions.searchable:
         return
     asked: list[tuple[str, ReachabilityQuestion]] = []
-    for name, core in cores.items():
-        question = None if core is None else as_reachability(core, questions.net)
+    for name, meaning in meant.items():
+        question = None if isinstance(meaning, dict) else as_reachability(meaning, questions.net)
         if question is not None:
             asked.append((name, question))
     goals = [question.goal for _, question in asked]
@@ -107,9 +124,7 @@ def _by_search(questions: Questions, cores: dict[str, Core | None]) -> Iterator[
         yield Verdict(name, str(value).upper(), found.techniques)
 
 
-def _by_slices(
-    questions: Questions, waiting: Sequence[Property], cores: dict[str, Core | None]
-) -> Iterator[Verdict]:
+def _by_slices(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
     store = questions.space.encoding.store
     before, until = store.progress, 0.0
 
@@ -119,42 +134,38 @@ def _by_slices(
         if time.monotonic() > until:
             raise _SliceSpent
 
-    def effort(asked: Property) -> int:
-        core = cores[asked.name]
-        return 0 if core is None else sum(1 for _ in walk(core))
-
-    left, limit = sorted(waiting, key=effort), FIRST_SLICE
+    left, limit = sorted(meant, key=lambda name: _effort(meant[name])), FIRST_SLICE
     try:
         store.progress = watch
         while left:
             later = []
-            for asked in left:
+            for name in left:
                 until = time.monotonic() + limit
                 try:
-                    value = _value(questions, asked, cores[asked.name])
+                    value = _value(questions, meant[name])
                 except _SliceSpent:
-                    later.append(asked)
+                    later.append(name)
                     continue
-                yield Verdict(asked.name, value, (DIAGRAMS,))
+                yield Verdict(name, value, (DIAGRAMS,))
             left, limit = later, limit * GROWTH
     finally:
         store.progress = before
 
 
-def _value(questions: Questions, asked: Property, core: Core | None) -> str:
-    if core is not None:
+def _effort(meaning: Meaning) -> int:
+    return 0 if isinstance(meaning, dict) else sum(1 for _ in walk(meaning))
+
+
+def _value(questions: Questions, meaning: Meaning) -> str:
+    if not isinstance(meaning, dict):
         evaluation = questions.explicit if questions.engine == "explicit" else questions.symbolic
-        return str(evaluation.holds(core)).upper()
-    weights: dict[int, int] = {}
-    for name in asked.bound:
-        place = questions.net.place_index[name]
-        weights[place] = weights.get(place, 0) + 1
+        return str(evaluation.holds(meaning)).upper()
     if questions.engine != "explicit":
-        levels, always = questions.space.encoding.weigh(weights)
+        levels, always = questions.space.encoding.weigh(meaning)
         return str(questions.space.reachable.largest(levels) + always)
     graph = questions.explicit.graph
     tokens = np.zeros(graph.states, np.int64)
-    for place, weight in weights.items():
+    for place, weight in meaning.items():
         tokens += weight * graph.marked(place)
     return str(tokens.max())
 
