@@ -4,7 +4,10 @@
 perform (alternative change, activation / deactivation of activity)." A state is a stable marking; the actions
 of an edge are what changes in the functioning mode: activities to stop, then to start, then alternatives to
 select. An activity that an objective's end stops and the next objective starts at once is stopped and started
-again; one that both objectives merely use through resources goes on.
+again; one that is started by request and runs before and after the event goes on, whatever the objectives
+between (``papers/notes.md``, "Actions of the controller": so actions are a function of stable markings, the
+same for every interleaving, and the same for a controller in two levels, whose two lists of actions at a
+junction are joined).
 """
 
 from __future__ import annotations
