@@ -11,6 +11,8 @@ from mcpn.mission.model import Mission
 from mcpn.mission.renaming import renamed
 from mcpn.mission.validate import find_errors
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.sections import section_part
+from mcpn.net.templates.names import Names
 from mcpn.space.alternatives import direct
 from mcpn.testing import missions
 
@@ -68,3 +70,33 @@ def numbered(found: MissionNet, machine: Machine) -> list[tuple[object, ...]]:
         )
         for e in machine.edges
     ]
+
+
+@given(missions(awkward_names=True))
+def test_parts_are_called_as_in_the_whole(mission: Mission) -> None:
+    whole = compose(mission)
+    for section in whole.graph.sections:
+        part = section_part(whole.usage, section).net()
+        for one in part.net.places:
+            place = whole.net.places[whole.net.place_index[one.name]]
+            assert place.provenance == one.provenance
+        assert {t.name for t in part.net.transitions} <= whole.net.transition_index.keys()
+
+
+def test_what_may_coincide_is_written_with_its_kind() -> None:
+    elements = [("hardware", "camera"), ("software", "a"), ("software", "b"), ("software", "a_b")]
+    elements += [("activity", "camera"), ("activity", "film"), ("activity", "film_err1")]
+    elements += [("objective", "x"), ("objective", "x_ok"), ("objective", "OBJ_x")]
+    names = Names(elements)
+    assert names.of("hardware", "camera", "error") == "camera_error"
+    assert names.of("activity", "camera", "error") == "activity:camera:error"
+    assert names.of("activity", "film", "wait1") == "film_wait1"
+    assert names.of("activity", "film", "err2", "a") == "film_err2_a"
+    assert names.of("activity", "film", "err2", "a", "b") == "activity:film:err2:a:b"
+    assert names.of("activity", "film", "err2", "a_b") == "activity:film:err2:a_b"
+    assert names.of("activity", "film", "err1", "a") == "activity:film:err1:a"
+    assert names.of("activity", "film_err1", "a") == "film_err1_a"
+    assert names.of("objective", "x") == "OBJ_x"
+    assert names.of("objective", "x", "ok") == "objective:x:ok"
+    assert names.of("objective", "x", "fail") == "OBJ_x_fail"
+    assert names.of("objective", "x_ok") == "OBJ_x_ok"
