@@ -16,9 +16,9 @@ from mcpn.check.causes import Causes, find_causes, find_causes_locally
 from mcpn.check.conditions import enumeration
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
 from mcpn.check.fmeca import fmeca
-from mcpn.check.language import parse
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.losing import Outlook
-from mcpn.check.resolve import resolve
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose

@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 from mcpn import __version__
-from mcpn.check.answers import Questions
-from mcpn.check.language import parse
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.questions import Questions
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 

@@ -42,8 +42,8 @@ class TooLong(Exception):
 
 def answer_file(folder: Path, model: str, file: str, answers: multiprocessing.SimpleQueue) -> None:
     """Answers one file, or the examinations; puts pairs of name and answer as they come."""
-    from mcpn.check.answers import Questions
-    from mcpn.check.contest import read_properties
+    from mcpn.check.logic.contest import read_properties
+    from mcpn.check.logic.questions import Questions
     from mcpn.errors import McpnError, UnsafeError
     from mcpn.net.formats import read_net
 

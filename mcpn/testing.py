@@ -20,6 +20,7 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Hardware,
     Mission,
     Objective,
@@ -50,6 +51,8 @@ class Shape:
         parallel: Whether parallel blocks are drawn.
         protocols: Whether protocols are drawn and used.
         loops: Whether routes may go back.
+        rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
+            may be shared.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
@@ -71,6 +74,7 @@ class Shape:
     parallel: bool = True
     protocols: bool = True
     loops: bool = True
+    rounds: bool = True
     shared_activities: bool = True
     disjoint_branches: bool = False
     text: bool = False
@@ -253,6 +257,21 @@ class _Drawing:
         return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
+        if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
+            return self.once(depth, islands, budget)
+        if depth and self.chance():
+            values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]
+            blocks, size = self.series(depth - 1, islands, budget // len(values))
+            parameter = self.draw(st.none() | st.just(self.name("value")))
+            drawn = Each(name=self.name("each"), values=tuple(values), blocks=blocks, parameter=parameter)
+            return drawn, size * len(values)
+        repeat = self.draw(st.none() | st.integers(1, min(3, budget)))
+        retries = self.number(0, min(2, budget // (repeat or 1) - 1))
+        copies = (repeat or 1) * (retries + 1)
+        block, size = self.once(depth, islands, budget // copies)
+        return replace(block, repeat=repeat, retries=retries), size * copies
+
+    def once(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
         usable = self.usable(islands, budget)
         kinds = ["objective", "objective"]
         kinds += ["recursive"] if depth else []

@@ -12,6 +12,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
 # The way of the data; a room may import its own kind and what stands before it.
 WAY = [
+    "runtime",
     "errors",
     "files",
     "xmlio",
@@ -61,7 +62,7 @@ def test_help_loads_nothing_heavy() -> None:
     script = (
         "import sys\n"
         "from click.testing import CliRunner\n"
-        "from mcpn.cli import command_line\n"
+        "from mcpn.cli.line import command_line\n"
         "assert CliRunner().invoke(command_line, ['--help']).exit_code == 0\n"
         f"print(*sorted({heavy!r} & sys.modules.keys()))\n"
     )

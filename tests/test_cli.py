@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mcpn_kernel import MemoryLimit
 
-from mcpn.cli import main
-from tests.conftest import ULYSSE, interruptible
+from mcpn.cli.line import run as run_here
+from tests.conftest import ULYSSE
 from tests.mission.test_broken import BROKEN
 
 CONTENTION = """<mission name="m" xmlns="urn:mcpn:mission:1">
@@ -144,10 +141,13 @@ def test_alternatives_are_written(suffix: str, tmp_path: Path) -> None:
 
 
 def test_the_controller_is_written(tmp_path: Path) -> None:
-    run = mcpn("controller", ULYSSE, "--target", "json", "-o", tmp_path / "out")
+    run = mcpn("controller", ULYSSE, "--target", "json", "--flat", "-o", tmp_path / "out")
     assert run.returncode == 0
     document = json.loads((tmp_path / "out" / "controller.json").read_text())
-    assert (len(document["states"]), len(document["edges"])) == (260, 1332)
+    (machine,) = document["types"]
+    # Of 260 stable markings 8 are before the start and 16 after the end, one for each state of the hardware.
+    assert (len(machine["states"]), len(machine["entries"])) == (236, 8)
+    assert len(machine["edges"]) == 1332 - 8 - 3 * 24
 
 
 def test_conversions_keep_the_graph(tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_engines_are_compared(tmp_path: Path) -> None:
         assert " 256 " in row  # 2^8 states
         assert " 2048 " in row  # 8 * 2^8 edges
     told = mcpn("compare", ULYSSE).stdout
-    assert "pyeda: left out: more than 24 places" in told
+    assert "pyeda: more than 24 places, the limit of the reference engine" in told
     for engine in ("explicit", "symbolic", "local"):
         (row,) = [line for line in told.splitlines() if f" {engine} " in line]
         assert " 260 " in row  # stable states, Table 1 of the paper
@@ -257,32 +257,6 @@ def test_output_that_cannot_be_written_is_told(tmp_path: Path) -> None:
     assert "cannot be written" in run.stderr
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
-def test_interrupting_an_exploration_ends_cleanly(tmp_path: Path) -> None:
-    lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(40))]
-    (tmp_path / "big.net").write_text("\n".join(lines) + "\n")
-    command = [sys.executable, "-m", "mcpn.cli", "states", str(tmp_path / "big.net")]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible
-    ) as process:
-        time.sleep(3)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert (out, err.strip()) == ("", "interrupted")
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX pipes")
-def test_a_closed_pipe_ends_quietly() -> None:
-    read, write = os.pipe()
-    os.close(read)
-    command = [sys.executable, "-m", "mcpn.cli", "check", str(ULYSSE)]
-    run = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
-    os.close(write)
-    assert "Traceback" not in run.stderr
-    assert "Exception" not in run.stderr
-
-
 def test_help_and_version_answer() -> None:
     assert "check" in mcpn("--help").stdout
     assert mcpn("--version").stdout.startswith("mcpn, version ")
@@ -347,7 +321,10 @@ def test_property_files_are_answered_as_the_contest_does(mcc: Path) -> None:
         "ctl", folder / "model.pnml", "--properties", folder / "UpperBounds.xml", "--examination", "Liveness"
     )
     assert run.returncode == 0
-    assert run.stdout.splitlines()[-1] == "FORMULA Eratosthenes-PT-010-Liveness FALSE"
+    assert (
+        run.stdout.splitlines()[-1]
+        == "FORMULA Eratosthenes-PT-010-Liveness FALSE TECHNIQUES DECISION_DIAGRAMS"
+    )
     assert run.stdout.startswith("FORMULA Eratosthenes-PT-010-UpperBounds-")
     wrong = mcpn("ctl", folder / "model.pnml", "--properties", folder / "model.pnml")
     assert wrong.returncode == 2
@@ -416,16 +393,22 @@ def test_memory_that_runs_out_is_an_error_that_says_so(
         raise MemoryLimit("the store's memory limit of 1 bytes was hit at 0 nodes")
 
     monkeypatch.setattr("mcpn.space.summary.summarise", nothing_left)
-    monkeypatch.setattr(sys, "argv", ["mcpn", "states", str(ULYSSE)])
-    with pytest.raises(SystemExit) as caught:
-        main()
-    assert caught.value.code == 2
+    assert run_here(["states", str(ULYSSE)]) == 2
     assert capsys.readouterr().err.startswith("error: out of memory: the store's memory limit of 1 bytes")
 
 
-def test_a_controller_in_two_levels_is_written(tmp_path: Path) -> None:
-    run = mcpn("controller", ULYSSE, "--hierarchical", "-o", tmp_path)
+def test_a_controller_in_two_levels_is_the_default(tmp_path: Path) -> None:
+    run = mcpn("controller", ULYSSE, "-o", tmp_path)
     assert "5 sections of 2 types" in run.stdout
     document = json.loads((tmp_path / "controller.json").read_text())
-    assert document["format"] == "mcpn-hierarchical-controller"
-    assert len(document["sections"]) == 5
+    assert (document["format"], document["version"]) == ("mcpn-controller", 2)
+    assert (len(document["sections"]), len(document["types"])) == (5, 2)
+
+
+def test_a_controller_that_is_too_large_is_told_by_its_size(tmp_path: Path) -> None:
+    run = mcpn("controller", ULYSSE, "-o", tmp_path / "out", "--max-states", 10)
+    assert run.returncode == 2
+    assert "section coral_head.manual_moving has 36 states" in run.stderr  # 12 inside, 8 before, 16 after
+    assert not (tmp_path / "out").exists()
+    run = mcpn("controller", ULYSSE, "--flat", "-o", tmp_path / "out", "--max-states", 7)
+    assert "2^3 states" in run.stderr

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     EG,
     EU,
     EX,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicGraph, SymbolicMarkings
-from mcpn.check.formula import EU, And, Const, Core, Deadlock, Or
+from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Or
+from mcpn.check.logic.resolve import marked, negation
+from mcpn.check.logic.witness import explain
 from mcpn.check.modes import diagram_modes
 from mcpn.check.properties import (
     INFORMATIVE,
@@ -16,9 +18,7 @@ from mcpn.check.properties import (
     told,
     verdict_of,
 )
-from mcpn.check.resolve import marked, negation
 from mcpn.check.runs import Step, replay
-from mcpn.check.witness import explain
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.space.confluence import prove_confluent

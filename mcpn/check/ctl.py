@@ -17,7 +17,7 @@ from typing import Protocol
 
 from mcpn_kernel import Zdd
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     EG,
     EU,
     EX,

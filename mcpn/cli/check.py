@@ -59,7 +59,7 @@ def check(
     from mcpn.check.by_diagrams import check_by_diagrams
     from mcpn.check.composition import check_by_composition
     from mcpn.check.properties import check_mission
-    from mcpn.mission.validate import find_warnings
+    from mcpn.mission.warnings import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)
@@ -85,7 +85,7 @@ def check(
 
 
 def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
-    from mcpn.check.foreign import check_net, examine_structure
+    from mcpn.check.nets.properties import check_net, examine_structure
     from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
     if structure:

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.cli.shared import (
     FILE,
-    composite_of,
+    SECTIONS,
+    STATES_AND_EDGES,
+    emit_json,
     import_option,
+    json_option,
     limit_option,
     mission_net_of,
     net_of,
     progress_line,
 )
-from mcpn.errors import InputError, Source
-
-if TYPE_CHECKING:
-    from mcpn.net.compose import MissionNet
 
 
 @click.command()
@@ -27,64 +25,60 @@ if TYPE_CHECKING:
 @click.option("--target", type=click.Choice(["json"]), default="json", show_default=True)
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
-    "--flat/--hierarchical",
+    "--hierarchical/--flat",
     default=True,
-    help="One machine, or one for each type of section and one on top.",
+    help="A machine for each type of section (the default), or one for the whole mission.",
 )
 @limit_option
 @import_option
+@json_option
 def controller(
-    mission: Path, target: str, output: Path, flat: bool, max_states: int | None, import_root: Path | None
+    mission: Path,
+    target: str,
+    output: Path,
+    hierarchical: bool,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
 ) -> None:
-    """Generate the controller of MISSION as finite state machines."""
-    from mcpn.controller.targets.json import FILE_NAME
-    from mcpn.files import write_atomically
+    """Generate the controller of MISSION: finite state machines that do what was verified."""
+    from mcpn.controller.generate import generate
+    from mcpn.controller.targets import files
+    from mcpn.files import write_folder
 
     mission_net = mission_net_of(mission, import_root)
-    text, size = (_flat if flat else _hierarchical)(mission_net, max_states)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError.at(Source(str(output)), f"cannot be made a directory: {error.strerror}") from error
-    path = output / FILE_NAME
-    write_atomically(path, text)
-    click.echo(f"{path}: {size}")
-
-
-def _flat(mission_net: MissionNet, max_states: int | None) -> tuple[str, str]:
-    from mcpn.controller.machine import controller as generate
-    from mcpn.controller.targets.json import write_json
-    from mcpn.space.confluence import direct_with_proof
-
-    limits = {} if max_states is None else {"max_states": max_states}
-    with progress_line(False) as progress:
-        graph = direct_with_proof(mission_net.net, progress=progress, **limits)
-    machine = generate(mission_net, graph)
-    return write_json(machine, mission_net), f"{len(machine.states)} states, {len(machine.edges)} edges"
-
-
-def _hierarchical(mission_net: MissionNet, max_states: int | None) -> tuple[str, str]:
-    from mcpn.controller.hierarchy import hierarchical_controller
-    from mcpn.controller.targets.json import write_hierarchical_json
-
-    composite = composite_of(mission_net, max_states, listed=True)
-    hierarchy = hierarchical_controller(composite)
-    states = sum(len(machine.states) for machine in hierarchy.types)
-    edges = sum(len(machine.edges) for machine in hierarchy.types)
-    size = (
-        f"{len(hierarchy.sections)} sections of {len(hierarchy.types)} types, {states} states, {edges} edges"
-    )
-    return write_hierarchical_json(hierarchy, mission_net), size
+    with progress_line(as_json, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
+        found = generate(
+            mission_net,
+            "hierarchical" if hierarchical else "flat",
+            max_states=max_states,
+            progress=progress,
+            told=lambda text: click.echo(text, err=True),
+        )
+    texts = files(found, mission_net, target)
+    write_folder(output, texts)
+    paths = [str(output / name) for name in texts]
+    if as_json:
+        emit_json({"mission": found.mission, "form": found.form, "size": found.size, "files": paths})
+        return
+    click.echo(f"{found.form} controller of {found.mission}: {found.size}")
+    for path in paths:
+        click.echo(path)
 
 
 @click.command()
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
 @import_option
-def convert(source: Path, target: Path, import_root: Path | None) -> None:
+@json_option
+def convert(source: Path, target: Path, import_root: Path | None, as_json: bool) -> None:
     """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json)."""
     from mcpn.net.formats import save_net
 
-    warning = save_net(net_of(source, import_root), target)
-    if warning:
+    net = net_of(source, import_root)
+    warning = save_net(net, target)
+    if as_json:
+        sizes = {"places": len(net.places), "transitions": len(net.transitions)}
+        emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
+    elif warning:
         click.echo(f"warning: {warning}", err=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     AF,
     AG,
     AU,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import assume, given
 
-from mcpn.check.behaviour import behaviour
+from mcpn.check.nets.behaviour import behaviour
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.symbolic import reach
 from tests.check.formulas import Edges, edges_of

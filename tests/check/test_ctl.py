@@ -9,13 +9,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.answers import Questions
 from mcpn.check.arrays import ExplicitEvaluation
-from mcpn.check.contest import read_properties
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
-from mcpn.check.formula import Core, Formula, Justice
-from mcpn.check.language import parse
-from mcpn.check.resolve import progress, resolve
+from mcpn.check.logic.contest import read_properties
+from mcpn.check.logic.formulas import Core, Formula, Justice
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.resolve import progress, resolve
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose

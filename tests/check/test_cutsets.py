@@ -12,9 +12,9 @@ from hypothesis import given, settings
 
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
 from mcpn.check.cutsets import CutSet, Losses, Moment
-from mcpn.check.language import parse
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.losing import Outlook
-from mcpn.check.resolve import resolve
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.formula import EU, And, Compare, Formula, Not, Or, Sum, Word
-from mcpn.check.language import MAX_DEPTH, parse, show
-from mcpn.check.resolve import resolve
+from mcpn.check.logic.formulas import EU, And, Compare, Formula, Not, Or, Sum, Word
+from mcpn.check.logic.language import MAX_DEPTH, parse, show
+from mcpn.check.logic.resolve import resolve
 from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import NetBuilder

@@ -9,11 +9,11 @@ from hypothesis import given
 
 from mcpn.check.by_diagrams import check_by_diagrams
 from mcpn.check.composition import check_by_composition
-from mcpn.check.formula import EU, Const
-from mcpn.check.language import parse
+from mcpn.check.logic.formulas import EU, Const
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.resolve import resolve
 from mcpn.check.modes import functioning_modes
 from mcpn.check.properties import INFORMATIVE, REQUIRED, MissionCheck, check_mission
-from mcpn.check.resolve import resolve
 from mcpn.check.runs import stabilise
 from mcpn.errors import LimitError
 from mcpn.mission.model import (
@@ -27,7 +27,7 @@ from mcpn.mission.model import (
     Parallel,
     Robot,
 )
-from mcpn.mission.validate import find_warnings
+from mcpn.mission.warnings import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event

@@ -5,12 +5,12 @@ from __future__ import annotations
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.answers import Questions
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
-from mcpn.check.formula import EG, EU, EX, Const, Justice, walk
-from mcpn.check.language import parse
-from mcpn.check.resolve import resolve
-from mcpn.check.witness import Witness, explain, scenario
+from mcpn.check.logic.formulas import EG, EU, EX, Const, Justice, walk
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.resolve import resolve
+from mcpn.check.logic.witness import Witness, explain, scenario
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.symbolic import reach

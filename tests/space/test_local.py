@@ -13,8 +13,18 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
+from mcpn.controller.hierarchy import hierarchical_controller
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Activity, Hardware, Mission
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Hardware,
+    Mission,
+    Objective,
+    Recursive,
+    Robot,
+    Software,
+)
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.templates import Canvas, PaperTemplates
@@ -45,6 +55,32 @@ def test_ulysse(ulysse: Mission, ulysse_net: MissionNet) -> None:
     assert (composite.states, composite.edges) == (260, 1332)
     assert len({id(placed.local) for placed in composite.sections}) == 2
     check_equal(expand(composite, ulysse_net), direct(ulysse_net.net))
+
+
+def rounds(count: int, retries: int) -> Composite:
+    driver = Activity(
+        name="driver", produces=("S",), alternatives=(Alternative(name="driver", consumes=("H",)),)
+    )
+    travel = Activity(name="travel", alternatives=(Alternative(name="travel", consumes=("S",)),))
+    robot = Robot(
+        name="r",
+        hardware=(Hardware(name="H"), Hardware(name="other")),
+        software=(Software(name="S"),),
+        activities=(driver, travel),
+    )
+    visit = Objective(name="visit", activities=("travel",), retries=retries)
+    each = Recursive(name="tour", blocks=(visit,), repeat=count)
+    return composed(compose(Mission(name="m", robots=(robot,), blocks=(each,))))
+
+
+def test_rounds_and_tries_are_of_one_type() -> None:
+    one, more = rounds(1, 0), rounds(500, 3)
+    assert (len(one.sections), len(more.sections)) == (1, 2000)
+    assert len({id(placed.local) for placed in more.sections}) == 1
+    assert more.local_states == one.local_states
+    around = 3 * 4  # before the start and at both ends, by the hardware out of service
+    assert more.states - around == 2000 * (one.states - around)
+    assert len(hierarchical_controller(more).types) == 1
 
 
 @given(missions())

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from mcpn_kernel import Zdd
 
 from mcpn.check.ctl import Evaluation
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     AF,
     AG,
     AX,
@@ -36,7 +36,7 @@ from mcpn.check.formula import (
     TokenBound,
     walk,
 )
-from mcpn.check.language import show
+from mcpn.check.logic.language import show
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 

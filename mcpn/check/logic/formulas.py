@@ -1,8 +1,8 @@
 """Formulas of CTL: what a user writes, and the small core that evaluation knows.
 
 Connectives are the same in both. What is written names places, transitions and words of the mission
-(:class:`Compare`, :class:`Enabled`, :class:`Word`) and has all operators; in the core
-(:mod:`mcpn.check.resolve` makes it) names have become indices, and ``EX``, ``EU`` and ``EG`` say it all.
+(:class:`Compare`, :class:`Enabled`, :class:`Word`) and has all operators. The core, which
+:mod:`mcpn.check.logic.resolve` makes, has indices for names, and ``EX``, ``EU`` and ``EG`` for all operators.
 
 Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
 false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.

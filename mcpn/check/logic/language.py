@@ -6,8 +6,9 @@ r"""The formula language: text to formulas and back.
 Connectives, loosest first: ``<->``, ``->``, ``|`` or ``or``, ``&`` or ``and``, then ``!`` or ``not`` and the
 temporal operators ``EX AX EF AF EG AG`` before their operand, ``E[f U g]`` and ``A[f U g]``. Atoms:
 ``true``, ``false``, ``deadlock``, ``stable``, sums of tokens compared (``tokens(p, q) + r <= 1``), a place
-alone (it is marked), ``enabled(t, u)``, and the mission's words (:data:`mcpn.check.formula.WORDS`). Names
-that hold anything but letters, digits, ``_`` and ``.`` stand in double quotes.
+alone (it is marked), ``enabled(t, u)``, and the mission's words
+(:data:`mcpn.check.logic.formulas.WORDS`). Names that hold anything but
+letters, digits, ``_`` and ``.`` stand in double quotes.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from typing import TypeAlias, cast
 
 from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput, UnexpectedToken, v_args
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     AF,
     AG,
     AU,
@@ -222,7 +223,7 @@ def parse(text: str) -> Formula:
         text: For example ``AG EF (success | failure)``.
 
     Returns:
-        The formula; names are not looked up yet (see :func:`mcpn.check.resolve.resolve`).
+        The formula; names are not looked up yet (see :func:`mcpn.check.logic.resolve.resolve`).
 
     Raises:
         InputError: The text is no formula; the message has the column, what was found and what was expected.

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Collection
 from difflib import get_close_matches
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     AF,
     AG,
     AU,

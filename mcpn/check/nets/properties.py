@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from mcpn.check.behaviour import behaviour
 from mcpn.check.ctl import Evaluation, SymbolicMarkings
-from mcpn.check.formula import EU, Const, Deadlock
-from mcpn.check.witness import explain
+from mcpn.check.logic.formulas import EU, Const, Deadlock
+from mcpn.check.logic.witness import explain
+from mcpn.check.nets.behaviour import behaviour
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.net.siphons import (

@@ -13,7 +13,7 @@ from typing import cast
 
 from lxml import etree
 
-from mcpn.check.formula import (
+from mcpn.check.logic.formulas import (
     AF,
     AG,
     AU,

@@ -1,0 +1,1 @@
+"""Properties of nets from elsewhere: behaviour and structure."""
