@@ -5,6 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.controller.actions import Action
 from mcpn.controller.machine import Machine, controller
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
@@ -56,20 +57,22 @@ def test_controllers_do_the_same(data: st.DataObject) -> None:
 
 
 def numbered(found: MissionNet, machine: Machine) -> list[tuple[object, ...]]:
-    """The edges of a controller with each activity by its place in the mission."""
-    number = {a.name: i for i, a in enumerate(found.mission.activities)}
-    ways = {a.name: {w.name: i for i, w in enumerate(a.alternatives)} for a in found.mission.activities}
-    return [
-        (
-            e.source,
-            e.target,
-            [
-                (a.verb, number[a.activity], a.alternative and ways[a.activity][a.alternative])
-                for a in e.actions
-            ],
+    """The edges of a controller with each element by its place in the mission."""
+    activities = {a.name: i for i, a in enumerate(found.mission.activities)}
+    ways = {(a.name, w.name): i for a in found.mission.activities for i, w in enumerate(a.alternatives)}
+    hardware = {h.name: i for i, h in enumerate(found.mission.hardware)}
+    objectives = {section.name: i for i, section in enumerate(found.graph.walk())}
+
+    def told(action: Action) -> tuple[object, ...]:
+        return (
+            action.verb,
+            activities.get(action.activity or ""),
+            ways.get((action.activity or "", action.alternative or "")),
+            hardware.get(action.hardware or ""),
+            objectives.get(action.objective or ""),
         )
-        for e in machine.edges
-    ]
+
+    return [(e.source, e.target, e.event.what, [told(a) for a in e.actions]) for e in machine.edges]
 
 
 @given(missions(awkward_names=True))
