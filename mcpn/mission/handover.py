@@ -26,7 +26,8 @@ class Awaited:
     """What a section waits for at its entry, in document order.
 
     Args:
-        activities: Activities that must be idle.
+        activities: Activities that must be idle: those that objectives start, and producers of several
+            resources, which may still be refusing when all their resources are back.
         software: Software resources that must be available: nobody asks for them or holds them.
     """
 
@@ -46,7 +47,7 @@ class Handover:
 
     @cached_property
     def with_idle(self) -> frozenset[str]:
-        """Activities, started by objectives, that need a place that says that they are idle.
+        """Activities that need a place that says that they are idle.
 
         So it is where one edge of the objectives graph stops and starts the same activity (a retry, a
         protocol used twice in a row), where two branches of a parallel block start the same one, and where
@@ -78,6 +79,7 @@ class Handover:
                     if self._may_compete(before, after):
                         waits = activities.setdefault(target.name, set())
                         waits |= ending - beside
+                        waits |= {a for a in before - beside if len(usage.activities[a].produces) > 1}
                         produced = {s for a in before - beside for s in usage.activities[a].produces}
                         software.setdefault(target.name, set()).update(produced)
         return {
@@ -92,20 +94,12 @@ class Handover:
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
         """Whether what some activities do while they stop may compete with what others begin with."""
         usage = self.usage
-        if not any(usage.may_wait(a) for a in before) and not self._released_apart(before):
+        if any(len(usage.activities[a].produces) > 1 for a in before & after):
+            return True
+        if not any(usage.may_wait(a) for a in before):
             return False
         shared = usage.resources_of(before) & usage.resources_of(after)
         return bool(shared) or not before.isdisjoint(after)
-
-    def _released_apart(self, reached: frozenset[str]) -> bool:
-        """Whether two activities may each release a product of one producer, one after the other."""
-        usage = self.usage
-        for activity in reached:
-            outputs = usage.activities[activity].produces
-            takers = {a for a in reached if usage.resources_of({a}) & set(outputs)}
-            if len(outputs) > 1 and len(takers) > 1:
-                return True
-        return False
 
     def _reached(self, activities: set[str]) -> frozenset[str]:
         return frozenset[str]().union(*(self.usage.closure(a) for a in activities))
