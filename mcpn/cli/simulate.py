@@ -24,7 +24,7 @@ undo                 take back the last event
 restart              go back to the beginning
 goto success         take the events of a shortest run to the mission's success
 goto failure         the same to its failure
-goto cut set         let fail the fewest hardware resources that rule out success
+goto cut set         let fail the fewest hardware that rules out success
 goto cut set A B     let fail these
 run                  the events taken so far
 state                what runs and what may happen
