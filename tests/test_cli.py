@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcpn_kernel import MemoryLimit
+from mcpn._kernel import MemoryLimit
 
 from mcpn.cli import main
 from tests.conftest import ULYSSE, interruptible

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from mcpn_kernel import Exploration, MemoryLimit, SafeNet, StateLimit
+from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet

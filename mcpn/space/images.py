@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from mcpn_kernel import Store, Zdd
+from mcpn._kernel import Store, Zdd
 
 from mcpn.errors import LimitError
 
