@@ -205,3 +205,50 @@ class SafeNet:
         progress: Callable[[int, int], object] | None = ...,
     ) -> Exploration:
         """Stable markings and events only: each event is run to completion along one interleaving."""
+
+class Goals:
+    """Conditions on markings, as nodes that name earlier ones.
+
+    Each node is a kind (``all``, ``any``, ``at_most``, ``dead``, ``not_dead``), the nodes inside it, and for
+    ``at_most`` weights of places and the bound of their sum.
+    """
+
+    def __init__(
+        self, places: int, nodes: Sequence[tuple[str, Sequence[int], Sequence[tuple[int, int]], int]]
+    ) -> None: ...
+
+class TokenNet:
+    """A net with any number of tokens in a place, for walks and searches that store no whole space.
+
+    Each transition is given by the tokens that it needs, by what it changes, and whether it is internal.
+    """
+
+    def __init__(
+        self,
+        places: int,
+        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], bool]],
+        priorities: bool,
+    ) -> None: ...
+    def walk(
+        self,
+        initial: Sequence[int],
+        goals: Goals,
+        roots: Sequence[int],
+        steps: int,
+        length: int,
+        seed: int,
+        unsafe: bool = ...,
+        counts: Sequence[int] = ...,
+    ) -> list[tuple[int, list[int]]]:
+        """Runs to the goals that were met; a second token in a place has the number after the last goal."""
+
+    def seek(
+        self,
+        initial: Sequence[int],
+        goals: Goals,
+        root: int,
+        stubborn: bool,
+        max_states: int,
+        max_bytes: int,
+    ) -> tuple[str, int, list[int]]:
+        """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""

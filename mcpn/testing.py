@@ -20,6 +20,7 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Hardware,
     Mission,
     Objective,
@@ -49,6 +50,8 @@ class Shape:
         parallel: Whether parallel blocks are drawn.
         protocols: Whether protocols are drawn and used.
         loops: Whether routes may go back.
+        rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
+            may be shared.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
@@ -68,6 +71,7 @@ class Shape:
     parallel: bool = True
     protocols: bool = True
     loops: bool = True
+    rounds: bool = True
     shared_activities: bool = True
     disjoint_branches: bool = False
     text: bool = False
@@ -212,8 +216,13 @@ class _Drawing:
 
     def consumed(self, island: _Island) -> tuple[str, ...]:
         chosen: list[str] = []
-        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2]))):
+        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            # What a supplier of this very alternative may take too, itself or through others.
+            under = frozenset[str]().union(*(island.below[k] for k in chosen))
+            near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
+            if near and self.chance():
+                left = near
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
         return tuple(chosen)
@@ -244,6 +253,21 @@ class _Drawing:
         return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
+        if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
+            return self.once(depth, islands, budget)
+        if depth and self.chance():
+            values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]
+            blocks, size = self.series(depth - 1, islands, budget // len(values))
+            parameter = self.draw(st.none() | st.just(self.name("value")))
+            drawn = Each(name=self.name("each"), values=tuple(values), blocks=blocks, parameter=parameter)
+            return drawn, size * len(values)
+        repeat = self.draw(st.none() | st.integers(1, min(3, budget)))
+        retries = self.number(0, min(2, budget // (repeat or 1) - 1))
+        copies = (repeat or 1) * (retries + 1)
+        block, size = self.once(depth, islands, budget // copies)
+        return replace(block, repeat=repeat, retries=retries), size * copies
+
+    def once(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
         usable = self.usable(islands, budget)
         kinds = ["objective", "objective"]
         kinds += ["recursive"] if depth else []

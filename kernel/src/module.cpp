@@ -25,7 +25,8 @@
 namespace nb = nanobind;
 using namespace mcpn;
 
-void bind_explorer(nb::module_& module);  // explorer_module.cpp
+void bind_explorer(nb::module_& module);
+void bind_search(nb::module_& module);    // search_module.cpp
 
 namespace {
 
@@ -297,6 +298,7 @@ NB_MODULE(_kernel, module) {
   nb::exception<Cancelled>(module, "Cancelled");
 
   bind_explorer(module);
+  bind_search(module);
 
   using Levels = std::vector<std::int64_t>;
 
