@@ -16,7 +16,6 @@ from functools import cached_property, partial
 from typing import Protocol
 
 from mcpn._kernel import Zdd
-
 from mcpn.check.logic.formulas import (
     EG,
     EU,

@@ -14,7 +14,6 @@ from dataclasses import replace
 from functools import cached_property
 
 from mcpn._kernel import Zdd
-
 from mcpn.check.ctl import SymbolicMarkings
 from mcpn.check.cutsets import CutSet
 from mcpn.net.compose import MissionNet

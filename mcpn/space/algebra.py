@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol, Self, TypeVar
 
 from mcpn._kernel import Zdd
-
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.images import ImageStore
 

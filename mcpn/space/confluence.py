@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from mcpn._kernel import Zdd
-
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import conflicts

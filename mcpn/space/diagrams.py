@@ -12,7 +12,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 
 from mcpn._kernel import Zdd
-
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge
 from mcpn.space.encoding import distinct

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from mcpn._kernel import Store, Zdd
-
 from mcpn.errors import LimitError
 
 MAX_MINIMAL = 10_000

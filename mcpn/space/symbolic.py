@@ -14,7 +14,6 @@ from functools import cached_property, partial
 from typing import Any
 
 from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
-
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.encoding import Encoding, distinct

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcpn._kernel import BudgetExceeded, MemoryLimit, Store, Zdd
 
+from mcpn._kernel import BudgetExceeded, MemoryLimit, Store, Zdd
 from tests.conftest import ROOT, interruptible
 
 Marking = frozenset[int]

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from mcpn._kernel import Zdd
-
 from mcpn.check.ctl import Evaluation
 from mcpn.check.logic.formulas import (
     AF,

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mcpn._kernel import Zdd
-
 from mcpn.check.ctl import SymbolicMarkings
 from mcpn.space.symbolic import SymbolicSpace
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 from mcpn._kernel import Zdd
-
 from mcpn.errors import ConfluenceError
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What

@@ -18,7 +18,6 @@ from functools import partial
 from typing import TypeAlias
 
 from mcpn._kernel import Goals
-
 from mcpn.net.petri import PetriNet
 
 

@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Literal, TypeAlias, cast
 
 from mcpn._kernel import TokenNet
-
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import Goal, encode, holds, needs
