@@ -1,6 +1,4 @@
-"""Tests see the installed package, which has the native kernel: the checkout's own comes after it, here and in
-what tests start.
-"""
+"""Tests, and what they start, see the installed package, which has the kernel, before the checkout's own."""
 
 import os
 import sys
