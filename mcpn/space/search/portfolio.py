@@ -19,6 +19,7 @@ from mcpn.space.search.searches import Run, Searches, leads_to, replay, shortene
 
 INITIAL_STATE, RANDOM_WALK, STUBBORN_SETS = "INITIAL_STATE", "RANDOM_WALK", "STUBBORN_SETS"
 EXPLICIT, REDUCTION = "EXPLICIT", "STRUCTURAL_REDUCTION"
+STATE_EQUATION, TRAPS = "STATE_EQUATION", "TRAPS"
 MOST_LEFT = 100_000
 """Firings after a lifted run before its end must be dead."""
 
@@ -45,13 +46,15 @@ class Round:
     Args:
         steps: Firings of a walk.
         states: Markings of a search.
+        equation: Whether the state equation is asked as well.
     """
 
     steps: int
     states: int
+    equation: bool = False
 
 
-ROUNDS = (Round(20_000, 2_000), Round(100_000, 20_000), Round(400_000, 200_000))
+ROUNDS = (Round(20_000, 2_000), Round(100_000, 20_000, equation=True), Round(400_000, 200_000))
 
 
 class Portfolio:
@@ -140,6 +143,19 @@ class _Task:
             return self._reached(found.run, EXPLICIT, STUBBORN_SETS)
         if found.outcome == "unreachable":
             return Finding(False, None, (*self.techniques, EXPLICIT, STUBBORN_SETS))
+        return self._by_equation(budget, seed) if budget.equation else None
+
+    def _by_equation(self, budget: Round, seed: int) -> Finding | None:
+        from mcpn.space.search.equation import StateEquation
+
+        found = StateEquation(self.searches.net).solve(self.inner)
+        if found.kind == "unreachable":
+            traps = (TRAPS,) if found.traps else ()
+            return Finding(False, None, (*self.techniques, STATE_EQUATION, *traps))
+        if found.kind == "possible":
+            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=found.counts)
+            if walked:
+                return self._reached(walked[0], STATE_EQUATION, RANDOM_WALK)
         return None
 
     def _reached(self, run: Run, *ways: str) -> Finding:

@@ -24,6 +24,8 @@ PLAIN_NETS = (
 )
 # Walks of no length, so that reductions and searches have to answer.
 NO_WALKS = (Round(0, 100_000),)
+# Hardly any search, so that the state equation has to answer, or leaves the goal open.
+EQUATION = (Round(0, 2, equation=True), Round(0, 100_000))
 
 
 def confirm(net: PetriNet, goal: Goal, found: Finding, *, reachable: bool) -> None:
@@ -33,7 +35,7 @@ def confirm(net: PetriNet, goal: Goal, found: Finding, *, reachable: bool) -> No
         assert is_goal(goal, net, replay(net, found.run))
 
 
-@given(st.data(), st.sampled_from([ROUNDS[:1], NO_WALKS]))
+@given(st.data(), st.sampled_from([ROUNDS[:1], NO_WALKS, EQUATION]))
 def test_goals_are_decided_as_every_marking_says(data: st.DataObject, rounds: tuple[Round, ...]) -> None:
     net = data.draw(PLAIN_NETS)
     asked: list[Goal] = data.draw(st.lists(goals(net), min_size=1, max_size=3))
@@ -47,7 +49,7 @@ def test_goals_are_decided_as_every_marking_says(data: st.DataObject, rounds: tu
         confirm(net, asked[index], found, reachable=expected)
 
 
-@given(PLAIN_NETS, st.sampled_from([ROUNDS[:1], NO_WALKS]))
+@given(PLAIN_NETS, st.sampled_from([ROUNDS[:1], NO_WALKS, EQUATION]))
 def test_deadlocks_are_decided_as_every_marking_says(net: PetriNet, rounds: tuple[Round, ...]) -> None:
     markings = all_markings(net)
     assume(markings is not None)
