@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicGraph, SymbolicMarkings
-from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Or
-from mcpn.check.logic.resolve import marked, negation
+from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Or, negation
+from mcpn.check.logic.resolve import marked
 from mcpn.check.logic.witness import explain
 from mcpn.check.modes import diagram_modes
 from mcpn.check.properties import (
