@@ -4,15 +4,23 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import disjoint_base
 
 class BudgetExceeded(RuntimeError):
-    """An operation needed more new nodes than its budget; the store remains usable."""
+    """An operation needed more new nodes or more steps than its budget; the store remains usable."""
 
 class MemoryLimit(MemoryError):
     """The store's memory limit was hit; the store remains usable."""
 
+class Cancelled(RuntimeError):
+    """The store was told to give up: :meth:`Store.cancel`."""
+
+@disjoint_base
 class Zdd:
-    """A set of markings; a marking is the set of its marked levels. Equal sets are equal handles."""
+    """A set of markings; a marking is the set of its marked levels. Equal sets are equal handles.
+
+    Events and conditions are those of the set's store; any other number is a ValueError.
+    """
 
     def __or__(self, other: Zdd) -> Zdd: ...
     def __and__(self, other: Zdd) -> Zdd: ...
@@ -55,21 +63,33 @@ class Zdd:
     def beyond(self, before: Zdd, events: Sequence[int]) -> Zdd:
         """The markings of this set that no firing of any of some events in another set makes."""
 
-    def saturate(self, events: Sequence[int], max_nodes: int = ..., within: Zdd | None = ...) -> Zdd:
+    def saturate(
+        self, events: Sequence[int], max_nodes: int = ..., within: Zdd | None = ..., max_steps: int = ...
+    ) -> Zdd:
         """The markings reachable by any number of firings.
 
         Args:
             events: What may fire.
             max_nodes: Bounds the nodes made; 0 for no bound.
             within: Where given, only markings of this set are begun from and passed through.
+            max_steps: Bounds the steps: results that the store does not remember; 0 for no bound. A closure
+                that a budget ended goes on from what is remembered of it when it is asked for again.
         """
 
     def weighing(self, weights: Sequence[int], least: int, most: int) -> Zdd:
         """The markings whose marked levels weigh at least and at most so much."""
 
-    def __iter__(self) -> Iterator[list[int]]:
+    def __iter__(self) -> Markings:
         """Each marking as its marked levels, in a fixed order."""
 
+@disjoint_base
+class Markings(Iterator[list[int]]):
+    """The markings of a set, one by one."""
+
+    def __iter__(self) -> Markings: ...
+    def __next__(self) -> list[int]: ...
+
+@disjoint_base
 class Store:
     """Owns nodes, their unique table and a bounded operation cache; sets of two stores do not mix.
 
@@ -98,6 +118,9 @@ class Store:
     def collect(self) -> None:
         """Frees every node that no handle reaches."""
 
+    def cancel(self) -> None:
+        """Ends the operation under way in another thread, and any that is begun later: :class:`Cancelled`."""
+
     progress: Callable[[int], object] | None
     """Called about once a second of a long operation with the number of nodes, garbage included."""
 
@@ -110,13 +133,19 @@ class Store:
         """Most nodes at once during the last operation, garbage included."""
 
     @property
+    def steps(self) -> int:
+        """Steps of the last operation: results that the store did not remember."""
+
+    @property
     def collections(self) -> int: ...
     @property
-    def bytes(self) -> int: ...
+    def bytes(self) -> int:
+        """What the memory limit bounds: nodes, tables, and what counts and sums keep while they work."""
 
 class StateLimit(RuntimeError):
     """An exploration found more states than allowed."""
 
+@disjoint_base
 class Exploration:
     """Markings found one by one, and the firings between them if they were asked for."""
 
@@ -144,6 +173,7 @@ class Exploration:
     def take_targets(self) -> npt.NDArray[np.uint32]: ...
     def take_labels(self) -> npt.NDArray[np.uint32]: ...
 
+@disjoint_base
 class SafeNet:
     """A net as it acts on 1-safe markings.
 
@@ -175,3 +205,50 @@ class SafeNet:
         progress: Callable[[int, int], object] | None = ...,
     ) -> Exploration:
         """Stable markings and events only: each event is run to completion along one interleaving."""
+
+class Goals:
+    """Conditions on markings, as nodes that name earlier ones.
+
+    Each node is a kind (``all``, ``any``, ``at_most``, ``dead``, ``not_dead``), the nodes inside it, and for
+    ``at_most`` weights of places and the bound of their sum.
+    """
+
+    def __init__(
+        self, places: int, nodes: Sequence[tuple[str, Sequence[int], Sequence[tuple[int, int]], int]]
+    ) -> None: ...
+
+class TokenNet:
+    """A net with any number of tokens in a place, for walks and searches that store no whole space.
+
+    Each transition is given by the tokens that it needs, by what it changes, and whether it is internal.
+    """
+
+    def __init__(
+        self,
+        places: int,
+        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], bool]],
+        priorities: bool,
+    ) -> None: ...
+    def walk(
+        self,
+        initial: Sequence[int],
+        goals: Goals,
+        roots: Sequence[int],
+        steps: int,
+        length: int,
+        seed: int,
+        unsafe: bool = ...,
+        counts: Sequence[int] = ...,
+    ) -> list[tuple[int, list[int]]]:
+        """Runs to the goals that were met; a second token in a place has the number after the last goal."""
+
+    def seek(
+        self,
+        initial: Sequence[int],
+        goals: Goals,
+        root: int,
+        stubborn: bool,
+        max_states: int,
+        max_bytes: int,
+    ) -> tuple[str, int, list[int]]:
+        """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""

@@ -144,10 +144,13 @@ def test_alternatives_are_written(suffix: str, tmp_path: Path) -> None:
 
 
 def test_the_controller_is_written(tmp_path: Path) -> None:
-    run = mcpn("controller", ULYSSE, "--target", "json", "-o", tmp_path / "out")
+    run = mcpn("controller", ULYSSE, "--target", "json", "--flat", "-o", tmp_path / "out")
     assert run.returncode == 0
     document = json.loads((tmp_path / "out" / "controller.json").read_text())
-    assert (len(document["states"]), len(document["edges"])) == (260, 1332)
+    (machine,) = document["types"]
+    # Of 260 stable markings 8 are before the start and 16 after the end, one for each state of the hardware.
+    assert (len(machine["states"]), len(machine["entries"])) == (236, 8)
+    assert len(machine["edges"]) == 1332 - 8 - 3 * 24
 
 
 def test_conversions_keep_the_graph(tmp_path: Path) -> None:
@@ -423,9 +426,18 @@ def test_memory_that_runs_out_is_an_error_that_says_so(
     assert capsys.readouterr().err.startswith("error: out of memory: the store's memory limit of 1 bytes")
 
 
-def test_a_controller_in_two_levels_is_written(tmp_path: Path) -> None:
-    run = mcpn("controller", ULYSSE, "--hierarchical", "-o", tmp_path)
+def test_a_controller_in_two_levels_is_the_default(tmp_path: Path) -> None:
+    run = mcpn("controller", ULYSSE, "-o", tmp_path)
     assert "5 sections of 2 types" in run.stdout
     document = json.loads((tmp_path / "controller.json").read_text())
-    assert document["format"] == "mcpn-hierarchical-controller"
-    assert len(document["sections"]) == 5
+    assert (document["format"], document["version"]) == ("mcpn-controller", 2)
+    assert (len(document["sections"]), len(document["types"])) == (5, 2)
+
+
+def test_a_controller_that_is_too_large_is_told_by_its_size(tmp_path: Path) -> None:
+    run = mcpn("controller", ULYSSE, "-o", tmp_path / "out", "--max-states", 10)
+    assert run.returncode == 2
+    assert "section coral_head.manual_moving has 36 states" in run.stderr  # 12 inside, 8 before, 16 after
+    assert not (tmp_path / "out").exists()
+    run = mcpn("controller", ULYSSE, "--flat", "-o", tmp_path / "out", "--max-states", 7)
+    assert "2^3 states" in run.stderr

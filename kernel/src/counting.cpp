@@ -9,7 +9,7 @@ namespace {
 
 using Limbs = std::vector<std::uint64_t>;
 
-constexpr std::size_t kMostMemo = 1u << 21;
+constexpr std::uint64_t kEntry = 64;  // bytes of a small value in a table found by hash, about
 
 Limbs sum(const Limbs& a, const Limbs& b) {
   const Limbs& longer = a.size() < b.size() ? b : a;
@@ -54,7 +54,11 @@ template <class T> using Memo = std::unordered_map<std::uint64_t, T, KeyHash>;
 
 // Calls a function on each node of a diagram, terminals aside, once.
 template <class F> void Store::walk(Node a, F body) {
-  seen_.resize(nodes_.size(), walk_);
+  if (seen_.size() < nodes_.size()) {
+    if (seen_.capacity() < nodes_.size()) require((nodes_.size() + seen_.capacity()) * sizeof(seen_[0]));
+    seen_.reserve(nodes_.size());
+    seen_.resize(nodes_.size(), walk_);
+  }
   if (++walk_ == 0) {  // numbers of walks begin anew
     std::fill(seen_.begin(), seen_.end(), 0);
     walk_ = 1;
@@ -71,8 +75,18 @@ template <class F> void Store::walk(Node a, F body) {
   }
 }
 
+std::vector<std::vector<Node>> Store::nodes_by_level(Node a, Scratch& scratch) {
+  std::uint64_t nodes = 0;
+  walk(a, [&](Node) { ++nodes; });
+  scratch.take(levels * sizeof(std::vector<Node>) + 2 * nodes * sizeof(Node));
+  std::vector<std::vector<Node>> found(levels);
+  walk(a, [&](Node n) { found[level(n)].push_back(n); });
+  return found;
+}
+
 std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<std::uint32_t>& conditions) {
   Memo<Limbs> memo;  // shared: conditions have their ends in common, and every count ends in plain ones
+  Scratch scratch(*this);
   auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> Limbs {
     while (wanted && suffixes_[wanted].level < level(n)) {
       if (suffixes_[wanted].touch != Touch::zero) return {};
@@ -89,21 +103,27 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
     } else {
       result = sum(self(self, lo(n), wanted), self(self, hi(n), wanted));
     }
-    if ((++steps_ & 0xFFFF) == 0) check();
-    if (memo.size() > kMostMemo) memo.clear();
+    count_step();
+    scratch.take(kEntry + result.capacity() * sizeof(result[0]));
     return memo[key] = std::move(result);
   };
   // A condition that begins with a marked level is counted from that level's nodes on, each as often as paths
   // lead to it: nodes above are passed once for all conditions, not once for each.
-  std::vector<std::vector<Node>> by_level(levels);
-  walk(a, [&](Node n) { by_level[level(n)].push_back(n); });
+  std::vector<std::vector<Node>> by_level = nodes_by_level(a, scratch);
   std::unordered_map<Node, Limbs, KeyHash> paths;
   paths[a] = {1};
   if (conditions.size() > 1)
     for (const auto& nodes : by_level)
       for (const Node n : nodes)
         for (const Node child : {lo(n), hi(n)})
-          if (child > 1) paths[child] = sum(paths[child], paths[n]);
+          if (child > 1) {
+            count_step();
+            Limbs& known = paths[child];
+            const std::uint64_t before = known.empty() ? 0 : kEntry + known.capacity() * sizeof(known[0]);
+            known = sum(known, paths[n]);
+            const std::uint64_t after = kEntry + known.capacity() * sizeof(known[0]);
+            if (after > before) scratch.take(after - before);
+          }
   const std::vector<bool> marked = support(a);
   std::vector<Limbs> results;
   for (const std::uint32_t condition : conditions) {
@@ -122,6 +142,7 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
 
 std::int64_t Store::first(Node a, const std::vector<std::uint32_t>& conditions) {
   Memo<bool> memo;  // shared: conditions have their ends in common
+  Scratch scratch(*this);
   auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> bool {
     if (n == 0) return false;
     if (wanted == 0) return true;
@@ -134,13 +155,12 @@ std::int64_t Store::first(Node a, const std::vector<std::uint32_t>& conditions) 
       result = self(self, literal.touch == Touch::zero ? lo(n) : hi(n), literal.next);
     else
       result = self(self, hi(n), wanted) || self(self, lo(n), wanted);
-    if ((++steps_ & 0xFFFF) == 0) check();
-    if (memo.size() > kMostMemo) memo.clear();
+    count_step();
+    scratch.take(kEntry);
     return memo[key] = result;
   };
   // As for counts: some path leads to every node, so a condition can be asked from its first level on.
-  std::vector<std::vector<Node>> by_level(levels);
-  walk(a, [&](Node n) { by_level[level(n)].push_back(n); });
+  const std::vector<std::vector<Node>> by_level = nodes_by_level(a, scratch);
   auto holds = [&](std::uint32_t condition) {
     if (condition == 0 || suffixes_[condition].touch == Touch::zero) return visit(visit, a, condition);
     for (std::uint32_t rest = condition; rest; rest = suffixes_[rest].next)
@@ -154,11 +174,14 @@ std::int64_t Store::first(Node a, const std::vector<std::uint32_t>& conditions) 
 
 std::int64_t Store::largest(Node a, const std::vector<std::int32_t>& weights) {
   Memo<std::int64_t> memo;
+  Scratch scratch(*this);
   auto visit = [&](auto&& self, Node n) -> std::int64_t {
     if (n < 2) return 0;
     if (const auto found = memo.find(n); found != memo.end()) return found->second;
     std::int64_t result = self(self, hi(n)) + weights[level(n)];
     if (lo(n) != 0) result = std::max(result, self(self, lo(n)));
+    count_step();
+    scratch.take(kEntry);
     return memo[n] = result;
   };
   return visit(visit, a);
@@ -185,6 +208,8 @@ bool Store::possible(std::uint32_t suffix, const std::vector<bool>& support) con
 }
 
 std::vector<std::uint32_t> Store::table(Node a) {
+  Scratch scratch(*this);
+  scratch.take(size(a) * (kEntry + 2 * sizeof(Node) + 6 * sizeof(std::uint32_t)));
   std::vector<Node> nodes;
   walk(a, [&](Node n) { nodes.push_back(n); });
   std::stable_sort(nodes.begin(), nodes.end(), [&](Node x, Node y) { return level(x) > level(y); });

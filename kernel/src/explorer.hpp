@@ -47,6 +47,8 @@ class SafeNet {
  public:
   SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities);
 
+  std::uint32_t places() const { return places_; }
+
   // Every reachable marking. The initial one is given by its marked places.
   Exploration explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const;
 

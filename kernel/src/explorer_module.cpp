@@ -54,6 +54,12 @@ template <class Explore> Exploration run(Explore body, std::uint64_t max_states,
   }
 }
 
+const Places& checked(const SafeNet& net, const Places& places) {
+  for (const std::uint32_t p : places)
+    if (p >= net.places()) throw std::invalid_argument("no such place");
+  return places;
+}
+
 }  // namespace
 
 void bind_explorer(nb::module_& module) {
@@ -92,12 +98,12 @@ void bind_explorer(nb::module_& module) {
       }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))
       .def("explore", [](const SafeNet& net, const Places& initial, bool edges, std::uint64_t max_states,
                          std::uint64_t max_bytes, const nb::object& progress) {
-        return run([&](const Limits& limits) { return net.explore(initial, edges, limits); }, max_states, max_bytes,
+        return run([&](const Limits& limits) { return net.explore(checked(net, initial), edges, limits); }, max_states, max_bytes,
                    progress);
       }, nb::arg("initial"), nb::arg("edges"), nb::arg("max_states"), nb::arg("max_bytes"),
          nb::arg("progress").none() = nb::none())
       .def("settle", [](const SafeNet& net, const Places& initial, std::uint64_t max_states, std::uint64_t max_bytes,
                         const nb::object& progress) {
-        return run([&](const Limits& limits) { return net.settle(initial, limits); }, max_states, max_bytes, progress);
+        return run([&](const Limits& limits) { return net.settle(checked(net, initial), limits); }, max_states, max_bytes, progress);
       }, nb::arg("initial"), nb::arg("max_states"), nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
 }

@@ -25,7 +25,8 @@
 namespace nb = nanobind;
 using namespace mcpn;
 
-void bind_explorer(nb::module_& module);  // explorer_module.cpp
+void bind_explorer(nb::module_& module);
+void bind_search(nb::module_& module);    // search_module.cpp
 
 namespace {
 
@@ -58,6 +59,13 @@ void* run_job(void* pointer) {
 class Watch {
  public:
   Watch(const Store& store, const nb::object& progress) : store_(store), progress_(progress) {}
+  // Whether it is time again: the GIL is not to be asked for at every look.
+  bool due() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return false;
+    next_ = now + std::chrono::milliseconds(50);
+    return true;
+  }
   bool must_stop() {
     if (PyErr_CheckSignals() != 0) return true;
     const auto now = std::chrono::steady_clock::now();
@@ -71,14 +79,19 @@ class Watch {
  private:
   const Store& store_;
   const nb::object& progress_;
-  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1), next_{};
 };
 
 void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
   store.asked_to_stop = [&watch] {
+    if (!watch.due()) return false;
     const nb::gil_scoped_acquire acquire;
     return watch.must_stop();
   };
+  const struct Forget {  // what was asked is of this operation
+    Store& store;
+    ~Forget() { store.asked_to_stop = nullptr; }
+  } forget{store};
   try {
     const nb::gil_scoped_release release;
     body();
@@ -114,6 +127,11 @@ void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
   if (job.error) std::rethrow_exception(job.error);
 }
 
+using Ids = std::vector<std::uint64_t>;
+
+// What Python calls an event or a condition: the store's number above, a suffix below.
+std::atomic<std::uint32_t> stores_made{0};
+
 class PyStore : public std::enable_shared_from_this<PyStore> {
  public:
   PyStore(std::uint64_t levels, std::uint64_t memory_limit) : store(checked(levels), memory_limit) {}
@@ -148,6 +166,13 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
     }
     return {levels.begin(), levels.end()};
   }
+  std::uint64_t id(std::uint32_t suffix) {
+    if (given_.size() <= suffix) given_.resize(std::size_t(suffix) * 2 + 64);
+    given_[suffix] = true;
+    return number_ << 32 | suffix;
+  }
+  std::vector<std::uint32_t> events(const Ids& ids) { return suffixes(ids, false); }
+  std::vector<std::uint32_t> conditions(const Ids& ids) { return suffixes(ids, true); }
   std::uint32_t touches(const std::vector<std::pair<Touch, std::vector<std::int64_t>>>& sides) {
     std::vector<std::int64_t> all;
     std::vector<std::pair<std::int64_t, Touch>> each;
@@ -164,6 +189,23 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
   }
 
  private:
+  std::vector<std::uint32_t> suffixes(const Ids& ids, bool conditions) {
+    std::vector<std::uint32_t> found;
+    found.reserve(ids.size());
+    const Store& at = at_rest();
+    for (const std::uint64_t id : ids) {
+      const auto suffix = std::uint32_t(id);
+      const bool known = id >> 32 == number_ && suffix < given_.size() && given_[suffix];
+      if (!known || (conditions && !at.is_condition(suffix)))
+        throw std::invalid_argument(std::to_string(id) + " is no " + (conditions ? "condition" : "event") +
+                                    " of this store");
+      found.push_back(suffix);
+    }
+    return found;
+  }
+
+  const std::uint64_t number_ = 1 + stores_made++ % 0x7FFFFFFE;  // ids fit 63 bits
+  std::vector<bool> given_;  // by suffix, whether Python has an id of it
   std::atomic<bool> busy_ = false;
 };
 
@@ -181,10 +223,11 @@ class Handle {
   Node node;
 };
 
-template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, std::uint64_t budget, F body) {
+template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, F body, std::uint64_t most_nodes = 0,
+                                   std::uint64_t most_steps = 0) {
   Node result = 0;
   owner->run([&] {
-    owner->store.begin(budget);
+    owner->store.begin(most_nodes, most_steps);
     result = body(owner->store);
   });
   return {owner, result};
@@ -193,7 +236,7 @@ template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, std::u
 template <class F> auto measured(const Handle& set, F body) {
   decltype(body(set.store())) result{};
   set.owner->run([&] {
-    set.store().stop.store(false);
+    set.store().begin();
     result = body(set.store());
   });
   return result;
@@ -252,23 +295,25 @@ NB_MODULE(mcpn_kernel, module) {
   module.doc() = "Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets.";
   nb::exception<BudgetExceeded>(module, "BudgetExceeded");
   nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
+  nb::exception<Cancelled>(module, "Cancelled");
 
   bind_explorer(module);
+  bind_search(module);
 
   using Levels = std::vector<std::int64_t>;
 
   nb::class_<Handle>(module, "Zdd")
       .def("__or__", [](const Handle& a, const Handle& b) {
         a.same_store(b);
-        return computed(a.owner, 0, [&](Store& s) { return s.join(a.node, b.node); });
+        return computed(a.owner, [&](Store& s) { return s.join(a.node, b.node); });
       })
       .def("__and__", [](const Handle& a, const Handle& b) {
         a.same_store(b);
-        return computed(a.owner, 0, [&](Store& s) { return s.meet(a.node, b.node); });
+        return computed(a.owner, [&](Store& s) { return s.meet(a.node, b.node); });
       })
       .def("__sub__", [](const Handle& a, const Handle& b) {
         a.same_store(b);
-        return computed(a.owner, 0, [&](Store& s) { return s.minus(a.node, b.node); });
+        return computed(a.owner, [&](Store& s) { return s.minus(a.node, b.node); });
       })
       .def("__eq__", [](const Handle& a, const Handle& b) { return a.owner == b.owner && a.node == b.node; },
            nb::is_operator())
@@ -276,11 +321,11 @@ NB_MODULE(mcpn_kernel, module) {
       .def("__bool__", [](const Handle& a) { return a.node != 0; })
       .def("subset", [](const Handle& a, const Levels& marked, const Levels& unmarked) {
         const std::uint32_t wanted = a.owner->touches({{Touch::read, marked}, {Touch::zero, unmarked}});
-        return computed(a.owner, 0, [&](Store& s) { return s.filter(a.node, wanted); });
+        return computed(a.owner, [&](Store& s) { return s.filter(a.node, wanted); });
       }, nb::arg("marked") = Levels{}, nb::arg("unmarked") = Levels{})
       .def("onto", [](const Handle& a, const Levels& levels) {
         const std::uint32_t kept = a.owner->touches({{Touch::read, levels}});
-        return computed(a.owner, 0, [&](Store& s) { return s.onto(a.node, kept); });
+        return computed(a.owner, [&](Store& s) { return s.onto(a.node, kept); });
       }, nb::arg("levels"))
       .def("count", [](const Handle& a) {
         return to_int(measured(a, [&](Store& s) { return s.counts(a.node, {0}); }).front());
@@ -300,39 +345,46 @@ NB_MODULE(mcpn_kernel, module) {
         if (!a.owner->at_rest().pick(a.node, marking)) return std::nullopt;
         return marking;
       })
-      .def("without", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
-        return computed(a.owner, 0, [&](Store& s) { return s.without(a.node, conditions); });
+      .def("without", [](const Handle& a, const Ids& ids) {
+        const auto conditions = a.owner->conditions(ids);
+        return computed(a.owner, [&](Store& s) { return s.without(a.node, conditions); });
       }, nb::arg("conditions"))
-      .def("counts", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
+      .def("counts", [](const Handle& a, const Ids& ids) {
+        const auto conditions = a.owner->conditions(ids);
         const auto limbs = measured(a, [&](Store& s) { return s.counts(a.node, conditions); });
         nb::list result;
         for (const auto& number : limbs) result.append(to_int(number));
         return result;
       }, nb::arg("conditions"))
-      .def("first", [](const Handle& a, const std::vector<std::uint32_t>& conditions) {
+      .def("first", [](const Handle& a, const Ids& ids) {
+        const auto conditions = a.owner->conditions(ids);
         return measured(a, [&](Store& s) { return s.first(a.node, conditions); });
       }, nb::arg("conditions"))
-      .def("images", [](const Handle& a, const std::vector<std::uint32_t>& events, const Handle* within) {
+      .def("images", [](const Handle& a, const Ids& ids, const Handle* within) {
+        const auto events = a.owner->events(ids);
         if (within) a.same_store(*within);
         const Node limit = within ? within->node : kAnything;
-        return computed(a.owner, 0, [&](Store& s) { return s.images(a.node, events, limit); });
+        return computed(a.owner, [&](Store& s) { return s.images(a.node, events, limit); });
       }, nb::arg("events"), nb::arg("within").none() = nb::none())
-      .def("beyond", [](const Handle& a, const Handle& from, const std::vector<std::uint32_t>& events) {
+      .def("beyond", [](const Handle& a, const Handle& from, const Ids& ids) {
         a.same_store(from);
-        return computed(a.owner, 0, [&](Store& s) { return s.beyond(a.node, from.node, events); });
+        const auto events = a.owner->events(ids);
+        return computed(a.owner, [&](Store& s) { return s.beyond(a.node, from.node, events); });
       }, nb::arg("before"), nb::arg("events"))
-      .def("saturate", [](const Handle& a, const std::vector<std::uint32_t>& events, std::uint64_t max_nodes,
-                          const Handle* within) {
+      .def("saturate", [](const Handle& a, const Ids& ids, std::uint64_t max_nodes, const Handle* within,
+                          std::uint64_t max_steps) {
         if (within) a.same_store(*within);
-        return computed(a.owner, max_nodes, [&](Store& s) {
+        const auto events = a.owner->events(ids);
+        const auto body = [&](Store& s) {
           s.declare(events);
           return s.saturate(a.node, within ? within->node : kAnything);
-        });
-      }, nb::arg("events"), nb::arg("max_nodes") = 0, nb::arg("within").none() = nb::none())
+        };
+        return computed(a.owner, body, max_nodes, max_steps);
+      }, nb::arg("events"), nb::arg("max_nodes") = 0, nb::arg("within").none() = nb::none(), nb::arg("max_steps") = 0)
       .def("weighing", [](const Handle& a, const std::vector<std::int32_t>& weights, std::int64_t least,
                           std::int64_t most) {
         if (weights.size() != a.store().levels) throw std::invalid_argument("one weight for each level");
-        return computed(a.owner, 0, [&](Store& s) { return s.weighing(a.node, weights, least, most); });
+        return computed(a.owner, [&](Store& s) { return s.weighing(a.node, weights, least, most); });
       }, nb::arg("weights"), nb::arg("least"), nb::arg("most"))
       .def("__iter__", [](const Handle& a) { return Markings(a); });
 
@@ -347,25 +399,28 @@ NB_MODULE(mcpn_kernel, module) {
       .def("empty", [](std::shared_ptr<PyStore> s) { return Handle(s, 0); })
       .def("singleton", [](std::shared_ptr<PyStore> s, const Levels& marked) {
         const std::vector<Level> levels = s->sorted(marked);
-        return computed(s, 0, [&](Store& store) { return store.singleton(levels); });
+        return computed(s, [&](Store& store) { return store.singleton(levels); });
       }, nb::arg("marked"))
       .def("from_bytes", [](std::shared_ptr<PyStore> s, const nb::bytes& data) {
         if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no table of a set: rows are triples");
         std::vector<std::uint32_t> rows(data.size() / sizeof(std::uint32_t));
         std::memcpy(rows.data(), data.c_str(), data.size());
-        return computed(s, 0, [&](Store& store) { return store.from_table(rows); });
+        return computed(s, [&](Store& store) { return store.from_table(rows); });
       }, nb::arg("data"))
       .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {
-        return s.touches({{Touch::consume, consume}, {Touch::produce, produce}, {Touch::read, read}, {Touch::zero, zero}});
+        return s.id(s.touches(
+            {{Touch::consume, consume}, {Touch::produce, produce}, {Touch::read, read}, {Touch::zero, zero}}));
       }, nb::arg("consume"), nb::arg("produce"), nb::arg("read") = Levels{}, nb::arg("zero") = Levels{})
       .def("condition", [](PyStore& s, const Levels& marked, const Levels& unmarked) {
-        return s.touches({{Touch::read, marked}, {Touch::zero, unmarked}});
+        return s.id(s.touches({{Touch::read, marked}, {Touch::zero, unmarked}}));
       }, nb::arg("marked"), nb::arg("unmarked") = Levels{})
       .def("collect", [](PyStore& s) { s.run([&] { s.store.collect(); }); })
+      .def("cancel", [](PyStore& s) { s.store.cancelled.store(true); })
       .def_rw("progress", &PyStore::progress, nb::arg().none())
       .def_prop_ro("levels", [](const PyStore& s) { return s.store.levels; })
       .def_prop_ro("live_nodes", [](const PyStore& s) { return s.store.live(); })
       .def_prop_ro("peak_nodes", [](const PyStore& s) { return s.store.peak(); })
+      .def_prop_ro("steps", [](const PyStore& s) { return s.store.steps(); })
       .def_prop_ro("collections", [](const PyStore& s) { return s.store.collections(); })
       .def_prop_ro("bytes", [](const PyStore& s) { return s.store.bytes(); });
 }

@@ -3,29 +3,56 @@
 //
 // Every node is closed under the events that begin at its level or below before it is used above. A level that a
 // diagram skips is a place without token: events that begin there by producing into it, or by testing that it is
-// unmarked, must still be fired; `wakes_` says where such levels are, so that all others are passed over.
+// unmarked, must still be fired; `Program::wakes` says where such levels are, so that all others are passed over.
 #include "store.hpp"
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 namespace mcpn {
 
+namespace {
+
+constexpr std::size_t kMostPrograms = 256;                  // what a tag of the cache can tell apart
+constexpr std::uint64_t kMostProgramBytes = 64u << 20;
+
+}  // namespace
+
 void Store::declare(const std::vector<std::uint32_t>& events) {
-  if (events == declared_ && !tops_.empty()) return;
-  declared_ = events;
-  tops_.assign(levels + 1, {});
-  wakes_.assign(levels + 2, levels);
-  for (const std::uint32_t event : events)
-    if (event) tops_[suffixes_[event].level].push_back(event);
-  for (Level at = levels; at-- > 0;) {
-    const bool wakes = std::any_of(tops_[at].begin(), tops_[at].end(), [&](std::uint32_t event) {
-      return suffixes_[event].touch == Touch::produce || suffixes_[event].touch == Touch::zero;
-    });
-    wakes_[at] = wakes ? at : wakes_[at + 1];
+  if (const auto known = program_index_.find(events); known != program_index_.end()) {
+    program_ = known->second;
+    return;
   }
-  for (Cached& entry : cache_)  // what was closed under other events
-    if (entry.a != ~0ull && entry.a >> 52 >= op_saturate) entry = {};
+  if (programs_.size() == kMostPrograms || (program_bytes_ > kMostProgramBytes && programs_.size() > 1)) {
+    for (Line& line : cache_)  // numbers of programs begin anew
+      for (Cached& entry : line.ways)
+        if (entry.tag >> 28 >= op_saturate) entry = {};
+    programs_.clear();
+    program_index_.clear();
+    program_bytes_ = 0;
+  }
+  Program program;
+  program.begin.assign(levels + 2, 0);
+  for (const std::uint32_t event : events)
+    if (event) ++program.begin[suffixes_[event].level + 2];
+  for (Level at = 2; at <= levels + 1; ++at) program.begin[at] += program.begin[at - 1];
+  program.events.resize(program.begin[levels + 1]);
+  for (const std::uint32_t event : events)
+    if (event) program.events[program.begin[suffixes_[event].level + 1]++] = event;
+  program.wakes.assign(levels + 2, levels);
+  for (Level at = levels; at-- > 0;) {
+    const bool wakes = std::any_of(
+        program.events.begin() + program.begin[at], program.events.begin() + program.begin[at + 1],
+        [&](std::uint32_t event) {
+          return suffixes_[event].touch == Touch::produce || suffixes_[event].touch == Touch::zero;
+        });
+    program.wakes[at] = wakes ? at : program.wakes[at + 1];
+  }
+  program_ = std::uint32_t(programs_.size());
+  program_index_.emplace(events, program_);
+  program_bytes_ += program.bytes() + events.size() * sizeof(events[0]);
+  programs_.push_back(std::move(program));
 }
 
 Node Store::saturate(Node a, Node within) {
@@ -37,17 +64,17 @@ Node Store::saturate(Node a, Node within) {
 // Closes a set, which lies inside the limit, under the events at `from` and below.
 Node Store::saturate_from(Level from, Node a, Node within) {
   if (a == 0) return 0;
-  const Level at = std::min(level(a), wakes_[from]);
+  const Level at = std::min(level(a), programs_[program_].wakes[from]);
   if (at == levels) return a;
   within = below(within, at);
   Node result;
-  if (recall(op_saturate, at, 0, a, within, result)) return result;
+  if (recall(tag(op_saturate, at, program_), 0, a, within, result)) return result;
   const Branches x = split(a, at), w = limits(within, at);
   const Held low(*this, saturate_from(at + 1, x.lo, w.lo));
   const Held high(*this, saturate_from(at + 1, x.hi, w.hi));
   result = close(at, low, high, w);
-  remember(op_saturate, at, 0, a, within, result);
-  if (within != kAnything) remember(op_saturate, at, 0, result, within, result);
+  remember(tag(op_saturate, at, program_), 0, a, within, result);
+  if (within != kAnything) remember(tag(op_saturate, at, program_), 0, result, within, result);
   return result;
 }
 
@@ -61,10 +88,10 @@ Node Store::fire(std::uint32_t event, Level from, Node a, Node within) {
   }
   const Suffix head = suffixes_[event];
   if (level(a) > head.level && (head.touch == Touch::consume || head.touch == Touch::read)) return 0;
-  const Level at = std::min({level(a), head.level, wakes_[from]});
+  const Level at = std::min({level(a), head.level, programs_[program_].wakes[from]});
   within = below(within, at);
   Node result;
-  if (recall(op_fire, at, event, a, within, result)) return result;
+  if (recall(tag(op_fire, at, program_), event, a, within, result)) return result;
   const Branches x = split(a, at), w = limits(within, at);
   if (at < head.level) {
     const Held low(*this, fire(event, at + 1, x.lo, w.lo));
@@ -76,14 +103,15 @@ Node Store::fire(std::uint32_t event, Level from, Node a, Node within) {
     const Held made(*this, fire(head.next, at + 1, from_high ? x.hi : x.lo, into_high ? w.hi : w.lo));
     result = into_high ? close(at, 0, made, w) : close(at, made, 0, w);
   }
-  remember(op_fire, at, event, a, within, result);
+  remember(tag(op_fire, at, program_), event, a, within, result);
   return result;
 }
 
 // A node of two closed children, closed under the events that begin at its level.
 Node Store::close(Level at, Node lo, Node hi, Branches within) {
   if (lo == 0 && hi == 0) return 0;
-  const auto& events = tops_[at];
+  const Program& program = programs_[program_];
+  const std::span events(program.events.data() + program.begin[at], program.begin[at + 1] - program.begin[at]);
   if (events.empty()) return make(at, lo, hi);
   Held low(*this, lo), high(*this, hi);
   // Which version of its source each event was last fired on; few events begin at most levels.

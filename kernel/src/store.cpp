@@ -6,8 +6,9 @@ namespace mcpn {
 
 namespace {
 
-constexpr std::uint64_t kFirstBuckets = 1u << 14, kFirstCache = 1u << 16, kMostCache = 1u << 23;
+constexpr std::uint64_t kFirstBuckets = 1u << 14, kFirstLines = 1u << 14, kMostLines = 1u << 22;
 constexpr std::uint64_t kFirstCollection = 1u << 22;
+constexpr std::uint64_t kLook = 1u << 15;  // steps from one look at signals to the next
 constexpr Node kNone = 0;
 
 std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
@@ -22,25 +23,35 @@ std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
 Store::Store(Level levels, std::uint64_t memory_limit) : levels(levels), memory_limit_(memory_limit) {
   nodes_ = {{levels, 0, 0, kNone}, {levels, 1, 1, kNone}};
   buckets_.assign(kFirstBuckets, kNone);
-  cache_.assign(kFirstCache, {});
+  cache_.assign(kFirstLines, {});
   suffixes_.push_back({levels, Touch::read, 0});
+  is_condition_.push_back(true);
   collect_at_ = kFirstCollection;
   declare({});
   require(0);
 }
 
 std::uint64_t Store::bytes() const {
-  return nodes_.capacity() * sizeof(Cell) + buckets_.capacity() * sizeof(Node) + cache_.capacity() * sizeof(Cached);
+  return nodes_.capacity() * sizeof(Cell) + buckets_.capacity() * sizeof(Node) + cache_.capacity() * sizeof(Line) +
+         seen_.capacity() * sizeof(std::uint32_t) + program_bytes_ + scratch_;
 }
 
-void Store::require(std::uint64_t more) {
+void Store::require(std::uint64_t more) const {
   if (bytes() + more > memory_limit_)
     throw MemoryLimit("the store's memory limit of " + std::to_string(memory_limit_) + " bytes was hit at " +
                       std::to_string(used_) + " nodes");
 }
 
 void Store::check() {
+  if (cancelled.load(std::memory_order_relaxed)) throw Cancelled();
   if (stop.load(std::memory_order_relaxed) || (asked_to_stop && asked_to_stop())) throw Interrupted();
+}
+
+void Store::look_up() {
+  if (most_steps_ && steps_ >= most_steps_)
+    throw BudgetExceeded("the budget of " + std::to_string(most_steps_) + " steps was exceeded");
+  check();
+  look_at_ = most_steps_ ? std::min(most_steps_, steps_ + kLook) : steps_ + kLook;
 }
 
 Node Store::make(Level level, Node lo, Node hi) {
@@ -48,7 +59,6 @@ Node Store::make(Level level, Node lo, Node hi) {
   const std::uint64_t key = mix(std::uint64_t(lo) << 32 | hi, level);
   for (Node n = buckets_[key & (buckets_.size() - 1)]; n != kNone; n = nodes_[n].next)
     if (nodes_[n].lo == lo && nodes_[n].hi == hi && nodes_[n].level == level) return n;
-  if ((++steps_ & 0xFFFF) == 0) check();
   if (budget_ && made_ >= budget_)
     throw BudgetExceeded("the budget of " + std::to_string(budget_) + " nodes was exceeded");
   ++made_;
@@ -104,38 +114,51 @@ void Store::grow_table() {
 
 void Store::grow_cache() {
   overwritten_ = 0;
-  const std::uint64_t wanted = std::min(kMostCache, cache_.size() * 2);
-  if (wanted <= cache_.size() || bytes() + wanted * sizeof(Cached) > memory_limit_) return;
-  std::vector<Cached> wider(wanted);
-  for (const Cached& entry : cache_)
-    if (entry.a != ~0ull) wider[mix(entry.a, entry.b) & (wanted - 1)] = entry;
-  cache_.swap(wider);
+  const std::uint64_t wanted = std::min(kMostLines, std::uint64_t(cache_.size() * 2));
+  if (wanted <= cache_.size() || bytes() + wanted * sizeof(Line) > memory_limit_) return;
+  std::vector<Line> narrower(wanted);
+  cache_.swap(narrower);
+  for (const Line& line : narrower)
+    for (std::size_t way = std::size(line.ways); way-- > 0;)  // the newest last
+      if (const Cached& entry = line.ways[way]; entry.tag) remember(entry.tag, entry.x, entry.y, entry.z, entry.result);
+  overwritten_ = 0;
 }
 
-bool Store::recall(Op op, Level at, std::uint32_t x, Node y, Node z, Node& result) {
-  const std::uint64_t a = (std::uint64_t(op) << 20 | at) << 32 | x, b = std::uint64_t(y) << 32 | z;
-  const Cached& entry = cache_[mix(a, b) & (cache_.size() - 1)];
-  if (entry.a != a || entry.b != b) return false;
-  result = entry.result;
-  return true;
+Store::Line& Store::line(std::uint32_t tag, std::uint32_t x, Node y, Node z) {
+  return cache_[mix(std::uint64_t(tag) << 32 | x, std::uint64_t(y) << 32 | z) & (cache_.size() - 1)];
 }
 
-void Store::remember(Op op, Level at, std::uint32_t x, Node y, Node z, Node result) {
-  const std::uint64_t a = (std::uint64_t(op) << 20 | at) << 32 | x, b = std::uint64_t(y) << 32 | z;
-  Cached* entry = &cache_[mix(a, b) & (cache_.size() - 1)];
-  if (entry->a != ~0ull && ++overwritten_ > cache_.size()) {
+bool Store::recall(std::uint32_t tag, std::uint32_t x, Node y, Node z, Node& result) {
+  for (const Cached& entry : line(tag, x, y, z).ways)
+    if (entry.tag == tag && entry.x == x && entry.y == y && entry.z == z) {
+      result = entry.result;
+      return true;
+    }
+  count_step();
+  return false;
+}
+
+void Store::remember(std::uint32_t tag, std::uint32_t x, Node y, Node z, Node result) {
+  Cached* ways = line(tag, x, y, z).ways;
+  if (ways[2].tag && ++overwritten_ > cache_.size() * 3) {
     grow_cache();
-    entry = &cache_[mix(a, b) & (cache_.size() - 1)];
+    ways = line(tag, x, y, z).ways;
   }
-  *entry = {a, b, result};
+  ways[2] = ways[1];
+  ways[1] = ways[0];
+  ways[0] = {tag, x, y, z, result};
 }
 
-void Store::begin(std::uint64_t budget) {
+void Store::begin(std::uint64_t most_nodes, std::uint64_t most_steps) {
   stop.store(false);
   held_.clear();
   peak_ = used_;
   made_ = 0;
-  budget_ = budget;
+  budget_ = most_nodes;
+  steps_ = 0;
+  most_steps_ = most_steps;
+  look_at_ = most_steps ? std::min(most_steps, kLook) : kLook;
+  if (cancelled.load()) throw Cancelled();
 }
 
 void Store::collect(std::initializer_list<Node> also) {
@@ -171,8 +194,9 @@ void Store::collect(std::initializer_list<Node> also) {
     }
   }
   const auto lives = [&](Node n) { return n == kAnything || marked[n]; };
-  for (Cached& entry : cache_)
-    if (entry.a != ~0ull && !(lives(Node(entry.b >> 32)) && lives(Node(entry.b)) && lives(entry.result))) entry = {};
+  for (Line& line : cache_)
+    for (Cached& entry : line.ways)
+      if (entry.tag && !(lives(entry.y) && lives(entry.z) && lives(entry.result))) entry = {};
   ++collections_;
 }
 
@@ -181,12 +205,12 @@ Node Store::join(Node a, Node b) {
   if (a == 0) return b;
   if (a > b) std::swap(a, b);
   Node result;
-  if (recall(op_join, 0, 0, a, b, result)) return result;
+  if (recall(tag(op_join), 0, a, b, result)) return result;
   const Level at = std::min(level(a), level(b));
   const Branches x = split(a, at), y = split(b, at);
   const Held low(*this, join(x.lo, y.lo));
   result = make(at, low, join(x.hi, y.hi));
-  remember(op_join, 0, 0, a, b, result);
+  remember(tag(op_join), 0, a, b, result);
   return result;
 }
 
@@ -195,13 +219,13 @@ Node Store::meet(Node a, Node b) {
   if (a == 0 || b == 0) return 0;
   if (a > b) std::swap(a, b);
   Node result;
-  if (recall(op_meet, 0, 0, a, b, result)) return result;
+  if (recall(tag(op_meet), 0, a, b, result)) return result;
   const Level at = std::min(level(a), level(b));
   if (at == levels) return 0;  // two different terminals: one is empty
   const Branches x = split(a, at), y = split(b, at);
   const Held low(*this, meet(x.lo, y.lo));
   result = make(at, low, meet(x.hi, y.hi));
-  remember(op_meet, 0, 0, a, b, result);
+  remember(tag(op_meet), 0, a, b, result);
   return result;
 }
 
@@ -209,12 +233,12 @@ Node Store::minus(Node a, Node b) {
   if (a == 0 || a == b) return 0;
   if (b == 0) return a;
   Node result;
-  if (recall(op_minus, 0, 0, a, b, result)) return result;
+  if (recall(tag(op_minus), 0, a, b, result)) return result;
   const Level at = std::min(level(a), level(b));
   const Branches x = split(a, at), y = split(b, at);
   const Held low(*this, minus(x.lo, y.lo));
   result = make(at, low, minus(x.hi, y.hi));
-  remember(op_minus, 0, 0, a, b, result);
+  remember(tag(op_minus), 0, a, b, result);
   return result;
 }
 
@@ -224,7 +248,7 @@ Node Store::filter(Node a, std::uint32_t literals) {
   Node result;
   if (level(a) > wanted.level)  // skipped, so unmarked
     return wanted.touch == Touch::zero ? filter(a, wanted.next) : 0;
-  if (recall(op_filter, 0, literals, a, 0, result)) return result;
+  if (recall(tag(op_filter), literals, a, 0, result)) return result;
   if (level(a) < wanted.level) {
     const Held low(*this, filter(lo(a), literals));
     result = make(level(a), low, filter(hi(a), literals));
@@ -233,7 +257,7 @@ Node Store::filter(Node a, std::uint32_t literals) {
   } else {
     result = make(level(a), 0, filter(hi(a), wanted.next));
   }
-  remember(op_filter, 0, literals, a, 0, result);
+  remember(tag(op_filter), literals, a, 0, result);
   return result;
 }
 
@@ -242,11 +266,11 @@ Node Store::onto(Node a, std::uint32_t kept) {
   while (kept && suffixes_[kept].level < level(a)) kept = suffixes_[kept].next;
   if (kept == 0) return 1;  // some marking is there, and nothing more is asked of it
   Node result;
-  if (recall(op_onto, 0, kept, a, 0, result)) return result;
+  if (recall(tag(op_onto), kept, a, 0, result)) return result;
   const Held low(*this, onto(lo(a), kept));
   const Held high(*this, onto(hi(a), kept));
   result = level(a) == suffixes_[kept].level ? make(level(a), low, high) : join(low, high);
-  remember(op_onto, 0, kept, a, 0, result);
+  remember(tag(op_onto), kept, a, 0, result);
   return result;
 }
 
@@ -257,7 +281,7 @@ Node Store::image(Node a, std::uint32_t event, Node within) {
   const Level at = std::min(level(a), head.level);
   within = below(within, at);
   Node result;
-  if (recall(op_image, 0, event, a, within, result)) return result;
+  if (recall(tag(op_image), event, a, within, result)) return result;
   const Branches x = split(a, at), w = limits(within, at);
   if (at < head.level) {
     const Held low(*this, image(x.lo, event, w.lo));
@@ -270,7 +294,7 @@ Node Store::image(Node a, std::uint32_t event, Node within) {
       default: result = image(x.lo, head.next, w.lo);
     }
   }
-  remember(op_image, 0, event, a, within, result);
+  remember(tag(op_image), event, a, within, result);
   return result;
 }
 
@@ -319,7 +343,10 @@ Node Store::singleton(const std::vector<Level>& marked) {
 std::uint32_t Store::suffix(Level level, Touch touch, std::uint32_t next) {
   const std::uint64_t key = std::uint64_t(next) << 32 | std::uint64_t(level) << 2 | std::uint64_t(touch);
   const auto [found, added] = suffix_index_.try_emplace(key, std::uint32_t(suffixes_.size()));
-  if (added) suffixes_.push_back({level, touch, next});
+  if (added) {
+    suffixes_.push_back({level, touch, next});
+    is_condition_.push_back((touch == Touch::read || touch == Touch::zero) && is_condition_[next]);
+  }
   return found->second;
 }
 

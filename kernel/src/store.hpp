@@ -5,12 +5,15 @@
 //
 // Garbage may be collected whenever a node is made. What an operation still needs is reachable from handles, from
 // the arguments of its callers, or held (class Held).
+//
+// A step is a result that the operation cache did not hold: the clock of budgets, and of looking for signals.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -28,6 +31,7 @@ struct BudgetExceeded : std::runtime_error { using std::runtime_error::runtime_e
 struct MemoryLimit : std::runtime_error { using std::runtime_error::runtime_error; };
 struct StateLimit : std::runtime_error { using std::runtime_error::runtime_error; };
 struct Interrupted : std::runtime_error { Interrupted() : std::runtime_error("interrupted") {} };
+struct Cancelled : std::runtime_error { Cancelled() : std::runtime_error("the operation was cancelled") {} };
 
 enum class Touch : std::uint8_t { consume, produce, read, zero };  // 1 to 0, 0 to 1, 1 to 1, 0 to 0
 
@@ -37,6 +41,15 @@ struct Suffix {
   Touch touch;
   std::uint32_t next;  // 0: nothing more
 };
+
+// Some events by their first level, in the order in which they were given.
+struct Program {
+  std::vector<std::uint32_t> events, begin;  // those of a level: events[begin[level]] to events[begin[level + 1]]
+  std::vector<Level> wakes;  // from each level on, the first at which an event can fire on an unmarked place
+  std::uint64_t bytes() const { return (events.capacity() + begin.capacity() + wakes.capacity()) * 4; }
+};
+
+class Scratch;
 
 class Store {
  public:
@@ -58,6 +71,7 @@ class Store {
 
   // --- events ---
   std::uint32_t suffix(Level level, Touch touch, std::uint32_t next);
+  bool is_condition(std::uint32_t suffix) const { return is_condition_[suffix]; }  // nothing but read and zero
   void declare(const std::vector<std::uint32_t>& events);  // what saturate() closes under
   Node saturate(Node a, Node within = kAnything);          // firings that leave `within` do not happen
 
@@ -82,8 +96,9 @@ class Store {
     if (--kept_.at(a) == 0) kept_.erase(a);
   }
   void collect(std::initializer_list<Node> also = {});
-  void begin(std::uint64_t budget);  // before each operation: its budget of new nodes, the stop flag
-  std::atomic<bool> stop{false};
+  void begin(std::uint64_t most_nodes = 0, std::uint64_t most_steps = 0);  // before each operation; 0: no budget
+  std::atomic<bool> stop{false};       // ends the operation under way
+  std::atomic<bool> cancelled{false};  // ends this operation and every later one
   std::function<bool()> asked_to_stop;  // looked at now and then, for operations that run on the calling thread
 
   const Level levels;
@@ -93,27 +108,36 @@ class Store {
   std::uint64_t live() const { return used_; }  // a hint only, while an operation runs on another thread
   std::uint64_t peak() const { return peak_; }
   std::uint64_t collections() const { return collections_; }
-  std::uint64_t bytes() const;
+  std::uint64_t steps() const { return steps_; }  // of the last operation
+  std::uint64_t bytes() const;  // what the memory limit bounds
 
  private:
   struct Cell { Level level; Node lo, hi, next; };
-  struct Cached { std::uint64_t a = ~0ull, b = 0; Node result = 0; };
+  struct Cached { std::uint32_t tag = 0, x, y, z; Node result; };  // tag 0: nothing
+  struct alignas(64) Line { Cached ways[3]; };                     // the last one remembered stands first
   struct Branches { Node lo, hi; };
-  enum Op : std::uint64_t { op_join = 1, op_meet, op_minus, op_filter, op_onto, op_image, op_saturate, op_fire };
+  enum Op : std::uint32_t { op_join = 1, op_meet, op_minus, op_filter, op_onto, op_image, op_saturate, op_fire };
 
   template <class F> void walk(Node a, F body);
+  std::vector<std::vector<Node>> nodes_by_level(Node a, Scratch& scratch);
   Branches split(Node a, Level at) const {
     return level(a) == at ? Branches{lo(a), hi(a)} : Branches{a, 0};
   }
   // Results of operations on two nodes y and z (0: none) and what else tells them apart.
-  bool recall(Op op, Level at, std::uint32_t x, Node y, Node z, Node& result);
-  void remember(Op op, Level at, std::uint32_t x, Node y, Node z, Node result);
+  static std::uint32_t tag(Op op, Level at = 0, std::uint32_t program = 0) { return op << 28 | program << 20 | at; }
+  Line& line(std::uint32_t tag, std::uint32_t x, Node y, Node z);
+  bool recall(std::uint32_t tag, std::uint32_t x, Node y, Node z, Node& result);
+  void remember(std::uint32_t tag, std::uint32_t x, Node y, Node z, Node result);
+  void count_step() {
+    if (++steps_ >= look_at_) look_up();
+  }
+  void look_up();
   void check();
   void make_room(Node lo, Node hi);
   void grow_table();
   void grow_cache();
   std::uint64_t overwritten_ = 0;  // cache entries lost to others since it last grew
-  void require(std::uint64_t bytes);
+  void require(std::uint64_t bytes) const;
 
   // --- saturation ---
   Node saturate_from(Level from, Node a, Node within);
@@ -128,12 +152,15 @@ class Store {
   }
 
   friend class Held;
+  friend class Scratch;
 
   std::vector<Cell> nodes_;
   std::vector<Node> buckets_;
-  std::vector<Cached> cache_;
+  std::vector<Line> cache_;
   Node free_ = 0;
-  std::uint64_t used_ = 0, peak_ = 0, made_ = 0, budget_ = 0, collect_at_ = 0, collections_ = 0, steps_ = 0;
+  std::uint64_t used_ = 0, peak_ = 0, made_ = 0, budget_ = 0, collect_at_ = 0, collections_ = 0;
+  std::uint64_t steps_ = 0, most_steps_ = 0, look_at_ = ~0ull;
+  std::uint64_t scratch_ = 0;  // bytes of what operations keep beside nodes and cache
   std::uint64_t memory_limit_;
   std::mutex kept_mutex_;  // handles may die while an operation runs on another thread
   std::unordered_map<Node, std::uint32_t> kept_;
@@ -142,9 +169,11 @@ class Store {
   std::uint32_t walk_ = 0;
   std::vector<Suffix> suffixes_;
   std::unordered_map<std::uint64_t, std::uint32_t> suffix_index_;
-  std::vector<std::uint32_t> declared_;
-  std::vector<std::vector<std::uint32_t>> tops_;  // declared events by their first level
-  std::vector<Level> wakes_;  // from each level on, the first at which an event can fire on an unmarked place
+  std::vector<bool> is_condition_;  // by suffix
+  std::vector<Program> programs_;
+  std::map<std::vector<std::uint32_t>, std::uint32_t> program_index_;
+  std::uint64_t program_bytes_ = 0;
+  std::uint32_t program_ = 0;
 };
 
 // A node that garbage collection must leave alone while this lives.
@@ -163,6 +192,24 @@ class Held {
  private:
   Store& store_;
   std::size_t at_;
+};
+
+// Memory that an operation takes for itself, inside the store's limit.
+class Scratch {
+ public:
+  explicit Scratch(Store& store) : store_(store) {}
+  ~Scratch() { store_.scratch_ -= taken_; }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  void take(std::uint64_t bytes) {
+    store_.require(bytes);
+    taken_ += bytes;
+    store_.scratch_ += bytes;
+  }
+
+ private:
+  Store& store_;
+  std::uint64_t taken_ = 0;
 };
 
 }  // namespace mcpn

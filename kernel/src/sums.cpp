@@ -6,6 +6,12 @@
 
 namespace mcpn {
 
+namespace {
+
+constexpr std::uint64_t kEntry = 160;  // bytes of what is remembered of a node and a sum, and of what is kept, about
+
+}  // namespace
+
 Node Store::weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most) {
   // What the levels from each one on can add at least and at most.
   std::vector<std::int64_t> lowest(levels + 1, 0), highest(levels + 1, 0);
@@ -15,12 +21,15 @@ Node Store::weighing(Node a, const std::vector<std::int32_t>& weights, std::int6
   }
   std::map<std::pair<Node, std::int64_t>, Node> memo;
   std::vector<Node> made;  // what the memo names must outlive any collection of garbage
+  Scratch scratch(*this);
   auto visit = [&](auto&& self, Node n, std::int64_t so_far) -> Node {
     const Level at = level(n);
     if (n == 0 || so_far + lowest[at] > most || so_far + highest[at] < least) return 0;
     if (so_far + lowest[at] >= least && so_far + highest[at] <= most) return n;
     const std::pair key(n, so_far);
     if (const auto found = memo.find(key); found != memo.end()) return found->second;
+    count_step();
+    scratch.take(kEntry);
     const Held low(*this, self(self, lo(n), so_far));
     const Node result = make(at, low, self(self, hi(n), so_far + weights[at]));
     keep(result);

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.cli.shared import (
     FILE,
-    composite_of,
+    SECTIONS,
+    STATES_AND_EDGES,
     import_option,
     limit_option,
     mission_net_of,
@@ -18,63 +18,49 @@ from mcpn.cli.shared import (
 )
 from mcpn.errors import InputError, Source
 
-if TYPE_CHECKING:
-    from mcpn.net.compose import MissionNet
-
 
 @click.command()
 @click.argument("mission", type=FILE)
 @click.option("--target", type=click.Choice(["json"]), default="json", show_default=True)
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
-    "--flat/--hierarchical",
+    "--hierarchical/--flat",
     default=True,
-    help="One machine, or one for each type of section and one on top.",
+    help="A machine for each type of section (the default), or one for the whole mission.",
 )
 @limit_option
 @import_option
 def controller(
-    mission: Path, target: str, output: Path, flat: bool, max_states: int | None, import_root: Path | None
+    mission: Path,
+    target: str,
+    output: Path,
+    hierarchical: bool,
+    max_states: int | None,
+    import_root: Path | None,
 ) -> None:
-    """Generate the controller of MISSION as finite state machines."""
-    from mcpn.controller.targets.json import FILE_NAME
+    """Generate the controller of MISSION: finite state machines that do what was verified."""
+    from mcpn.controller.generate import generate
+    from mcpn.controller.targets import files
     from mcpn.files import write_atomically
 
     mission_net = mission_net_of(mission, import_root)
-    text, size = (_flat if flat else _hierarchical)(mission_net, max_states)
+    with progress_line(False, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
+        found = generate(
+            mission_net,
+            "hierarchical" if hierarchical else "flat",
+            max_states=max_states,
+            progress=progress,
+            told=lambda text: click.echo(text, err=True),
+        )
+    click.echo(f"{found.form} controller of {found.mission}: {found.size}")
+    texts = files(found, mission_net, target)
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError.at(Source(str(output)), f"cannot be made a directory: {error.strerror}") from error
-    path = output / FILE_NAME
-    write_atomically(path, text)
-    click.echo(f"{path}: {size}")
-
-
-def _flat(mission_net: MissionNet, max_states: int | None) -> tuple[str, str]:
-    from mcpn.controller.machine import controller as generate
-    from mcpn.controller.targets.json import write_json
-    from mcpn.space.confluence import direct_with_proof
-
-    limits = {} if max_states is None else {"max_states": max_states}
-    with progress_line(False) as progress:
-        graph = direct_with_proof(mission_net.net, progress=progress, **limits)
-    machine = generate(mission_net, graph)
-    return write_json(machine, mission_net), f"{len(machine.states)} states, {len(machine.edges)} edges"
-
-
-def _hierarchical(mission_net: MissionNet, max_states: int | None) -> tuple[str, str]:
-    from mcpn.controller.hierarchy import hierarchical_controller
-    from mcpn.controller.targets.json import write_hierarchical_json
-
-    composite = composite_of(mission_net, max_states, listed=True)
-    hierarchy = hierarchical_controller(composite)
-    states = sum(len(machine.states) for machine in hierarchy.types)
-    edges = sum(len(machine.edges) for machine in hierarchy.types)
-    size = (
-        f"{len(hierarchy.sections)} sections of {len(hierarchy.types)} types, {states} states, {edges} edges"
-    )
-    return write_hierarchical_json(hierarchy, mission_net), size
+    for name, text in texts.items():
+        write_atomically(output / name, text)
+        click.echo(output / name)
 
 
 @click.command()

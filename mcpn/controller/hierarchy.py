@@ -1,81 +1,253 @@
-"""The mission controller in two levels: a machine for each type of section, and one that leads between them.
+"""The controller as it is run: sections, each with the machine of its type, and routes between them.
 
-Its size is the sum of the sizes of the types, where the flat machine's is a product with all hardware that a
-section does not use. To run it: keep the set of hardware out of service (its failure adds, its repair takes
-away). A section is entered by taking, in its type's machine, the edge ``MISSION_EV_START`` from the state
-before the start that has the section's own hardware in that set out of service. When the machine comes to a
-state with an outcome, the section has ended so, and its route for that outcome says what is entered next.
+A machine of a section has states *inside* it alone. What is around is the same for every mission and needs no
+table: the set of hardware out of service is kept beside, the section is entered by the state of its own
+hardware (*entry*), and an edge may *leave* it with an outcome, which the section's routes lead on. Hardware
+that the section does not use fails and recovers freely.
+
+The *hierarchical* controller has a machine for each type of section: its size is the sum of theirs. The
+*flat* controller is the same with one section, the whole mission: its size is a product with all hardware.
+Both give the same actions on the same events.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
+from mcpn.check.modes import Situation
+from mcpn.controller.actions import Action
 from mcpn.controller.machine import Machine, controller
+from mcpn.errors import LimitError
+from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
+from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.local.composite import Composite
+
+KINDS = ("hardware", "objectives", "activities", "alternatives")
+"""Kinds of names that differ between sections of one type."""
+
+MOST_ENTRIES = 1 << 20
+"""Hardware states with which a section may be entered, each with an entry of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """What a section's machine does on an event inside it.
+
+    Args:
+        source: Number of the state that it is in.
+        event: Number of the event.
+        target: Number of the state that it goes to, or the outcome with which it leaves the section.
+        actions: In order.
+    """
+
+    source: int
+    event: int
+    target: int | str
+    actions: tuple[Action, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """How a section is entered.
+
+    Args:
+        target: The first state inside.
+        actions: In order.
+    """
+
+    target: int
+    actions: tuple[Action, ...]
 
 
 @dataclass(frozen=True)
-class TopState:
-    """A section as a state of the top machine.
+class SectionMachine:
+    """The machine of one type of sections, with the names of the section that stands for it.
 
     Args:
-        name: The section's name.
+        hardware: The section's hardware that can fail, by its bit in the numbers of entries.
+        events: By number.
+        states: What each state inside is.
+        entries: By number whose bits say which hardware is out of service; ``None`` where the mission
+            cannot come so.
+        moves: Sorted by source, then event.
+    """
+
+    hardware: tuple[str, ...]
+    events: tuple[Event, ...]
+    states: tuple[Situation, ...]
+    entries: tuple[Entry | None, ...]
+    moves: tuple[Move, ...]
+
+
+@dataclass(frozen=True)
+class PlacedMachine:
+    """A section of the mission.
+
+    Args:
+        name: Its name.
         type: Number of its type's machine.
-        names: What elements of the type's machine are called in this section, by their names there: kind
-            (``objectives``, ``activities``, ``alternatives`` as ``activity.alternative``, ``hardware``) to
-            the names.
-        success: The section entered after success, or ``succeed`` or ``fail``.
-        failure: The same after failure.
+        names: By kind (:data:`KINDS`), from names in the type's machine to the section's own; alternatives
+            as ``activity.alternative``. A name that is missing stays as it is.
+        events: The type's events with the section's own names, by number.
+        routes: By outcome, the section entered next, or ``succeed`` or ``fail``.
     """
 
     name: str
     type: int
-    names: dict[str, dict[str, str]]
-    success: str
-    failure: str
+    names: Mapping[str, Mapping[str, str]]
+    events: tuple[Event, ...]
+    routes: Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class Hierarchy:
-    """A mission controller in two levels.
+class Controller:
+    """A mission controller, flat or hierarchical.
 
     Args:
         mission: The mission's name.
+        form: Which of the two.
+        hardware: Hardware that can fail, in the mission's order.
         initial: The section entered at the mission's start.
         sections: In document order.
         types: Their machines.
+        minimised: Whether states that cannot be told apart have been merged.
     """
 
     mission: str
+    form: Literal["flat", "hierarchical"]
+    hardware: tuple[str, ...]
     initial: str
-    sections: tuple[TopState, ...]
-    types: tuple[Machine, ...]
+    sections: tuple[PlacedMachine, ...]
+    types: tuple[SectionMachine, ...]
+    minimised: bool = False
+
+    @property
+    def states(self) -> int:
+        """States of all machines."""
+        return sum(len(machine.states) for machine in self.types)
+
+    @property
+    def moves(self) -> int:
+        """Edges of all machines, entries included."""
+        return sum(len(machine.moves) + len(machine.entries) for machine in self.types)
+
+    @property
+    def size(self) -> str:
+        """In words."""
+        return (
+            f"{len(self.sections)} sections of {len(self.types)} types, "
+            f"{self.states} states, {self.moves} edges"
+        )
 
 
-def hierarchical_controller(composite: Composite) -> Hierarchy:
-    """Generates the controller of a mission in two levels.
+def hierarchical_controller(composite: Composite) -> Controller:
+    """Generates the controller of a mission with a machine for each type of section.
 
     Args:
         composite: The mission's composite, the states of every section listed.
 
     Returns:
-        A machine for each type of section, and the routes between sections.
+        The controller.
     """
     numbers: dict[int, int] = {}
-    types, sections = list[Machine](), list[TopState]()
+    types, sections = list[SectionMachine](), list[PlacedMachine]()
     for placed in composite.sections:
         local = placed.listed
         if id(local) not in numbers:
             numbers[id(local)] = len(types)
-            types.append(controller(local.net, local.graph))
-        section = placed.section
+            types.append(section_machine(local.net, local.graph, local.faulty))
+        number = numbers[id(local)]
         renaming = placed.renaming
-        names = {
-            "objectives": renaming.objectives,
-            "activities": renaming.activities,
-            "alternatives": renaming.alternatives,
-            "hardware": renaming.hardware,
-        }
-        sections.append(TopState(section.name, numbers[id(local)], names, section.success, section.failure))
-    return Hierarchy(composite.usage.mission.name, composite.graph.entry, tuple(sections), tuple(types))
+        names = {kind: dict(getattr(renaming, kind)) for kind in KINDS}
+        section = placed.section
+        events = tuple(_renamed(event, names) for event in types[number].events)
+        routes = {"success": section.success, "failure": section.failure}
+        sections.append(PlacedMachine(section.name, number, names, events, routes))
+    mission = composite.usage.mission.name
+    return Controller(
+        mission, "hierarchical", composite.faulty, composite.graph.entry, tuple(sections), tuple(types)
+    )
+
+
+def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Controller:
+    """Generates the controller of a mission as one machine.
+
+    Args:
+        mission_net: The mission's net.
+        alternatives: Its alternatives graph.
+
+    Returns:
+        The controller.
+    """
+    hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
+    machine = section_machine(mission_net, alternatives, hardware)
+    name = mission_net.mission.name
+    routes = {"success": SUCCEED, "failure": FAIL}
+    whole = PlacedMachine(name, 0, {kind: {} for kind in KINDS}, machine.events, routes)
+    return Controller(name, "flat", hardware, name, (whole,), (machine,))
+
+
+def section_machine(
+    mission_net: MissionNet, alternatives: AlternativesGraph, hardware: tuple[str, ...]
+) -> SectionMachine:
+    """The machine of one section, or of the whole mission taken as one.
+
+    Args:
+        mission_net: The net of the section alone, or of the mission.
+        alternatives: Its alternatives graph.
+        hardware: Its hardware that can fail.
+
+    Raises:
+        LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
+    """
+    if 1 << len(hardware) > MOST_ENTRIES:
+        raise LimitError(
+            f"{len(hardware)} hardware resources that may fail have 2^{len(hardware)} states, "
+            f"the limit on the entries of a machine is {MOST_ENTRIES}"
+        )
+    return cut(controller(mission_net, alternatives), hardware)
+
+
+def cut(machine: Machine, hardware: tuple[str, ...]) -> SectionMachine:
+    """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
+    inside = [
+        number
+        for number, state in enumerate(machine.states)
+        if number not in machine.waiting and state.outcome is None
+    ]
+    number_of = {number: new for new, number in enumerate(inside)}
+    bit = {name: 1 << i for i, name in enumerate(hardware)}
+    entries: list[Entry | None] = [None] * (1 << len(hardware))
+    events = tuple(sorted({edge.event for edge in machine.edges if edge.source in number_of}))
+    event_of = {event: number for number, event in enumerate(events)}
+    moves = []
+    for edge in machine.edges:
+        target = machine.states[edge.target]
+        if edge.source in number_of:
+            to = number_of[edge.target] if target.outcome is None else target.outcome
+            moves.append(Move(number_of[edge.source], event_of[edge.event], to, edge.actions))
+        elif edge.event == START:
+            assert target.outcome is None, "a section that is entered has something to do"
+            mask = sum(bit[name] for name in machine.states[edge.source].out_of_service)
+            entries[mask] = Entry(number_of[edge.target], edge.actions)
+    moves.sort(key=lambda move: (move.source, move.event))
+    states = tuple(machine.states[number] for number in inside)
+    return SectionMachine(hardware, events, states, tuple(entries), tuple(moves))
+
+
+_KIND_OF_ELEMENT = {
+    What.SUCCESS: "objectives",
+    What.FAILURE: "objectives",
+    What.OUT_OF_SERVICE: "hardware",
+    What.REPAIRED: "hardware",
+}
+
+
+def _renamed(event: Event, names: Mapping[str, Mapping[str, str]]) -> Event:
+    """An event of a type with the names of a section of it; what is of no element of it stays."""
+    kind = _KIND_OF_ELEMENT.get(event.what)
+    return event if kind is None else Event(event.what, names[kind].get(event.element, event.element))

@@ -2,36 +2,20 @@
 
 "The mission controller receives the events and reads in the graph of the alternatives the actions he must
 perform (alternative change, activation / deactivation of activity)." A state is a stable marking; the actions
-of an edge are what changes in the functioning mode: activities to stop, then to start, then alternatives to
-select. An activity that an objective's end stops and the next objective starts at once is stopped and started
-again; one that both objectives merely use through resources goes on.
+of an edge are what the net's run to completion does to activities (:mod:`mcpn.controller.run`), in a safe
+order (:mod:`mcpn.controller.actions`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 from mcpn.check.modes import Situation, situation
+from mcpn.controller.actions import Action, Ordering
+from mcpn.controller.run import Runner
 from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
+from mcpn.net.events import Event
 from mcpn.space.alternatives import AlternativesGraph
-
-
-@dataclass(frozen=True, slots=True)
-class Action:
-    """One order of the controller to the robot.
-
-    Args:
-        verb: ``stop`` or ``start`` an activity, or ``select`` one of its alternatives.
-        activity: The activity.
-        alternative: The alternative, for ``select``.
-    """
-
-    verb: Literal["stop", "start", "select"]
-    activity: str
-    alternative: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +26,7 @@ class Edge:
         source: Number of the state that it is in.
         event: The event received.
         target: Number of the state that it goes to.
-        actions: In order: stops, starts, selections.
+        actions: In order: stops, releases, selections, starts.
     """
 
     source: int
@@ -53,18 +37,20 @@ class Edge:
 
 @dataclass(frozen=True)
 class Machine:
-    """A mission controller.
+    """A mission controller with a state for each stable marking.
 
     Args:
         mission: The mission's name.
         states: What each state is, by number.
         edges: Sorted by source, then in the net's order; at most one for each state and event.
+        waiting: Numbers of the states before the mission's start.
         initial: Number of the initial state.
     """
 
     mission: str
     states: tuple[Situation, ...]
     edges: tuple[Edge, ...]
+    waiting: frozenset[int]
     initial: int = 0
 
     @property
@@ -74,42 +60,27 @@ class Machine:
 
 
 def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Machine:
-    """Generates the controller of a mission.
+    """Generates the controller of a mission, or of a section of one.
 
     Args:
-        mission_net: The mission's net.
+        mission_net: The net of the mission, or of the section alone.
         alternatives: Its alternatives graph.
 
     Returns:
         One state for each stable marking, one edge for each event that it allows.
     """
     markings = [alternatives.marking(state) for state in range(alternatives.states)]
+    packed = [sum(1 << place for place, tokens in enumerate(m) if tokens) for m in markings]
     states = tuple(situation(mission_net, marking) for marking in markings)
+    runner, ordering = Runner(mission_net), Ordering(mission_net.usage, mission_net.graph)
     edges = []
     for source in range(alternatives.states):
         for label, target in alternatives.successors(source):
-            transition = alternatives.net.transitions[label]
-            assert transition.event is not None
-            restarted = _restarted(mission_net, transition.event, states[source], states[target])
-            actions = tuple(_actions(states[source], states[target], restarted))
-            edges.append(Edge(source, transition.event, target, actions))
-    return Machine(mission_net.mission.name, states, tuple(edges))
-
-
-def _restarted(mission_net: MissionNet, event: Event, before: Situation, after: Situation) -> frozenset[str]:
-    """Activities that this event's objective stops and the objectives after it start again."""
-    ended = [event.element] if event.what in (What.SUCCESS, What.FAILURE) else []
-    begun = [name for name in after.objectives if name not in before.objectives or name in ended]
-    sections = {section.name: section for section in mission_net.graph.walk()}
-    stopped = {a for name in ended for a in sections[name].activities}
-    started = {a for name in begun for a in sections[name].activities}
-    return frozenset(stopped & started) if ended else frozenset()
-
-
-def _actions(before: Situation, after: Situation, restarted: frozenset[str]) -> Iterator[Action]:
-    kept = {a for a in before.mode if a in after.mode and a not in restarted}
-    yield from (Action("stop", a) for a in before.mode if a not in kept)
-    yield from (Action("start", a) for a in after.mode if a not in kept)
-    for activity, alternative in after.mode.items():
-        if activity not in kept or before.mode[activity] != alternative:
-            yield Action("select", activity, alternative)
+            event = alternatives.net.transitions[label].event
+            assert event is not None
+            passage = runner.fire(packed[source], label)
+            assert passage.marking == packed[target], "every interleaving ends in the same stable marking"
+            actions = tuple(ordering.actions(states[source], states[target], passage))
+            edges.append(Edge(source, event, target, actions))
+    waiting = frozenset(n for n, marking in enumerate(markings) if marking[mission_net.beginning])
+    return Machine(mission_net.mission.name, states, tuple(edges), waiting)

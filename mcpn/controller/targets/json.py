@@ -1,17 +1,30 @@
-"""The controller as JSON, for programs that interpret it.
+"""The controller as JSON, for programs that interpret it (:mod:`mcpn.runtime` is one).
 
-One object with the keys ``format`` (``mcpn-controller``), ``version`` (1), ``mission``, ``initial`` (number
-of a state), ``events`` (sorted names), ``states``, ``edges``, ``objectives`` and ``activities``:
+One object with these keys:
 
-- a state: ``id``, ``objectives`` (running), ``pending`` (about to be entered), ``done`` (branches that have
-  ended), ``mode`` (activity to alternative), ``waiting`` (activity to the alternative that waits for a
-  resource), ``refused`` (activities with no possible alternative), ``out_of_service`` (hardware), ``outcome``
-  (``success``, ``failure`` or null);
-- an edge: ``from``, ``event``, ``to``, ``actions`` in order, each with ``do`` (``stop``, ``start``,
-  ``select``), ``activity`` and, for ``select``, ``alternative``;
+- ``format``: ``mcpn-controller``; ``version``: 2; ``mission``; ``form``: ``flat`` or ``hierarchical``;
+  ``minimised``: true where states that cannot be told apart have been merged;
+- ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
+- ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success`` or
+  ``failure``, to the section entered next, or ``succeed`` or ``fail``), ``events`` (its own text of each
+  event of the type) and ``names`` (by kind, from names in the type to its own; a name that is missing stays);
+- ``types``: machines, each with ``hardware``, ``events``, ``states``, ``entries`` and ``edges``:
+
+  - a state: ``objectives`` (running), ``pending`` (about to be entered), ``done`` (branches that have ended),
+    ``mode`` (activity to alternative), ``waiting`` (activity to the alternative that waits for a resource),
+    ``refused`` (activities with no possible alternative), ``out_of_service`` (the section's hardware);
+  - an entry: ``to`` and ``actions``, one for each number whose bit *i* says that ``hardware[i]`` is out of
+    service, or null;
+  - an edge: ``from``, ``event`` (an index), ``to`` (a state, or the outcome with which the section is left)
+    and ``actions`` in order, each with ``do`` (``stop``, ``release``, ``select``, ``start``) and
+    ``activity``, ``alternative``, ``hardware`` or ``objective`` as it has them;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched.
 
-An event that a state has no edge for is ignored there.
+How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``, ``X_EV_RD`` takes it away,
+before the start, in every section and after the end alike. ``MISSION_EV_START`` enters the initial section. A
+section is entered by the entry of the hardware out of service. An edge whose ``to`` is an outcome leaves the
+section: its actions are given first, then the next section is entered with the actions of its entry. An event
+that a state has no edge for, hardware of other sections aside, cannot be taken there.
 """
 
 from __future__ import annotations
@@ -19,93 +32,100 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from mcpn.controller.hierarchy import Hierarchy
-from mcpn.controller.machine import Action, Machine
+from mcpn.check.modes import Situation
+from mcpn.controller.actions import Action
+from mcpn.controller.hierarchy import Controller, SectionMachine
 from mcpn.mission.model import Parameter
 from mcpn.net.compose import MissionNet
 
 FILE_NAME = "controller.json"
+FORMAT, VERSION = "mcpn-controller", 2
 
 
-def write_json(machine: Machine, mission_net: MissionNet) -> str:
+def write_json(controller: Controller, mission_net: MissionNet) -> str:
     """The controller as a JSON text, the same for the same mission.
 
     Args:
-        machine: The controller.
+        controller: The controller.
         mission_net: The mission's net, for the parameters.
 
     Returns:
-        The text, ending in a newline.
+        The text, a line for each state, entry and edge, ending in a newline.
     """
-    document = {
-        "format": "mcpn-controller",
-        "version": 1,
-        "mission": machine.mission,
-        **_machine(machine),
-        **_laws(mission_net),
-    }
-    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+    return _text(document(controller, mission_net), 0, 3) + "\n"
 
 
-def write_hierarchical_json(hierarchy: Hierarchy, mission_net: MissionNet) -> str:
-    """The controller in two levels as a JSON text, the same for the same mission.
-
-    One object with the keys ``format`` (``mcpn-hierarchical-controller``), ``version`` (1), ``mission``,
-    ``initial`` (the first section), ``sections`` (each with ``name``, ``type``, ``success``, ``failure`` and
-    ``names``, from those of its type's machine to its own), ``types`` (machines with ``initial``, ``events``,
-    ``states`` and ``edges`` as in the flat form), ``objectives`` and ``activities``. How it is run:
-    :mod:`mcpn.controller.hierarchy`.
-
-    Args:
-        hierarchy: The controller.
-        mission_net: The mission's net, for the parameters.
-
-    Returns:
-        The text, ending in a newline.
-    """
-    document = {
-        "format": "mcpn-hierarchical-controller",
-        "version": 1,
-        "mission": hierarchy.mission,
-        "initial": hierarchy.initial,
-        "sections": [
-            {"name": s.name, "type": s.type, "success": s.success, "failure": s.failure, "names": s.names}
-            for s in hierarchy.sections
-        ],
-        "types": [_machine(machine) for machine in hierarchy.types],
-        **_laws(mission_net),
-    }
-    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
-
-
-def _machine(machine: Machine) -> dict[str, Any]:
+def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
+    """The controller as a JSON object."""
     return {
-        "initial": machine.initial,
-        "events": [str(event) for event in machine.events],
-        "states": [
+        "format": FORMAT,
+        "version": VERSION,
+        "mission": controller.mission,
+        "form": controller.form,
+        "minimised": controller.minimised,
+        "hardware": list(controller.hardware),
+        "initial": controller.initial,
+        "sections": [
             {
-                "id": number,
-                "objectives": state.objectives,
-                "pending": state.pending,
-                "done": state.done,
-                "mode": state.mode,
-                "waiting": state.waiting,
-                "refused": state.refused,
-                "out_of_service": state.out_of_service,
-                "outcome": state.outcome,
+                "name": section.name,
+                "type": section.type,
+                "routes": dict(section.routes),
+                "events": [str(event) for event in section.events],
+                "names": {
+                    kind: changed
+                    for kind, names in section.names.items()
+                    if (changed := {old: new for old, new in names.items() if old != new})
+                },
             }
-            for number, state in enumerate(machine.states)
+            for section in controller.sections
+        ],
+        "types": [_machine(machine) for machine in controller.types],
+        **_laws(mission_net),
+    }
+
+
+def _machine(machine: SectionMachine) -> dict[str, Any]:
+    return {
+        "hardware": list(machine.hardware),
+        "events": [str(event) for event in machine.events],
+        "states": [_state(state) for state in machine.states],
+        "entries": [
+            entry and {"to": entry.target, "actions": [_action(a) for a in entry.actions]}
+            for entry in machine.entries
         ],
         "edges": [
             {
-                "from": e.source,
-                "event": str(e.event),
-                "to": e.target,
-                "actions": [_action(a) for a in e.actions],
+                "from": move.source,
+                "event": move.event,
+                "to": move.target,
+                "actions": [_action(a) for a in move.actions],
             }
-            for e in machine.edges
+            for move in machine.moves
         ],
     }
+
+
+def _state(state: Situation) -> dict[str, Any]:
+    return {
+        "objectives": list(state.objectives),
+        "pending": list(state.pending),
+        "done": list(state.done),
+        "mode": state.mode,
+        "waiting": state.waiting,
+        "refused": list(state.refused),
+        "out_of_service": list(state.out_of_service),
+    }
+
+
+def _action(action: Action) -> dict[str, str]:
+    parts = (
+        ("do", action.verb),
+        ("activity", action.activity),
+        ("alternative", action.alternative),
+        ("hardware", action.hardware),
+        ("objective", action.objective),
+    )
+    return {key: value for key, value in parts if value is not None}
 
 
 def _laws(mission_net: MissionNet) -> dict[str, Any]:
@@ -113,18 +133,18 @@ def _laws(mission_net: MissionNet) -> dict[str, Any]:
     return {
         "objectives": {
             section.name: {
-                "activities": section.activities,
+                "activities": list(section.activities),
                 "parameters": _parameters(section.parameters),
             }
             for section in mission_net.graph.walk()
         },
         "activities": {
             activity.name: {
-                "produces": activity.produces,
+                "produces": list(activity.produces),
                 "parameters": _parameters(activity.parameters),
                 "alternatives": {
                     alternative.name: {
-                        "consumes": alternative.consumes,
+                        "consumes": list(alternative.consumes),
                         "parameters": _parameters(alternative.parameters),
                     }
                     for alternative in activity.alternatives
@@ -135,12 +155,21 @@ def _laws(mission_net: MissionNet) -> dict[str, Any]:
     }
 
 
-def _action(action: Action) -> dict[str, str]:
-    described = {"do": action.verb, "activity": action.activity}
-    if action.alternative is not None:
-        described["alternative"] = action.alternative
-    return described
-
-
 def _parameters(parameters: tuple[Parameter, ...]) -> dict[str, Any]:
     return {p.name: {"value": p.value, "unit": p.unit} for p in parameters}
+
+
+def _text(value: Any, depth: int, broken: int) -> str:
+    """JSON with a line for each member down to some depth, and whole members below it."""
+    if depth == broken or not isinstance(value, dict | list) or not value:
+        return json.dumps(value, ensure_ascii=False)
+    inner = " " * (depth + 1)
+    if isinstance(value, dict):
+        members = [
+            f"{json.dumps(key, ensure_ascii=False)}: {_text(member, depth + 1, broken)}"
+            for key, member in value.items()
+        ]
+    else:
+        members = [_text(member, depth + 1, broken) for member in value]
+    left, right = "{}" if isinstance(value, dict) else "[]"
+    return f"{left}\n{inner}" + f",\n{inner}".join(members) + f"\n{' ' * depth}{right}"

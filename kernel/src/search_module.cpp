@@ -1,0 +1,113 @@
+// The Python side of walks and searches.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <string>
+#include <tuple>
+
+#include "store.hpp"
+#include "tokens.hpp"
+
+namespace nb = nanobind;
+using namespace mcpn;
+using namespace mcpn::search;
+
+namespace {
+
+using Given = std::tuple<std::vector<Arc>, std::vector<Arc>, bool>;  // need, change, internal
+using Spoken = std::tuple<std::string, std::vector<std::uint32_t>, std::vector<Arc>, Tokens>;
+
+constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
+constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens"};
+
+void check(const std::vector<Arc>& arcs, std::uint32_t places) {
+  for (const auto& [place, weight] : arcs) {
+    if (place >= places) throw std::invalid_argument("no such place");
+    if (weight > kMost || weight < -kMost) throw std::invalid_argument("a weight beyond what search follows");
+  }
+}
+
+void check(const Marking& marking, const TokenNet& net) {
+  if (marking.size() != net.places) throw std::invalid_argument("one number of tokens for each place");
+  for (const Tokens tokens : marking)
+    if (tokens < 0 || tokens > kMost) throw std::invalid_argument("tokens beyond what search follows");
+}
+
+template <class Body> auto run(Body body) {
+  auto due = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+  const GoOn go_on = [&] {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < due) return true;
+    due = now + std::chrono::milliseconds(500);
+    const nb::gil_scoped_acquire acquire;
+    return PyErr_CheckSignals() == 0;
+  };
+  try {
+    const nb::gil_scoped_release release;
+    return body(go_on);
+  } catch (const Interrupted&) {
+    throw nb::python_error();
+  }
+}
+
+}  // namespace
+
+void bind_search(nb::module_& module) {
+  nb::class_<Goals>(module, "Goals")
+      .def("__init__", [](Goals* self, std::uint32_t places, const std::vector<Spoken>& nodes) {
+        Goals goals(places);
+        for (const auto& [kind, inside, terms, bound] : nodes) {
+          const auto* known = std::find(std::begin(kKinds), std::end(kKinds), kind);
+          if (known == std::end(kKinds)) throw std::invalid_argument("no such kind of goal");
+          for (const std::uint32_t node : inside)
+            if (node >= goals.nodes.size()) throw std::invalid_argument("a goal names a later one");
+          check(terms, places);
+          goals.add(Goals::Kind(known - kKinds), inside, terms, bound);
+        }
+        new (self) Goals(std::move(goals));
+      }, nb::arg("places"), nb::arg("nodes"));
+
+  nb::class_<TokenNet>(module, "TokenNet")
+      .def("__init__", [](TokenNet* self, std::uint32_t places, const std::vector<Given>& transitions,
+                          bool priorities) {
+        std::vector<Rule> rules;
+        for (const auto& [need, change, internal] : transitions) {
+          check(need, places);
+          check(change, places);
+          rules.push_back({need, change, internal});
+        }
+        new (self) TokenNet(places, std::move(rules), priorities);
+      }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))
+      .def("walk", [](const TokenNet& net, const Marking& initial, const Goals& goals,
+                      const std::vector<std::uint32_t>& roots, std::uint64_t steps, std::uint64_t length,
+                      std::uint64_t seed, bool unsafe, const std::vector<Tokens>& counts) {
+        check(initial, net);
+        for (const std::uint32_t root : roots)
+          if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+        if (!counts.empty() && counts.size() != net.rules.size())
+          throw std::invalid_argument("one count for each transition");
+        const std::vector<Reached> found = run([&](const GoOn& go_on) {
+          return walk(net, initial, goals, roots, {steps, length, seed, unsafe, counts}, go_on);
+        });
+        std::vector<std::pair<std::uint32_t, std::vector<Transition>>> told;
+        for (const Reached& reached : found) told.emplace_back(reached.goal, reached.run);
+        return told;
+      }, nb::arg("initial"), nb::arg("goals"), nb::arg("roots"), nb::arg("steps"), nb::arg("length"), nb::arg("seed"),
+         nb::arg("unsafe") = false, nb::arg("counts") = std::vector<Tokens>{})
+      .def("seek", [](const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+                      bool stubborn, std::uint64_t max_states, std::uint64_t max_bytes) {
+        check(initial, net);
+        if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+        const Search found = run([&](const GoOn& go_on) {
+          return seek(net, initial, goals, root, stubborn, max_states, max_bytes, go_on);
+        });
+        return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
+      }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("stubborn"), nb::arg("max_states"),
+         nb::arg("max_bytes"));
+}

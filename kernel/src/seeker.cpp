@@ -1,0 +1,261 @@
+// Best-first search with stubborn sets: A. Valmari, Stubborn sets for reduced state space generation, 1989; for
+// goals: L. M. Kristensen, K. Schmidt, A. Valmari, Question-guided stubborn set methods for state properties, 2006.
+#include <algorithm>
+#include <queue>
+#include <utility>
+
+#include "store.hpp"
+#include "tokens.hpp"
+
+namespace mcpn::search {
+
+namespace {
+
+constexpr std::uint32_t kNone = ~std::uint32_t(0);
+constexpr std::size_t kSeeds = 8;       // transitions tried as the first of a stubborn set
+constexpr std::uint64_t kPatience = 100;  // states in a row in which none of them leaves anything out
+
+// Markings packed with so many bits a place, found by hash; with where each came from.
+class Markings {
+ public:
+  Markings(std::uint32_t places, std::uint32_t bits)
+      : bits_(bits), each_(64 / bits), words_(std::max(1u, (places + each_ - 1) / each_)), slots_(1u << 12, kNone) {}
+
+  bool fits(Tokens tokens) const { return tokens < Tokens(1) << bits_; }
+  bool fits(const Marking& marking) const {
+    return std::all_of(marking.begin(), marking.end(), [&](Tokens tokens) { return fits(tokens); });
+  }
+  void put(std::vector<std::uint64_t>& row, Place p, Tokens tokens) const {
+    const std::uint32_t shift = p % each_ * bits_;
+    row[p / each_] = (row[p / each_] & ~(mask() << shift)) | std::uint64_t(tokens) << shift;
+  }
+  std::vector<std::uint64_t> packed(const Marking& marking) const {
+    std::vector<std::uint64_t> row(words_, 0);
+    for (Place p = 0; p < marking.size(); ++p) put(row, p, marking[p]);
+    return row;
+  }
+  // Whether a marking is new; then it has the next number.
+  bool add(const std::vector<std::uint64_t>& row, std::uint32_t parent, Transition via) {
+    std::uint64_t at = hash(row.data()) & (slots_.size() - 1);
+    for (; slots_[at] != kNone; at = (at + 1) & (slots_.size() - 1))
+      if (std::equal(row.begin(), row.end(), packed_.data() + slots_[at] * words_)) return false;
+    slots_[at] = std::uint32_t(size());
+    packed_.insert(packed_.end(), row.begin(), row.end());
+    from_.emplace_back(parent, via);
+    if (size() * 3 > slots_.size() * 2) widen();
+    return true;
+  }
+  void get(std::uint32_t number, Marking& marking, std::vector<std::uint64_t>& row) const {
+    row.assign(packed_.data() + number * words_, packed_.data() + (number + 1) * words_);
+    for (Place p = 0; p < marking.size(); ++p) marking[p] = Tokens(row[p / each_] >> p % each_ * bits_ & mask());
+  }
+  std::vector<Transition> run(std::uint32_t number) const {
+    std::vector<Transition> found;
+    for (; number != 0; number = from_[number].first) found.push_back(from_[number].second);
+    std::reverse(found.begin(), found.end());
+    return found;
+  }
+  std::uint64_t size() const { return from_.size(); }
+  std::uint64_t bytes() const {
+    return packed_.capacity() * 8 + from_.capacity() * sizeof(from_[0]) + slots_.capacity() * 4;
+  }
+
+ private:
+  std::uint64_t hash(const std::uint64_t* row) const {
+    std::uint64_t x = 0x9E3779B97F4A7C15ull;
+    for (std::uint64_t i = 0; i < words_; ++i) {
+      x = (x ^ row[i]) * 0xBF58476D1CE4E5B9ull;
+      x ^= x >> 29;
+    }
+    x *= 0x94D049BB133111EBull;
+    return x ^ x >> 32;
+  }
+  void widen() {
+    slots_.assign(slots_.size() * 2, kNone);
+    for (std::uint64_t number = 0; number < size(); ++number) {
+      std::uint64_t at = hash(packed_.data() + number * words_) & (slots_.size() - 1);
+      while (slots_[at] != kNone) at = (at + 1) & (slots_.size() - 1);
+      slots_[at] = std::uint32_t(number);
+    }
+  }
+
+  std::uint64_t mask() const { return (std::uint64_t(1) << bits_) - 1; }
+
+  std::uint32_t bits_, each_;  // bits of a place; places in a word
+  std::uint64_t words_;
+  std::vector<std::uint64_t> packed_;
+  std::vector<std::pair<std::uint32_t, Transition>> from_;
+  std::vector<std::uint32_t> slots_;
+};
+
+// Sets of transitions that hold the next step of some shortest run to the goal. A run to the goal fires one of
+// the `interesting` transitions. The closure takes in, for an enabled transition, all that it may disable, and
+// for a disabled one, all that put tokens in one place that it lacks: then the first of the set that a run
+// fires can fire first as well. No enabled transition in the set: the goal is out of reach.
+class Stubborn {
+ public:
+  Stubborn(const TokenNet& net, const Goals& goals) : net_(net), goals_(goals), seen_(net.rules.size(), 0), raised_(net.places, 0), used_(net.places, 0) {}
+
+  void reduce(const Marking& marking, const std::vector<Tokens>& sums, std::uint32_t root,
+              std::vector<Transition>& enabled) {
+    if (enabled.size() < 2) return;
+    std::vector<Transition> best;
+    const bool deadlock = goals_.nodes[root].kind == Goals::dead;
+    // Where many seeds have been of no use for long, one is tried.
+    const std::size_t seeds = deadlock && useless_ < kPatience ? std::min(kSeeds, enabled.size()) : 1;
+    for (std::size_t i = 0; i < seeds; ++i) {
+      close(marking, sums, root, enabled, enabled[i]);
+      if (i == 0 || chosen_.size() < best.size()) best = chosen_;
+      if (best.size() < 2) break;
+    }
+    useless_ = best.size() < enabled.size() ? 0 : useless_ + 1;
+    enabled = best;
+  }
+
+ private:
+  void close(const Marking& marking, const std::vector<Tokens>& sums, std::uint32_t root,
+             const std::vector<Transition>& enabled, Transition seed) {
+    ++stamp_;
+    work_.clear();
+    chosen_.clear();
+    first_.clear();
+    interesting(root, sums, enabled, seed, first_);
+    for (const Transition t : first_) add(t);
+    while (!work_.empty() && chosen_.size() < enabled.size()) {
+      const Transition t = work_.back();
+      work_.pop_back();
+      Place lacking = kNone;
+      for (const auto& [place, weight] : net_.rules[t].need)
+        if (marking[place] < weight &&
+            (lacking == kNone || net_.raisers[place].size() < net_.raisers[lacking].size()))
+          lacking = place;
+      if (lacking != kNone) {
+        if (std::exchange(raised_[lacking], stamp_) != stamp_)
+          for (const Transition other : net_.raisers[lacking]) add(other);
+        continue;
+      }
+      chosen_.push_back(t);
+      for (const auto& [place, change] : net_.rules[t].change)
+        if (change < 0 && std::exchange(used_[place], stamp_) != stamp_)
+          for (const auto& [other, weight] : net_.users[place]) add(other);
+    }
+    if (!work_.empty()) chosen_ = enabled;
+  }
+  void add(Transition t) {
+    if (seen_[t] == stamp_) return;
+    seen_[t] = stamp_;
+    work_.push_back(t);
+  }
+  // Transitions of which each run from here to the goal fires one; the goal does not hold here.
+  void interesting(std::uint32_t number, const std::vector<Tokens>& sums, const std::vector<Transition>& enabled,
+                   Transition seed, std::vector<Transition>& found) const {
+    const Goals::Node& node = goals_.nodes[number];
+    switch (node.kind) {
+      case Goals::at_most:
+        for (const auto& [place, weight] : goals_.terms[node.atom]) {
+          const auto& changers = weight > 0 ? net_.lowerers[place] : net_.raisers[place];
+          found.insert(found.end(), changers.begin(), changers.end());
+        }
+        return;
+      case Goals::dead:  // the seed must be disabled some day
+        for (const auto& [place, weight] : net_.rules[seed].need)
+          found.insert(found.end(), net_.lowerers[place].begin(), net_.lowerers[place].end());
+        return;
+      case Goals::not_dead: return;  // nothing may fire, and nothing will
+      case Goals::any:
+        for (const std::uint32_t inside : node.inside) interesting(inside, sums, enabled, seed, found);
+        return;
+      case Goals::all: {
+        std::vector<Transition> least, here;
+        bool first = true;
+        for (const std::uint32_t inside : node.inside) {
+          if (goals_.distance(inside, sums, enabled.size()) == 0) continue;
+          here.clear();
+          interesting(inside, sums, enabled, seed, here);
+          if (first || here.size() < least.size()) least = here;
+          first = false;
+        }
+        found.insert(found.end(), least.begin(), least.end());
+        return;
+      }
+    }
+  }
+
+  const TokenNet& net_;
+  const Goals& goals_;
+  std::vector<std::uint64_t> seen_, raised_, used_;  // stamps: transitions in the set, places followed
+  std::uint64_t stamp_ = 0, useless_ = 0;
+  std::vector<Transition> work_, chosen_, first_;
+};
+
+Search seek_packed(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root,
+                   bool stubborn, std::uint32_t bits, std::uint64_t max_states, std::uint64_t max_bytes,
+                   const GoOn& go_on) {
+  Markings markings(net.places, bits);
+  if (!markings.fits(initial)) return {Outcome::tokens};
+  using Entry = std::pair<std::int64_t, std::uint32_t>;  // distance; the newest first among equals
+  std::priority_queue<Entry, std::vector<Entry>, decltype([](const Entry& a, const Entry& b) {
+                        return a.first != b.first ? a.first > b.first : a.second < b.second;
+                      })> open;
+  const bool asks_dead = goals.asks_dead(root);
+  Stubborn reduction(net, goals);
+  Marking marking(net.places);
+  std::vector<std::uint64_t> row, after;
+  std::vector<Transition> enabled;
+  std::vector<Tokens> sums = goals.sums(initial);
+  markings.add(markings.packed(initial), 0, 0);
+  open.emplace(0, 0);
+  if (!asks_dead && goals.distance(root, sums, 1) == 0) return {Outcome::reached, 1, {}};
+  for (std::uint64_t expanded = 0; !open.empty(); ++expanded) {
+    const std::uint32_t at = open.top().second;
+    open.pop();
+    markings.get(at, marking, row);
+    net.collect(marking, enabled);
+    sums = goals.sums(marking);
+    if (asks_dead && goals.distance(root, sums, enabled.size()) == 0)
+      return {Outcome::reached, markings.size(), markings.run(at)};
+    if (stubborn) reduction.reduce(marking, sums, root, enabled);
+    for (const Transition t : enabled) {
+      after = row;
+      bool fits = true;
+      for (const auto& [place, change] : net.rules[t].change) {
+        const Tokens tokens = marking[place] + change;
+        fits &= markings.fits(tokens);
+        markings.put(after, place, tokens);
+      }
+      if (!fits) return {Outcome::tokens, markings.size(), {}};
+      if (markings.add(after, at, t)) {
+        const auto number = std::uint32_t(markings.size() - 1);
+        std::int64_t far = 0;
+        if (!asks_dead) {
+          for (const auto& [place, change] : net.rules[t].change)
+            for (const auto& [atom, weight] : goals.watch[place]) sums[atom] += weight * change;
+          far = goals.distance(root, sums, 1);
+          for (const auto& [place, change] : net.rules[t].change)
+            for (const auto& [atom, weight] : goals.watch[place]) sums[atom] -= weight * change;
+          if (far == 0) return {Outcome::reached, markings.size(), markings.run(number)};
+        }
+        open.emplace(far, number);
+        if (markings.size() >= max_states) return {Outcome::states, markings.size(), {}};
+        if (markings.bytes() + open.size() * sizeof(Entry) > max_bytes) return {Outcome::bytes, markings.size(), {}};
+      }
+    }
+    if ((expanded & 0x3FF) == 0x3FF && !go_on()) throw Interrupted();
+  }
+  return {Outcome::unreachable, markings.size(), {}};
+}
+
+}  // namespace
+
+Search seek(const TokenNet& net, const Marking& initial, const Goals& goals, std::uint32_t root, bool stubborn,
+            std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on) {
+  max_states = std::min<std::uint64_t>(max_states, kNone - 1);
+  Search found{Outcome::tokens};
+  for (const std::uint32_t bits : {1u, 4u, 16u, 32u}) {  // wider where a place holds more than fits
+    found = seek_packed(net, initial, goals, root, stubborn && !net.priorities, bits, max_states, max_bytes, go_on);
+    if (found.outcome != Outcome::tokens) break;
+  }
+  return found;
+}
+
+}  // namespace mcpn::search

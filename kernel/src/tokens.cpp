@@ -1,0 +1,86 @@
+#include "tokens.hpp"
+
+#include <algorithm>
+
+namespace mcpn::search {
+
+TokenNet::TokenNet(std::uint32_t count, std::vector<Rule> given, bool with_priorities)
+    : places(count), rules(std::move(given)), priorities(with_priorities), users(count), raisers(count),
+      lowerers(count), keyed_(count) {
+  for (Transition t = 0; t < rules.size(); ++t) {
+    for (const auto& [place, weight] : rules[t].need) users[place].emplace_back(t, weight);
+    for (const auto& [place, change] : rules[t].change) (change > 0 ? raisers : lowerers)[place].push_back(t);
+  }
+  for (Transition t = 0; t < rules.size(); ++t) {
+    const auto& need = rules[t].need;
+    if (need.empty()) {
+      always_.push_back(t);
+      continue;
+    }
+    const auto rarest = std::min_element(need.begin(), need.end(), [&](const Arc& a, const Arc& b) {
+      return users[a.first].size() < users[b.first].size();
+    });
+    keyed_[rarest->first].push_back(t);
+  }
+}
+
+void TokenNet::collect(const Marking& marking, std::vector<Transition>& found) const {
+  found = always_;
+  for (Place p = 0; p < places; ++p)
+    if (marking[p] > 0)
+      for (const Transition t : keyed_[p])
+        if (enabled(marking, t)) found.push_back(t);
+  std::sort(found.begin(), found.end());
+  if (!priorities) return;
+  const auto internal = [&](Transition t) { return rules[t].internal; };
+  if (std::any_of(found.begin(), found.end(), internal)) std::erase_if(found, std::not_fn(internal));
+}
+
+std::uint32_t Goals::add(Kind kind, std::vector<std::uint32_t> inside, std::vector<Arc> weights, Tokens bound) {
+  const auto atom = std::uint32_t(bounds.size());
+  if (kind == at_most) {
+    for (const auto& [place, weight] : weights) watch[place].emplace_back(atom, weight);
+    bounds.push_back(bound);
+    terms.push_back(std::move(weights));
+  }
+  nodes.push_back({kind, atom, std::move(inside)});
+  return std::uint32_t(nodes.size() - 1);
+}
+
+Tokens Goals::distance(std::uint32_t number, const std::vector<Tokens>& sums, std::uint64_t enabled) const {
+  const Node& node = nodes[number];
+  switch (node.kind) {
+    case at_most: return std::clamp<Tokens>(sums[node.atom] - bounds[node.atom], 0, kFar);
+    case dead: return std::min<Tokens>(Tokens(enabled), kFar);
+    case not_dead: return enabled == 0;
+    case all: {
+      Tokens total = 0;
+      for (const std::uint32_t inside : node.inside) total += distance(inside, sums, enabled);
+      return std::min(total, kFar);
+    }
+    case any: {
+      Tokens least = kFar;
+      for (const std::uint32_t inside : node.inside) {
+        least = std::min(least, distance(inside, sums, enabled));
+        if (least == 0) break;
+      }
+      return least;
+    }
+  }
+  return kFar;
+}
+
+std::vector<Tokens> Goals::sums(const Marking& marking) const {
+  std::vector<Tokens> found(bounds.size(), 0);
+  for (std::size_t atom = 0; atom < found.size(); ++atom)
+    for (const auto& [place, weight] : terms[atom]) found[atom] += weight * marking[place];
+  return found;
+}
+
+bool Goals::asks_dead(std::uint32_t number) const {
+  const Node& node = nodes[number];
+  return node.kind == dead || node.kind == not_dead ||
+         std::any_of(node.inside.begin(), node.inside.end(), [&](std::uint32_t n) { return asks_dead(n); });
+}
+
+}  // namespace mcpn::search

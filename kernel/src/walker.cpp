@@ -1,0 +1,211 @@
+// Walks: one marking at a time, what is enabled and how far the goals are kept up to date firing by firing.
+#include <algorithm>
+
+#include "store.hpp"
+#include "tokens.hpp"
+
+namespace mcpn::search {
+
+namespace {
+
+constexpr std::uint32_t kSampled = 48;  // enabled transitions that a guided step compares
+enum Mode { random, guided, ordered, counted };
+
+// xorshift64*: Vigna, An experimental exploration of Marsaglia's xorshift generators, 2016.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 0x2545F4914F6CDD1Dull) {}
+  std::uint64_t next() {
+    state_ ^= state_ >> 12;
+    state_ ^= state_ << 25;
+    state_ ^= state_ >> 27;
+    return state_ * 0x2545F4914F6CDD1Dull;
+  }
+  std::uint32_t below(std::uint64_t count) { return std::uint32_t((next() >> 32) * count >> 32); }
+
+ private:
+  std::uint64_t state_;
+};
+
+// A marking that is changed in place, with the transitions that it enables and the sums that goals ask for.
+class Walker {
+ public:
+  Walker(const TokenNet& net, const Marking& initial, const Goals& goals)
+      : net_(net), goals_(goals), initial_(initial), missing0_(net.rules.size(), 0), sums0_(goals.sums(initial)) {
+    for (Transition t = 0; t < net.rules.size(); ++t)
+      for (const auto& [place, weight] : net.rules[t].need) missing0_[t] += initial[place] < weight;
+  }
+
+  void begin() {
+    tokens_ = initial_;
+    missing_ = missing0_;
+    sums_ = sums0_;
+    for (auto& list : lists_) list.clear();
+    at_.assign(net_.rules.size(), 0);
+    for (Transition t = 0; t < net_.rules.size(); ++t)
+      if (missing_[t] == 0) insert(t);
+  }
+
+  const std::vector<Transition>& enabled() const {
+    return net_.priorities && !lists_[1].empty() ? lists_[1] : lists_[0];
+  }
+  // Fires, or undoes with sign -1; whether some place holds more than one token, or too many to follow.
+  void fire(Transition t, Tokens sign = 1) {
+    for (const auto& [place, change] : net_.rules[t].change) {
+      const Tokens before = tokens_[place], after = before + sign * change;
+      tokens_[place] = after;
+      crowded |= after > 1 && after > before;
+      flooded |= after > kMost;
+      for (const auto& [user, weight] : net_.users[place]) {
+        if (before < weight && after >= weight) {
+          if (--missing_[user] == 0) insert(user);
+        } else if (before >= weight && after < weight) {
+          if (missing_[user]++ == 0) remove(user);
+        }
+      }
+      for (const auto& [atom, weight] : goals_.watch[place]) sums_[atom] += sign * weight * change;
+    }
+  }
+  Tokens distance(std::uint32_t root) const { return goals_.distance(root, sums_, enabled().size()); }
+  // The distance after one more firing.
+  Tokens distance_after(Transition t, std::uint32_t root, bool asks_dead) {
+    if (asks_dead) {
+      const bool was = crowded, over = flooded;
+      fire(t);
+      const Tokens found = distance(root);
+      fire(t, -1);
+      crowded = was;
+      flooded = over;
+      return found;
+    }
+    shift(t, 1);
+    const Tokens found = goals_.distance(root, sums_, 1);
+    shift(t, -1);
+    return found;
+  }
+
+  bool crowded = false, flooded = false;
+
+ private:
+  void shift(Transition t, Tokens sign) {
+    for (const auto& [place, change] : net_.rules[t].change)
+      for (const auto& [atom, weight] : goals_.watch[place]) sums_[atom] += sign * weight * change;
+  }
+  std::vector<Transition>& list(Transition t) { return lists_[net_.priorities && net_.rules[t].internal]; }
+  void insert(Transition t) {
+    at_[t] = std::uint32_t(list(t).size());
+    list(t).push_back(t);
+  }
+  void remove(Transition t) {
+    auto& from = list(t);
+    at_[from.back()] = at_[t];
+    from[at_[t]] = from.back();
+    from.pop_back();
+  }
+
+  const TokenNet& net_;
+  const Goals& goals_;
+  const Marking& initial_;
+  std::vector<std::uint32_t> missing0_;  // needs that the initial marking does not meet
+  std::vector<Tokens> sums0_;
+  Marking tokens_;
+  std::vector<std::uint32_t> missing_, at_;
+  std::vector<Tokens> sums_;
+  std::vector<Transition> lists_[2];  // enabled; the second: internal ones, where they have priority
+};
+
+}  // namespace
+
+std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goals& goals,
+                          const std::vector<std::uint32_t>& roots, const WalkOptions& options, const GoOn& go_on) {
+  Draw draw(options.seed);
+  Walker walker(net, initial, goals);
+  std::vector<Reached> found;
+  std::vector<bool> open(roots.size(), true), asks_dead;
+  for (const std::uint32_t root : roots) asks_dead.push_back(goals.asks_dead(root));
+  std::size_t left = roots.size() + options.unsafe;
+  bool unsafe = options.unsafe;
+  std::vector<Transition> run;
+  std::vector<std::uint32_t> keys(net.rules.size());
+  std::vector<Tokens> remaining;
+
+  const auto look = [&] {
+    for (std::uint32_t g = 0; g < roots.size(); ++g)
+      if (open[g] && walker.distance(roots[g]) == 0) {
+        found.push_back({g, run});
+        open[g] = false;
+        --left;
+      }
+    if (unsafe && walker.crowded) {
+      found.push_back({std::uint32_t(roots.size()), run});
+      unsafe = false;
+      --left;
+    }
+  };
+
+  std::uint64_t spent = 0;
+  for (std::uint64_t round = 0; left && spent < options.steps; ++round) {
+    walker.begin();
+    walker.crowded = walker.flooded = false;
+    run.clear();
+    look();
+    Mode mode = Mode(round % 3);
+    if (!options.counts.empty() && round % 2 == 0) mode = counted;
+    if (mode == ordered)
+      for (auto& key : keys) key = std::uint32_t(draw.next() >> 32);
+    if (mode == counted) remaining = options.counts;
+    std::uint32_t focus = std::uint32_t(roots.size());  // the open goal that a guided walk heads for
+    if (mode == guided) {
+      const std::uint32_t first = roots.empty() ? 0 : draw.below(roots.size());
+      for (std::uint32_t i = 0; i < roots.size() && focus == roots.size(); ++i)
+        if (open[(first + i) % roots.size()]) focus = std::uint32_t((first + i) % roots.size());
+      if (focus == roots.size()) mode = random;
+    }
+    const std::uint64_t length = options.length << std::min<std::uint64_t>(round / 3 % 6, 5);
+    spent += 1 + net.rules.size() / 8;
+    if (round % 256 == 255 && !go_on()) throw Interrupted();
+    for (std::uint64_t step = 0; left && step < length && spent < options.steps; ++step, ++spent) {
+      const auto& enabled = walker.enabled();
+      if (enabled.empty() || walker.flooded) break;
+      const auto count = std::uint32_t(enabled.size());
+      Transition chosen = enabled[draw.below(count)];
+      if (mode == guided && draw.below(8) != 0) {
+        Tokens least = kFar + 1;
+        const std::vector<Transition> candidates(enabled);
+        const std::uint32_t start = draw.below(count), most = std::min(count, kSampled);
+        for (std::uint32_t i = 0; i < most; ++i) {
+          const Transition t = candidates[(start + i) % count];
+          const Tokens far = walker.distance_after(t, roots[focus], asks_dead[focus]);
+          spent += asks_dead[focus] ? 2 : 1;
+          if (far < least || (far == least && draw.below(2))) {
+            least = far;
+            chosen = t;
+          }
+        }
+      } else if (mode == ordered) {
+        spent += count / 8;
+        for (const Transition t : enabled)
+          if (keys[t] < keys[chosen]) chosen = t;
+      } else if (mode == counted) {
+        const std::uint32_t start = draw.below(count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+          const Transition t = enabled[(start + i) % count];
+          spent += i % 8 == 7;
+          if (remaining[t] > 0) {
+            chosen = t;
+            break;
+          }
+        }
+        --remaining[chosen];
+      }
+      walker.fire(chosen);
+      run.push_back(chosen);
+      look();
+      if ((step & 0xFFF) == 0xFFF && !go_on()) throw Interrupted();
+      if (mode == guided && !open[focus]) break;
+    }
+  }
+  return found;
+}
+
+}  // namespace mcpn::search

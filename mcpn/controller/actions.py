@@ -1,0 +1,131 @@
+"""What the controller orders on an event: stop, release, select, start, in an order that is safe.
+
+Consumers are stopped before what they consume, and started after it. Hardware is released after the last stop
+and before anything new is asked for. An alternative is selected before its activity starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from mcpn.check.modes import Situation
+from mcpn.controller.run import Passage
+from mcpn.mission.flatten import ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.usage import Usage
+from mcpn.net.sections import section_part
+
+Verb = Literal["stop", "release", "select", "start"]
+VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start")
+"""In the order in which they are given on one event."""
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """One order of the controller to the robot.
+
+    Args:
+        verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware.
+        activity: The activity, but for ``release``.
+        alternative: The alternative, for ``select``.
+        hardware: The hardware resource, for ``release``.
+        objective: The running objective that names the activity, for ``select`` and ``start``; ``None`` for
+            an activity that is started by a request for what it produces.
+    """
+
+    verb: Verb
+    activity: str | None = None
+    alternative: str | None = None
+    hardware: str | None = None
+    objective: str | None = None
+
+
+class Ordering:
+    """The order of actions, in the net of a mission or of one section of it.
+
+    Args:
+        usage: Static facts of the mission.
+        graph: The objectives graph: the mission's, or that of a section alone.
+    """
+
+    def __init__(self, usage: Usage, graph: ObjectivesGraph) -> None:
+        self.usage = usage
+        self._home = {name: section.name for section in graph.sections for name in _names(section)}
+        self._stops = {section.name: _consumers_first(usage, section) for section in graph.sections}
+        self._named = {section.name: section.activities for section in graph.walk()}
+        self._hardware = {
+            (activity.name, alternative.name): [k for k in alternative.consumes if k in usage.hardware]
+            for activity in usage.activities.values()
+            for alternative in activity.alternatives
+        }
+
+    def actions(self, before: Situation, after: Situation, passage: Passage) -> Iterator[Action]:
+        """The actions of one event.
+
+        Args:
+            before: What the robot does before it.
+            after: What it does afterwards.
+            passage: How the net came from the one to the other.
+        """
+        changed = {
+            a
+            for a, alternative in before.mode.items()
+            if after.mode.get(a) != alternative or a in passage.left
+        }
+        stopped = {a for a in before.mode if a not in after.mode or a in passage.idled}
+        first = self._order(before, before.mode)
+        yield from (Action("stop", a) for a in first if a in stopped)
+        released = [k for a in first if a in changed for k in self._hardware[a, before.mode[a]]]
+        yield from (Action("release", hardware=k) for k in dict.fromkeys(released))
+        begun = [
+            a for a in self._order(after, after.mode)[::-1] if a not in before.mode or a in changed | stopped
+        ]
+        objective = {a: name for name in after.objectives for a in self._named[name]}
+        for a in begun:
+            yield Action("select", a, after.mode[a], objective=objective.get(a))
+        for a in begun:
+            if a not in before.mode or a in stopped:
+                yield Action("start", a, objective=objective.get(a))
+
+    def _order(self, situation: Situation, activities: Mapping[str, str]) -> Sequence[str]:
+        """Activities of a situation, consumers before what they consume, in the order of its section."""
+        names = (*situation.objectives, *situation.pending, *situation.done)
+        home = next((self._home[name] for name in names if name in self._home), None)
+        known = self._stops[home] if home is not None else []
+        rest = [a for a in activities if a not in known]
+        return [a for a in known if a in activities] + rest
+
+
+def _names(section: Section) -> Iterator[str]:
+    """Objectives and branches of a section, at any depth."""
+    yield section.name
+    if isinstance(section, ParallelSection):
+        for branch in section.branches:
+            yield branch.name
+            for inner in branch.graph.sections:
+                yield from _names(inner)
+
+
+def _consumers_first(usage: Usage, section: Section) -> list[str]:
+    """The activities of a section, each before those that produce what it consumes.
+
+    The order depends on the shape of the section alone, so that sections of one type have the same.
+    """
+    found = [activity.name for activity in section_part(usage, section).parts.activities]
+    members = set(found)
+    waiting = dict.fromkeys(found, 0)
+    below = {}
+    for name in found:
+        alternatives = range(len(usage.activities[name].alternatives))
+        below[name] = dict.fromkeys(p for i in alternatives for p in usage.suppliers(name, i) if p in members)
+        for supplier in below[name]:
+            waiting[supplier] += 1
+    ready, order = [name for name in found if not waiting[name]], list[str]()
+    for name in ready:  # grows while it is walked
+        order.append(name)
+        for supplier in below[name]:
+            waiting[supplier] -= 1
+            if not waiting[supplier]:
+                ready.append(supplier)
+    return order

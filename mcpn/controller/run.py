@@ -1,0 +1,138 @@
+"""One event as the net does it: run to completion, all stopping before anything new is asked.
+
+Where a net is confluent every interleaving of internal transitions ends in the same stable marking. What the
+controller must *do* depends on the way there: an activity that runs before and after the event may have gone
+on, or may have been stopped and started again. The run chosen here settles that: a transition that selects an
+alternative fires only where no other internal transition can. So all stops, releases and acknowledgements are
+over before anything new is asked of a resource, and an activity that passes through idle is *restarted*. This
+holds for the net of a mission and for that of one of its sections alike, so that machines made of either give
+the robot the same orders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from mcpn.errors import DivergenceError
+from mcpn.net.compose import MissionNet
+from mcpn.space.firing import MaskedNet
+
+MAX_FIRINGS = 1_000_000
+"""Internal firings after one event beyond which a run is taken for endless."""
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """What one event does to a stable marking.
+
+    Args:
+        marking: The stable marking after it, a bit for each place.
+        fired: The internal transitions fired, in order.
+        left: Activities of which an alternative was left: stopped, or evaluated anew.
+        idled: Those of them that came to be idle: if they run afterwards, they have been restarted.
+    """
+
+    marking: int
+    fired: tuple[int, ...]
+    left: frozenset[str]
+    idled: frozenset[str]
+
+
+class Runner:
+    """Runs the net of a mission, or of a section, event by event.
+
+    Args:
+        mission_net: The net with the meaning of its places.
+    """
+
+    def __init__(self, mission_net: MissionNet) -> None:
+        self.mission_net = mission_net
+        self.masked = MaskedNet(mission_net.net)
+
+    def stable(self) -> int:
+        """The first stable marking."""
+        start = self.masked.initial()
+        return self._complete(start, self.masked.covered(start), []).marking
+
+    def possible(self, marking: int) -> list[int]:
+        """Transitions with an event that a stable marking enables, in the net's order."""
+        return list(self.masked.allowed(self.masked.covered(marking)))
+
+    def fire(self, marking: int, transition: int) -> Passage:
+        """Fires an event's transition and runs to completion.
+
+        Args:
+            marking: A stable marking that enables the transition.
+            transition: A transition with an event.
+
+        Raises:
+            DivergenceError: The internal run does not end.
+        """
+        covered = self.masked.covered(marking)
+        after, _ = self.masked.fire(marking, transition)
+        path = [(transition, marking, after)]
+        return self._complete(after, self.masked.covered_after(covered, after, transition), path)
+
+    def _complete(self, marking: int, covered: int, path: list[tuple[int, int, int]]) -> Passage:
+        masked, asking = self.masked, self._asking
+        fired: list[int] = []
+        while enabled := covered & masked.internal:
+            chosen = enabled & ~asking or enabled
+            transition = (chosen & -chosen).bit_length() - 1
+            after, _ = masked.fire(marking, transition)
+            covered = masked.covered_after(covered, after, transition)
+            path.append((transition, marking, after))
+            fired.append(transition)
+            marking = after
+            if len(fired) > MAX_FIRINGS:
+                raise DivergenceError(f"an internal run does not end within {MAX_FIRINGS} firings", [])
+        left, idled = set[str](), set[str]()
+        for _, before, after in path:
+            gone = before & ~after & self._running
+            while gone:
+                lowest = gone & -gone
+                activity = self._activity[lowest.bit_length() - 1]
+                left.add(activity)
+                gone ^= lowest
+            for activity in left - idled:
+                places, at_rest = self._control[activity]
+                if after & places == at_rest:
+                    idled.add(activity)
+        return Passage(marking, tuple(fired), frozenset(left), frozenset(idled))
+
+    # --- what the places of activities are ---
+
+    @cached_property
+    def _activity(self) -> dict[int, str]:
+        """The activity by place that says that one of its alternatives runs."""
+        return {place: name.split(".", 1)[0] for place, name in self.mission_net.saying("active").items()}
+
+    @cached_property
+    def _running(self) -> int:
+        return sum(1 << place for place in self._activity)
+
+    @cached_property
+    def _control(self) -> dict[str, tuple[int, int]]:
+        """By activity, the places that its own template drew, and those of them marked while it is idle."""
+        found: dict[str, tuple[int, int]] = dict.fromkeys(self._activity.values(), (0, 0))
+        for number, place in enumerate(self.mission_net.net.places):
+            origin = place.provenance
+            if origin and origin.kind in ("activity", "alternative"):
+                name = origin.name.split(".", 1)[0]
+                if name in found:
+                    places, at_rest = found[name]
+                    found[name] = places | 1 << number, at_rest | (place.initial and 1 << number)
+        return found
+
+    @cached_property
+    def _asking(self) -> int:
+        """Transitions that select an alternative: they ask its resources, or run it at once."""
+        selected = {**self.mission_net.saying("wait"), **self.mission_net.saying("active")}
+        found = 0
+        for number, transition in enumerate(self.mission_net.net.safe_transitions):
+            begun = {selected[p] for p in transition.produce if p in selected}
+            carried = {selected[p] for p in transition.consume if p in selected}
+            if begun - carried:
+                found |= 1 << number
+        return found

@@ -1,0 +1,290 @@
+"""The controller's file as tables that are quick to run, and the errors of the runtime."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+FORMAT, VERSION = "mcpn-controller", 2
+ENDS = {"succeed": "success", "fail": "failure"}
+
+
+class ControllerFileError(ValueError):
+    """A file is no controller that this runtime can run."""
+
+
+class SnapshotError(ValueError):
+    """A snapshot is truncated, changed, or of another controller."""
+
+
+class Refused(Exception):
+    """An event that the controller cannot take now.
+
+    Attributes:
+        event: The event's text.
+        known: Whether the controller knows the event at all.
+        possible: The events that it can take now.
+    """
+
+    def __init__(self, event: object, known: bool, possible: tuple[str, ...]) -> None:
+        self.event = event
+        self.known = known
+        self.possible = possible
+        what = "is not possible now" if known else "is no event of this mission"
+        super().__init__(f"{str(event)[:200]!r} {what}; possible: {', '.join(possible) or 'none'}")
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A value for the control laws, as the mission says it.
+
+    Args:
+        name: Its name.
+        value: The text as written.
+        unit: The unit as written, if any.
+    """
+
+    name: str
+    value: str
+    unit: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """One order to the robot.
+
+    Args:
+        verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware.
+        activity: The activity, but for ``release``.
+        alternative: The alternative, for ``select``.
+        hardware: The hardware resource, for ``release``.
+        objective: The running objective that names the activity, for ``select`` and ``start``.
+        parameters: For ``select``: of the activity, the alternative and the objective, the last one first
+            where two have one name; empty for other verbs.
+    """
+
+    verb: str
+    activity: str | None = None
+    alternative: str | None = None
+    hardware: str | None = None
+    objective: str | None = None
+    parameters: tuple[Parameter, ...] = field(default=(), compare=False)
+
+    def __str__(self) -> str:
+        parts = (self.verb, self.activity or self.hardware, self.alternative)
+        return " ".join(part for part in parts if part)
+
+
+@dataclass(frozen=True, slots=True)
+class Inside:
+    """A state of a section, in the section's own names."""
+
+    objectives: tuple[str, ...] = ()
+    pending: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
+    mode: Mapping[str, str] = field(default_factory=dict)
+    waiting: Mapping[str, str] = field(default_factory=dict)
+    refused: tuple[str, ...] = ()
+
+
+class Section:
+    """A section with the tables of its type; what is of its own names is made when it is first asked for.
+
+    Args:
+        row: The section, as the file says it.
+        machine: The tables of its type.
+        laws: Parameters by what they are of.
+    """
+
+    def __init__(self, row: Mapping[str, Any], machine: TypeTables, laws: Laws) -> None:
+        self.name: str = row["name"]
+        self.type: int = row["type"]
+        self.routes: dict[str, str] = row["routes"]
+        self.names: dict[str, dict[str, str]] = row["names"]
+        self.machine = machine
+        self.laws = laws
+        self.events: list[str] = row["events"]
+        self.number = {text: number for number, text in enumerate(self.events)}
+        own = self.names.get("hardware", {})
+        self.hardware = [own.get(h, h) for h in machine.hardware]
+        self._actions: dict[int, tuple[Action, ...]] = {}
+        self._states: dict[int, Inside] = {}
+
+    def entry(self, out_of_service: Iterable[str]) -> tuple[int, tuple[Action, ...]]:
+        """The first state inside and the actions, with some hardware out of service."""
+        gone = frozenset(out_of_service)
+        found = self.machine.entries[sum(1 << i for i, name in enumerate(self.hardware) if name in gone)]
+        if found is None:
+            raise ControllerFileError(f"section {self.name} has no entry with {sorted(gone)} out of service")
+        return found[0], self.actions(found[1])
+
+    def move(self, state: int, event: str) -> tuple[int | str, tuple[Action, ...]] | None:
+        """Where an event leads and the actions, or ``None`` where it is not possible."""
+        number = self.number.get(event)
+        if number is None:
+            return None
+        found = self.machine.moves[state].get(number)
+        return None if found is None else (found[0], self.actions(found[1]))
+
+    def possible(self, state: int) -> list[str]:
+        """Events of the section that are possible in a state."""
+        return [self.events[number] for number in self.machine.moves[state]]
+
+    def actions(self, number: int) -> tuple[Action, ...]:
+        """A list of actions of the type, in the section's own names."""
+        if number not in self._actions:
+            self._actions[number] = tuple(self._own(action) for action in self.machine.lists[number])
+        return self._actions[number]
+
+    def state(self, number: int) -> Inside:
+        """What a state is, in the section's own names."""
+        if number not in self._states:
+            self._states[number] = self._inside(self.machine.states[number])
+        return self._states[number]
+
+    def out_of_service(self, state: int) -> set[str]:
+        """The section's hardware that is out of service in a state."""
+        own = self.names.get("hardware", {})
+        return {own.get(h, h) for h in self.machine.states[state]["out_of_service"]}
+
+    def _own(self, row: Mapping[str, str]) -> Action:
+        names = self.names
+        activity, alternative = row.get("activity"), row.get("alternative")
+        objective, hardware = row.get("objective"), row.get("hardware")
+        if alternative is not None:
+            whole = f"{activity}.{alternative}"
+            alternative = names.get("alternatives", {}).get(whole, whole).split(".", 1)[1]
+        activity = _in(names, "activities", activity)
+        objective = _in(names, "objectives", objective)
+        hardware = _in(names, "hardware", hardware)
+        parameters = self.laws.of(activity, alternative, objective) if alternative is not None else ()
+        return Action(row["do"], activity, alternative, hardware, objective, parameters)
+
+    def _inside(self, row: Mapping[str, Any]) -> Inside:
+        names = self.names
+
+        def mode(said: Mapping[str, str]) -> dict[str, str]:
+            pairs = (f"{a}.{way}" for a, way in said.items())
+            return dict(names.get("alternatives", {}).get(pair, pair).split(".", 1) for pair in pairs)
+
+        def those(said: Iterable[str], kind: str) -> tuple[str, ...]:
+            return tuple(names.get(kind, {}).get(name, name) for name in said)
+
+        return Inside(
+            those(row["objectives"], "objectives"),
+            those(row["pending"], "objectives"),
+            those(row["done"], "objectives"),
+            mode(row["mode"]),
+            mode(row["waiting"]),
+            those(row["refused"], "activities"),
+        )
+
+
+def _in(names: Mapping[str, Mapping[str, str]], kind: str, name: str | None) -> str | None:
+    return None if name is None else names.get(kind, {}).get(name, name)
+
+
+class TypeTables:
+    """The machine of a type, its edges by state and event; equal lists of actions are kept once."""
+
+    def __init__(self, row: Mapping[str, Any]) -> None:
+        self.hardware: list[str] = row["hardware"]
+        self.states: list[Mapping[str, Any]] = row["states"]
+        self.lists: list[list[dict[str, str]]] = []
+        known: dict[str, int] = {}
+
+        def number(actions: list[dict[str, str]]) -> int:
+            key = json.dumps(actions)
+            if key not in known:
+                known[key] = len(self.lists)
+                self.lists.append(actions)
+            return known[key]
+
+        self.entries = [e and (int(e["to"]), number(e["actions"])) for e in row["entries"]]
+        self.moves: list[dict[int, tuple[int | str, int]]] = [{} for _ in self.states]
+        for edge in row["edges"]:
+            self.moves[edge["from"]][edge["event"]] = (edge["to"], number(edge["actions"]))
+        inside = range(len(self.states))
+        targets = [e[0] for e in self.entries if e] + [to for m in self.moves for to, _ in m.values()]
+        if any(to not in inside for to in targets if isinstance(to, int)):
+            raise ControllerFileError("an edge leads to a state that is not there")
+        if len(self.entries) != 1 << len(self.hardware):
+            raise ControllerFileError("a type has not one entry for each state of its hardware")
+
+
+class Laws:
+    """Parameters for the control laws."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self.activities: Mapping[str, Any] = document["activities"]
+        self.objectives: Mapping[str, Any] = document["objectives"]
+
+    def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[Parameter, ...]:
+        """Those in force for an alternative that an objective runs; the objective's count before others."""
+        found: dict[str, Any] = {}
+        if activity is not None and activity in self.activities:
+            said = self.activities[activity]
+            found |= said["parameters"]
+            found |= said["alternatives"].get(alternative, {"parameters": {}})["parameters"]
+        if objective is not None and objective in self.objectives:
+            found |= self.objectives[objective]["parameters"]
+        return tuple(Parameter(name, p["value"], p["unit"]) for name, p in found.items())
+
+
+class Tables:
+    """A controller's file, checked and made quick to run.
+
+    Args:
+        document: The JSON object.
+
+    Raises:
+        ControllerFileError: It is no controller of a version that is known here.
+    """
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        if not isinstance(document, dict) or document.get("format") != FORMAT:
+            raise ControllerFileError(f"expected an object whose format is {FORMAT}")
+        if document.get("version") != VERSION:
+            raise ControllerFileError(f"version {document.get('version')!r} found, {VERSION} expected")
+        try:
+            self.mission: str = document["mission"]
+            self.hardware: list[str] = document["hardware"]
+            laws = Laws(document)
+            types = [TypeTables(row) for row in document["types"]]
+            sections = [Section(row, types[row["type"]], laws) for row in document["sections"]]
+            self.sections = {section.name: section for section in sections}
+            self.initial = self.sections[document["initial"]]
+            for section in sections:
+                for target in section.routes.values():
+                    if target not in ENDS:
+                        self.sections[target]
+        except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
+            if isinstance(error, ControllerFileError):
+                raise
+            raise ControllerFileError(f"the controller is not whole: {error!r}") from error
+        # OOS and RD of all hardware that can fail, by text: what is free of sections reacts to them too.
+        self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
+        self.repairs = {f"{name}_EV_RD": name for name in self.hardware}
+        self.known = {START, *self.failures, *self.repairs, *(e for s in sections for e in s.events)}
+        text = json.dumps(document, sort_keys=True, ensure_ascii=False)
+        self.digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+START = "MISSION_EV_START"
+
+
+def read(path: Path) -> Tables:
+    """Reads a controller's file.
+
+    Raises:
+        ControllerFileError: It cannot be read or is no controller.
+    """
+    try:
+        document = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError) as error:
+        raise ControllerFileError(f"{path}: {error}") from error
+    return Tables(document)

@@ -1,0 +1,1 @@
+"""Deadlocks, unsafe firings and reachable markings without the space: walks, search, the state equation."""

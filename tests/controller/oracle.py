@@ -1,0 +1,111 @@
+"""A controller without machine or tables: the net itself, fired by its plain definition.
+
+It shares no code with :mod:`mcpn.controller` but for the words of actions. Interleavings are drawn at random,
+but for one rule: transitions that select an alternative come last. So it also shows that nothing else of the
+order matters.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+
+from mcpn.net.compose import MissionNet
+
+SELECTS = re.compile(r"_sel\d+$")
+
+
+class NetRobot:
+    """A robot that follows the net.
+
+    Args:
+        mission_net: The mission's net.
+        rng: Draws the interleavings.
+    """
+
+    def __init__(self, mission_net: MissionNet, rng: random.Random) -> None:
+        self.mission_net, self.net, self.rng = mission_net, mission_net.net, rng
+        self.marking = self.net.initial
+        self.running_place = {
+            place: name.split(".", 1) for place, name in mission_net.saying("active").items()
+        }
+        self.own = {
+            activity.name: [
+                number
+                for number, place in enumerate(self.net.places)
+                if place.name.startswith(f"{activity.name}_")
+                and re.fullmatch(
+                    r"Start|Stop|StartByRes|(eval|wait|active)\d+|error|refusing|running",
+                    place.name.removeprefix(f"{activity.name}_"),
+                )
+            ]
+            for activity in mission_net.mission.activities
+        }
+        self.complete()
+
+    @property
+    def mode(self) -> dict[str, str]:
+        return {a: way for place, (a, way) in self.running_place.items() if self.marking[place]}
+
+    @property
+    def outcome(self) -> str | None:
+        for kind in ("success", "failure"):
+            if any(self.marking[place] for place in self.mission_net.saying(kind)):
+                return kind
+        return None
+
+    @property
+    def objectives(self) -> set[str]:
+        return {name for place, name in self.mission_net.saying("objective").items() if self.marking[place]}
+
+    @property
+    def possible(self) -> dict[str, int]:
+        found = {}
+        for number in self.net.enabled(self.marking):
+            event = self.net.transitions[number].event
+            assert event is not None
+            assert str(event) not in found
+            found[str(event)] = number
+        return found
+
+    def handle(self, event: str) -> list[tuple[str, ...]]:
+        before = self.mode
+        left: set[str] = set()
+        idle: set[str] = set()
+        self.fire(self.possible[event], left, idle)
+        self.complete(left, idle)
+        after = self.mode
+        stopped = {a for a in before if a not in after or a in idle}
+        changed = {a for a in before if a in stopped or a in left or after.get(a) != before[a]}
+        released = {k for a in changed for k in self.hardware(a, before[a])}
+        selected = {a for a in after if a not in before or a in changed}
+        started = {a for a in after if a not in before or a in stopped}
+        return sorted(
+            [("stop", a) for a in stopped]
+            + [("release", k) for k in released]
+            + [("select", a, after[a]) for a in selected]
+            + [("start", a) for a in started]
+        )
+
+    def hardware(self, activity: str, alternative: str) -> list[str]:
+        (of,) = [a for a in self.mission_net.mission.activities if a.name == activity]
+        (way,) = [w for w in of.alternatives if w.name == alternative]
+        return [k for k in way.consumes if k in {h.name for h in self.mission_net.mission.hardware}]
+
+    def fire(self, transition: int, left: set[str], idle: set[str]) -> None:
+        before = self.marking
+        self.marking = self.net.fire(before, transition)
+        for place, (activity, _) in self.running_place.items():
+            if before[place] > self.marking[place]:
+                left.add(activity)
+        idle |= {a for a in left if not any(self.marking[place] for place in self.own[a])}
+
+    def complete(self, left: set[str] | None = None, idle: set[str] | None = None) -> None:
+        left = set() if left is None else left
+        idle = set() if idle is None else idle
+        while True:
+            enabled = [t for t in self.net.enabled(self.marking) if self.net.transitions[t].internal]
+            if not enabled:
+                return
+            first = [t for t in enabled if not SELECTS.search(self.net.transitions[t].name)]
+            self.fire(self.rng.choice(first or enabled), left, idle)

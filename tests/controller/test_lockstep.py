@@ -1,0 +1,118 @@
+"""Net, flat controller and hierarchical controller do the same, action for action."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.controller.actions import VERBS
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import Controller
+from mcpn.controller.targets.json import document
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Action
+from mcpn.runtime import Controller as Runtime
+from mcpn.testing import missions
+from tests.controller.oracle import NetRobot
+
+
+def plain(actions: tuple[Action, ...]) -> list[tuple[str, ...]]:
+    parts = ((a.verb, a.activity or a.hardware, a.alternative) for a in actions)
+    return sorted(tuple(part for part in action if part is not None) for action in parts)
+
+
+def check_order(mission_net: MissionNet, before: dict[str, str], actions: tuple[Action, ...]) -> None:
+    """Stops, releases, selections, starts; consumers stop before producers, and start after them."""
+    verbs = [VERBS.index(a.verb) for a in actions]
+    assert verbs == sorted(verbs)
+    usage = mission_net.usage
+    for verb in ("stop", "start"):
+        order = [a.activity for a in actions if a.verb == verb]
+        assert len(order) == len(set(order))
+        for i, one in enumerate(order):
+            for other in order[i + 1 :]:
+                assert one is not None
+                assert other is not None
+                first, second = (one, other) if verb == "stop" else (other, one)
+                assert first not in usage.closure(second), f"{second} stands on {first}"
+    mode = dict(before)
+    for action in actions:
+        name = action.activity or ""
+        if action.verb == "stop":
+            del mode[name]
+        elif action.verb == "select":
+            assert action.alternative is not None
+            mode[name] = action.alternative
+        elif action.verb == "start":
+            assert name in mode, "an alternative is selected before its activity starts"
+
+
+def walk(
+    mission_net: MissionNet, controllers: list[Controller], rng: random.Random, steps: int
+) -> list[Runtime]:
+    robot = NetRobot(mission_net, rng)
+    runtimes = [Runtime.from_document(document(c, mission_net)) for c in controllers]
+    for _ in range(steps):
+        possible = sorted(robot.possible)
+        for runtime in runtimes:
+            assert runtime.possible == tuple(possible)
+            assert dict(runtime.mode) == robot.mode
+            assert runtime.outcome == robot.outcome
+            assert set(runtime.state.objectives) == robot.objectives
+        if not possible:
+            break
+        chosen = rng.choice(possible)
+        before = robot.mode
+        expected = robot.handle(chosen)
+        taken = [runtime.handle(chosen) for runtime in runtimes]
+        for actions in taken:
+            assert plain(actions) == expected
+            assert actions == taken[0]
+        check_order(mission_net, before, taken[0])
+    return runtimes
+
+
+@pytest.fixture(scope="module")
+def both(ulysse_net: MissionNet) -> list[Controller]:
+    return [generate(ulysse_net, "flat"), generate(ulysse_net, "hierarchical")]
+
+
+def test_ulysse(ulysse_net: MissionNet, both: list[Controller]) -> None:
+    for seed in range(10):
+        walk(ulysse_net, both, random.Random(seed), 200)
+
+
+def either(mission_net: MissionNet) -> list[Controller]:
+    """The controllers that a mission has."""
+    found = []
+    for form in ("flat", "hierarchical"):
+        try:
+            found.append(generate(mission_net, form, max_states=3000))
+        except (SemanticsError, LimitError) as error:
+            event(f"{form}: {type(error).__name__}")
+    return found
+
+
+@given(missions(max_objectives=3, max_depth=2), st.integers(0, 2**32))
+def test_any_mission(mission: Mission, seed: int) -> None:
+    mission_net = compose(mission)
+    controllers = either(mission_net)
+    event(f"{len(controllers)} controllers")
+    if controllers:
+        walk(mission_net, controllers, random.Random(seed), 60)
+
+
+@given(
+    missions(max_objectives=3, max_depth=2, allow_disjoint_branches=True, outputs=3), st.integers(0, 2**32)
+)
+def test_missions_without_contention(mission: Mission, seed: int) -> None:
+    mission_net = compose(mission)
+    controllers = either(mission_net)
+    event(f"{len(controllers)} controllers")
+    if controllers:
+        walk(mission_net, controllers, random.Random(seed), 60)
