@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -21,6 +21,7 @@ from mcpn.cli.shared import (
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
+    from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -41,7 +42,9 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
     help="Evaluate on all markings, or on stable markings and events.",
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
-@click.option("--engine", type=click.Choice(["symbolic", "explicit"]), default="symbolic", show_default=True)
+@click.option(
+    "--engine", type=click.Choice(["symbolic", "explicit", "local"]), default="symbolic", show_default=True
+)
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @limit_option
 @import_option
@@ -65,8 +68,8 @@ def ctl(
     """
     if not (formulas or properties or examination):
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
-    if scn and (len(formulas) != 1 or engine != "symbolic"):
-        raise click.UsageError("--scn goes with one FORMULA and the symbolic engine")
+    if scn and len(formulas) != 1:
+        raise click.UsageError("--scn goes with one FORMULA")
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
@@ -77,7 +80,7 @@ def ctl(
         mission_net,
         on="alternatives" if graph == "alternatives" else "markings",
         fair=fair,
-        engine="explicit" if engine == "explicit" else "symbolic",
+        engine=cast("Engine", engine),
         max_states=max_states,
     )
     asked = [(text, questions.core(parse(text))) for text in formulas]
@@ -88,13 +91,13 @@ def ctl(
         click.echo(f"FORMULA {net.name}-{examination} {questions.examination(examination)}")
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
-        _write_scenario(answers[0], net, scn)
+        _write_scenario(answers[0], scn)
     if as_json:
         click.echo(json.dumps([_answer_object(answer, net) for answer in answers], ensure_ascii=False))
     elif answers:
         from mcpn.report.text import print_answers
 
-        print_answers(answers, net)
+        print_answers(answers, net, mission_net)
     if not all(answer.holds for answer in answers):
         sys.exit(EXIT_FAILED)
 
@@ -108,20 +111,17 @@ def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet
     return mission_net.net, mission_net
 
 
-def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
+def _write_scenario(answer: Answer, path: Path) -> None:
     from mcpn.check.logic.witness import scenario
     from mcpn.files import write_atomically
 
-    assert answer.witness is not None, "the symbolic engine always gives a witness"
-    write_atomically(path, scenario(answer.witness, net))
+    write_atomically(path, scenario(answer.witness))
 
 
 def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
     witness = answer.witness
-    if witness is None:
-        return {"formula": answer.formula, "holds": answer.holds, "witness": None}
     shown = {
-        "events": [str(step.event) for step in answer.told],
+        "events": [str(event) for event in witness.run.events],
         "firings": [net.transitions[t].name for t in witness.firings],
         "cycle": witness.cycle_firing,
         "notes": witness.notes,

@@ -12,7 +12,9 @@ from mcpn.check.logic.questions import Answer
 from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
 from mcpn.errors import Problem
+from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
+from mcpn.report.words import in_words
 from mcpn.space.compare import Measurement
 
 
@@ -44,26 +46,23 @@ def print_comparison(found: Sequence[Measurement]) -> None:
             console.print(f"{m.engine}: {m.reason}")
 
 
-def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
+def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: MissionNet | None = None) -> None:
     """Prints answers to formulas with the runs that show them."""
     console = Console(highlight=False, soft_wrap=True)
     for answer in answers:
         colour, word = ("green", "holds") if answer.holds else ("red", "fails")
         console.print(f"[{colour}]{word}[/{colour}]  {escape(answer.formula)}")
         witness = answer.witness
-        if witness is None:
-            continue
-        if answer.told:
-            for step in answer.told:
-                console.print(f"    {step.event!s:34} {step.words}", markup=False)
+        if mission_net is not None:
+            for event, words in in_words(mission_net, witness.run):
+                console.print(f"    {event!s:34} {words}", markup=False)
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
                     console.print("    from here on for ever:")
                 console.print(f"    {net.transitions[t].name}", markup=False)
-        if answer.told and witness.cycle is not None:
-            repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
-            events = [str(e) for t in repeated if (e := net.transitions[t].event)]
+        if mission_net is not None and witness.cycle is not None:
+            events = [str(e) for t in witness.repeated if (e := net.transitions[t].event)]
             console.print(f"    for ever: {' '.join(events) or 'internal firings'}", markup=False)
         for note in witness.notes:
             console.print(f"    {note}", markup=False)

@@ -76,8 +76,9 @@ class Run:
         since: list[int] | None = None  # fired since the last stable marking, once there is one
         for t in self.transitions:
             if net.priorities and not net.transitions[t].internal:
-                for u, at in completion.settle(at, since):
-                    yield u, at
+                for step in completion.settle(at, since):
+                    yield step
+                    _, at = step
                 since = []
             at = net.fire(at, t)
             yield t, at

@@ -137,7 +137,7 @@ class Evaluation(Generic[S]):
         return found
 
     def _hull_of(self, inside: S, constraints: Sequence[Justice]) -> S:
-        """The greatest set in which each constraint can be met, and the set be reached again, again and again."""
+        """The greatest set in which each constraint can be met, and the set reached again, for ever."""
         found = inside
         while found:
             narrower = found

@@ -1,34 +1,26 @@
-"""Questions about a net or a mission, answered by either engine on either graph."""
+"""Questions about a net or a mission in temporal logic, answered by any engine on any of its graphs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Any
 
-import numpy as np
-
-from mcpn.check.arrays import ExplicitEvaluation
-from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
 from mcpn.check.logic.contest import Property
+from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.check.nets.behaviour import examine
-from mcpn.check.runs import Step, replay
+from mcpn.check.spaces import Engine, On, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
-from mcpn.space.alternatives import by_reduction
-from mcpn.space.confluence import prove_confluent
-from mcpn.space.explicit import DEFAULT_MAX_STATES, explore
-from mcpn.space.graph import StateGraph
-from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.space.algebra import Space
+from mcpn.space.diagrams import DiagramMarkings
 
-On: TypeAlias = Literal["markings", "alternatives"]
-Engine: TypeAlias = Literal["symbolic", "explicit"]
 PROGRESS = "progress"
 
 
@@ -39,26 +31,24 @@ class Answer:
     Args:
         formula: As it was written.
         holds: Whether the initial state satisfies it.
-        witness: A run that shows it (symbolic engine only).
-        told: The events of the run in mission words; empty for nets of no mission.
+        witness: A run that shows why.
     """
 
     formula: str
     holds: bool
-    witness: Witness | None = None
-    told: tuple[Step, ...] = ()
+    witness: Witness
 
 
 class Questions:
-    """Answers questions about one net; the state space is built once, when it is first needed.
+    """Answers questions about one net; the space is made once, when it is first needed.
 
     Args:
         net: The net.
         mission_net: The mission that it is of, if any.
         on: The graph that formulas speak of.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
-        engine: Diagrams, or arrays as the second opinion.
-        max_states: Limit for the explicit engine.
+        engine: Who makes the space: arrays, diagrams or composition.
+        max_states: Limit on states that are listed one by one.
 
     Raises:
         InputError: A constraint is no formula, or the words do not fit the net.
@@ -71,7 +61,7 @@ class Questions:
         *,
         on: On = "markings",
         fair: Sequence[str] = (),
-        engine: Engine = "symbolic",
+        engine: Engine = "auto",
         max_states: int | None = None,
     ) -> None:
         if on == "alternatives" and not net.priorities:
@@ -80,7 +70,7 @@ class Questions:
         self.mission_net = mission_net
         self.on = on
         self.engine = engine
-        self.max_states = max_states or DEFAULT_MAX_STATES
+        self.max_states = max_states
         self.fair = tuple(constraint for text in fair for constraint in self._constraints(text))
 
     def _constraints(self, text: str) -> tuple[Justice, ...]:
@@ -101,40 +91,16 @@ class Questions:
         return resolve(formula, self.net, self.mission_net)
 
     @cached_property
-    def space(self) -> SymbolicSpace:
-        """The reachable markings as a diagram.
-
-        Raises:
-            UnsafeError: The net is not 1-safe.
-            LimitError: A limit was hit.
-        """
-        return reach(self.net)
+    def space(self) -> Space[Any]:
+        """The space that formulas speak of; it raises what :func:`mcpn.check.spaces.space_of` does."""
+        return space_of(
+            self.net, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
+        )
 
     @cached_property
-    def symbolic(self) -> Evaluation:
-        """Evaluates on diagrams.
-
-        Raises:
-            ConfluenceError: The alternatives graph is asked for, and internal evolution is not confluent.
-            DivergenceError: The same, and internal evolution need not end.
-        """
-        if self.on == "markings":
-            return Evaluation(SymbolicMarkings(self.space), self.fair)
-        prove_confluent(self.net, max_states=self.max_states, space=self.space)
-        return Evaluation(SymbolicAlternatives(self.space), self.fair)
-
-    @cached_property
-    def explicit(self) -> ExplicitEvaluation:
-        """Evaluates on arrays.
-
-        Raises:
-            UnsafeError: The net is not 1-safe.
-            ConfluenceError: As for :attr:`symbolic`.
-            DivergenceError: As for :attr:`symbolic`.
-            LimitError: A limit was hit.
-        """
-        graph: StateGraph = explore(self.net, max_states=self.max_states)
-        return ExplicitEvaluation(by_reduction(graph) if self.on == "alternatives" else graph, self.fair)
+    def evaluation(self) -> Evaluation[Any]:
+        """Evaluates formulas on the space, under the constraints."""
+        return Evaluation(self.space, self.fair)
 
     def answer(self, text: str, core: Core) -> Answer:
         """Answers a formula, and shows by a run why.
@@ -143,36 +109,34 @@ class Questions:
             text: The formula as it was written.
             core: The same, names looked up.
         """
-        if self.engine == "explicit":
-            return Answer(text, self.explicit.holds(core))
-        witness = explain(self.symbolic, core)
-        names = [self.net.transitions[t].name for t in witness.firings]
-        told = replay(self.mission_net, names) if self.mission_net else ()
-        return Answer(text, self.symbolic.holds(core), witness, tuple(told))
+        holds = self.evaluation.holds(core)
+        return Answer(text, holds, explain(self.evaluation, core))
 
-    def property(self, asked: Property) -> str:
-        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
+    def look_up(self, asked: Property) -> Core | dict[int, int]:
+        """What a property of the contest asks, names looked up: a formula, or places with their weights.
+
+        Raises:
+            InputError: A name is unknown.
+        """
         if asked.formula is not None:
             try:
-                core = self.core(asked.formula)
+                return self.core(asked.formula)
             except InputError as error:
                 raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-            evaluation = self.symbolic if self.engine == "symbolic" else self.explicit
-            return str(evaluation.holds(core)).upper()
         weights: dict[int, int] = {}
         for name in asked.bound:
             if name not in self.net.place_index:
                 raise InputError.at(asked.source, f"no place is named {name}")
             place = self.net.place_index[name]
             weights[place] = weights.get(place, 0) + 1
-        if self.engine == "symbolic":
-            levels, always = self.space.encoding.weigh(weights)
-            return str(self.space.reachable.largest(levels) + always)
-        graph = self.explicit.graph
-        tokens = np.zeros(graph.states, np.int64)
-        for place, weight in weights.items():
-            tokens += weight * graph.marked(place)
-        return str(tokens.max())
+        return weights
+
+    def property(self, asked: Property) -> str:
+        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
+        meant = self.look_up(asked)
+        if isinstance(meant, dict):
+            return str(largest(self.space, meant))
+        return str(self.evaluation.holds(meant)).upper()
 
     def examination(self, name: str) -> str:
         """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`)."""
@@ -182,3 +146,18 @@ class Questions:
             if name == "OneSafe":
                 return "FALSE"
             raise
+
+
+def largest(space: Space[Any], weights: dict[int, int]) -> int:
+    """The largest weighted sum of tokens in a state of a space; weights are not negative."""
+    if isinstance(space, DiagramMarkings):  # in one pass over the diagram
+        levels, always = space.encoding.weigh(weights)
+        return space.everything.largest(levels) + always
+    low, high = 0, sum(weights.values())
+    while low < high:
+        middle = (low + high) // 2
+        if space.everything - space.at_most(weights, middle):
+            low = middle + 1
+        else:
+            high = middle
+    return low

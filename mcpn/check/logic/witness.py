@@ -1,10 +1,10 @@
 """Runs that show why a formula holds or fails, over any space of states.
 
-A run shows an existential operator that holds: ``EX`` by a step, ``EU`` and ``EF`` by a short run, ``EG`` by a
-run into a cycle or to an end; and in the same way a universal operator that fails. At the last state of such
-a run, what is inside the operator is shown next, as far as one run can go: a universal statement that holds,
-or the second of two statements that are needed, has no linear witness, and a note says so (Clarke, Veith,
-*Counterexamples revisited*, 2003).
+A run shows an existential operator that holds: ``EX`` by a step, ``EU`` and ``EF`` by a short run, ``EG`` by
+a run into a cycle or to an end; and in the same way a universal operator that fails. At the last state of
+such a run, what is inside the operator is shown next, as far as one run can go: a universal statement that
+holds, or the second of two statements that are needed, has no linear witness, and a note says so (Clarke,
+Veith, *Counterexamples revisited*, 2003).
 """
 
 from __future__ import annotations
