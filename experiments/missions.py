@@ -22,7 +22,7 @@ from mcpn.mission.model import (
     Robot,
     Software,
 )
-from mcpn.mission.xml import save_mission
+from mcpn.mission.writer import save_mission
 
 
 @dataclass(frozen=True)

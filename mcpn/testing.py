@@ -20,6 +20,7 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Hardware,
     Mission,
     Objective,
@@ -31,6 +32,7 @@ from mcpn.mission.model import (
     Software,
     Use,
 )
+from mcpn.mission.renaming import renamed
 
 
 @dataclass(frozen=True)
@@ -49,12 +51,16 @@ class Shape:
         parallel: Whether parallel blocks are drawn.
         protocols: Whether protocols are drawn and used.
         loops: Whether routes may go back.
+        rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
+            may be shared.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
             contends.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
+        awkward_names: Whether names are drawn that look like parts of one another and of what nets and
+            events are called, the same one for elements of different kinds.
     """
 
     hardware: int = 3
@@ -68,10 +74,12 @@ class Shape:
     parallel: bool = True
     protocols: bool = True
     loops: bool = True
+    rounds: bool = True
     shared_activities: bool = True
     disjoint_branches: bool = False
     text: bool = False
     numbers: bool = False
+    awkward_names: bool = False
 
 
 TEXTS = st.text(
@@ -212,8 +220,13 @@ class _Drawing:
 
     def consumed(self, island: _Island) -> tuple[str, ...]:
         chosen: list[str] = []
-        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2]))):
+        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            # What a supplier of this very alternative may take too, itself or through others.
+            under = frozenset[str]().union(*(island.below[k] for k in chosen))
+            near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
+            if near and self.chance():
+                left = near
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
         return tuple(chosen)
@@ -244,6 +257,21 @@ class _Drawing:
         return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
+        if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
+            return self.once(depth, islands, budget)
+        if depth and self.chance():
+            values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]
+            blocks, size = self.series(depth - 1, islands, budget // len(values))
+            parameter = self.draw(st.none() | st.just(self.name("value")))
+            drawn = Each(name=self.name("each"), values=tuple(values), blocks=blocks, parameter=parameter)
+            return drawn, size * len(values)
+        repeat = self.draw(st.none() | st.integers(1, min(3, budget)))
+        retries = self.number(0, min(2, budget // (repeat or 1) - 1))
+        copies = (repeat or 1) * (retries + 1)
+        block, size = self.once(depth, islands, budget // copies)
+        return replace(block, repeat=repeat, retries=retries), size * copies
+
+    def once(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
         usable = self.usable(islands, budget)
         kinds = ["objective", "objective"]
         kinds += ["recursive"] if depth else []
@@ -336,6 +364,42 @@ def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrat
 
     @st.composite
     def drawn(draw: st.DrawFn) -> Mission:
-        return _Drawing(draw, chosen).mission()
+        mission = _Drawing(draw, chosen).mission()
+        return draw(awkwardly_named(mission)) if chosen.awkward_names else mission
+
+    return drawn()
+
+
+_AWKWARD = (
+    *("a", "a_EV", "a_EV_OK", "a_EV_OOS", "a_EV_b", "a_ok", "a_fail", "a_enter", "a_begin", "a_b", "a_free"),
+    *("a_idle", "a_error", "a_wait1", "a_start", "OBJ_a", "OBJ_a_ok", "PAR_a", "PAR_a_exit_0", "MISSION"),
+    *("MISSION_success", "EV", "OK", "b", "sel1", "start", "b_sel1", "answer"),
+)
+
+
+def awkwardly_named(mission: Mission) -> st.SearchStrategy[Mission]:
+    """The mission with other names: like parts of one another, and alike in different kinds.
+
+    Args:
+        mission: A valid mission.
+
+    Returns:
+        Missions that say the same.
+    """
+
+    @st.composite
+    def drawn(draw: st.DrawFn) -> Mission:
+        given: dict[tuple[str, str], str] = {}
+        taken: dict[str, set[str]] = {}
+
+        def rename(kind: str, name: str) -> str:
+            if (kind, name) not in given:
+                known = taken.setdefault(kind, set())
+                left = [new for new in _AWKWARD if new not in known] or [f"a_{len(known)}"]
+                given[kind, name] = draw(st.sampled_from(left))
+                known.add(given[kind, name])
+            return given[kind, name]
+
+        return renamed(mission, rename)
 
     return drawn()

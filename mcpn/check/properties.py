@@ -16,7 +16,7 @@ from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.runs import Step, replay, run_in_words
 from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.usage import Usage
-from mcpn.mission.validate import never_entered
+from mcpn.mission.warnings import never_entered
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.alternatives import AlternativesGraph, by_reduction

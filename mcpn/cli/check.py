@@ -59,7 +59,7 @@ def check(
     from mcpn.check.by_diagrams import check_by_diagrams
     from mcpn.check.composition import check_by_composition
     from mcpn.check.properties import check_mission
-    from mcpn.mission.validate import find_warnings
+    from mcpn.mission.warnings import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)

@@ -1,7 +1,9 @@
 """From blocks to the objectives graph: recursion replaced by its contents (paper, 5.1 and Fig. 5).
 
 Parallel blocks are kept as sections, each branch with a graph of its own; uses of protocols are expanded,
-their names qualified by the use (``transect_north.diving``).
+their names qualified by the use (``transect_north.diving``). Rounds of ``each`` and ``repeat`` and tries of
+``retries`` are written out one after the other, named by their value, round or try (``visit_12``,
+``visit_3``, ``visit_try2``), which qualifies what they hold (``visit_12.travel``).
 """
 
 from __future__ import annotations
@@ -14,8 +16,10 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn.errors import LimitError, Source
 from mcpn.mission.model import (
     FAIL,
+    ROUND,
     SUCCEED,
     Block,
+    Each,
     Mission,
     Objective,
     Parallel,
@@ -210,16 +214,24 @@ class _Scope:
 
     Args:
         prefix: Qualifies names.
+        suffix: Ends the names of blocks of which there are several copies, one for each round or try.
         depth: How many blocks stand around.
         defaults: Parameters that an objective has unless it says otherwise.
         overrides: What the use of this text says instead of the parameters written in it. It does not
             reach into protocols used there: their interface is what the uses in this text say.
+        rounds: The values of the rounds in this text that stand around; uses hand them to their protocols.
     """
 
     prefix: str = ""
+    suffix: str = ""
     depth: int = 0
     defaults: Mapping[str, Parameter] = field(default_factory=dict)
     overrides: Mapping[str, Parameter] = field(default_factory=dict)
+    rounds: Mapping[str, Parameter] = field(default_factory=dict)
+
+    def name(self, block: Block) -> str:
+        """The qualified name of a block that stands here."""
+        return f"{self.prefix}{block.name}{self.suffix}"
 
     def written(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
         """Parameters written in this text, as the use of the text overrides them."""
@@ -229,9 +241,35 @@ class _Scope:
         """The parameters in force where these are written."""
         return {**self.defaults, **self.written(parameters)}
 
-    def entered(self, depth: int, parameters: tuple[Parameter, ...]) -> _Scope:
-        """The scope of what stands deeper in the same text, under these parameters."""
-        return _Scope(self.prefix, depth, self.with_defaults(parameters), self.overrides)
+    def into(self, block: Block, parameters: tuple[Parameter, ...] = ()) -> _Scope:
+        """The scope of what a block holds in the same text; a copy of a block qualifies it."""
+        prefix = f"{self.name(block)}." if self.suffix else self.prefix
+        defaults = self.with_defaults(parameters)
+        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), defaults=defaults)
+
+    def into_protocol(self, use: Use, protocol: Protocol) -> _Scope:
+        """The scope of a protocol's text as one use of it sees it."""
+        overrides = {**self.rounds, **self.written(use.parameters)}
+        text = _Scope(f"{self.name(use)}.", "", self.deeper(use), self.defaults, overrides)
+        return replace(text, defaults=text.with_defaults(protocol.parameters))
+
+    def copy(self, block: Block, suffix: str, value: Parameter | None = None) -> _Scope:
+        """The scope of one copy of a block, or of what stands in one round of it."""
+        values = {value.name: value} if value else {}
+        return replace(
+            self,
+            suffix=f"{self.suffix}_{suffix}",
+            depth=self.deeper(block),
+            defaults={**self.defaults, **values},
+            rounds={**self.rounds, **values},
+        )
+
+    def deeper(self, block: Block) -> int:
+        """The depth inside a block."""
+        if self.depth >= MAX_NESTING:
+            message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
+            raise LimitError(f"{block.source}: {message}" if block.source else message)
+        return self.depth + 1
 
 
 class _Flattening:
@@ -242,48 +280,45 @@ class _Flattening:
 
     def graph(self, blocks: tuple[Block, ...], scope: _Scope) -> ObjectivesGraph:
         sections: list[Section] = []
-        entry = self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL}, sections)
-        return _reachable(ObjectivesGraph(tuple(sections), entry))
+        self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL}, sections)
+        return _reachable(ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)))
 
     def series(
         self, blocks: tuple[Block, ...], scope: _Scope, exits: dict[str, str], sections: list[Section]
-    ) -> str:
-        """Adds the sections of sibling blocks and returns the entry of the first."""
-        entries = {block.name: self.entry(block, scope) for block in blocks}
-        routes = entries | exits
+    ) -> None:
+        """Adds the sections of sibling blocks."""
+        routes = {block.name: self.entry(block, scope) for block in blocks} | exits
         for block, following in zip(blocks, (*blocks[1:], None), strict=True):
             success = block.success or (following.name if following else SUCCEED)
             self.block(block, scope, routes[success], routes[block.failure or FAIL], sections)
-        return entries[blocks[0].name]
 
     def inside(self, block: Recursive | Parallel | Use, scope: _Scope) -> tuple[tuple[Block, ...], _Scope]:
         """What a block holds, and the scope of that."""
-        if scope.depth >= MAX_NESTING:
-            message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
-            raise LimitError(f"{block.source}: {message}" if block.source else message)
-        depth = scope.depth + 1
         if isinstance(block, Use):
             protocol = self.protocols[block.protocol]
-            overrides = scope.written(block.parameters)
-            text = _Scope(f"{scope.prefix}{block.name}.", depth, scope.defaults, overrides)
-            return protocol.blocks, text.entered(depth, protocol.parameters)
-        return block.blocks, scope.entered(depth, block.parameters if isinstance(block, Recursive) else ())
+            return protocol.blocks, scope.into_protocol(block, protocol)
+        return block.blocks, scope.into(block, block.parameters if isinstance(block, Recursive) else ())
 
     def entry(self, block: Block, scope: _Scope) -> str:
         """The name of the section that is entered when the block is."""
-        while isinstance(block, Recursive | Use):
-            blocks, scope = self.inside(block, scope)
+        while True:
+            if _several(block):
+                blocks, scope = next(_copies(block, scope))
+            elif isinstance(block, Recursive | Use):
+                blocks, scope = self.inside(block, scope)
+            else:
+                return scope.name(block)
             block = blocks[0]
-        return scope.prefix + block.name
 
     def block(self, block: Block, scope: _Scope, success: str, failure: str, sections: list[Section]) -> None:
-        name = scope.prefix + block.name
-        if isinstance(block, Objective):
+        if _several(block):
+            self.copies(block, scope, success, failure, sections)
+        elif isinstance(block, Objective):
             parameters = tuple(scope.with_defaults(block.parameters).values())
             self.count(len(parameters))
             sections.append(
                 ElementarySection(
-                    name,
+                    scope.name(block),
                     block.activities,
                     success,
                     failure,
@@ -297,16 +332,29 @@ class _Flattening:
         elif isinstance(block, Parallel):
             children, inner = self.inside(block, scope)
             branches = tuple(self.branch(child, inner) for child in children)
+            name = scope.name(block)
             sections.append(
                 ParallelSection(name, branches, success, failure, block.source, block.description)
             )
-        else:
+        elif isinstance(block, Recursive | Use):
             blocks, inner = self.inside(block, scope)
             self.series(blocks, inner, {SUCCEED: success, FAIL: failure}, sections)
 
+    def copies(
+        self, block: Block, scope: _Scope, success: str, failure: str, sections: list[Section]
+    ) -> None:
+        """Adds the rounds of a block, or its tries, one after the other."""
+        tries = block.repeat is None and block.retries > 0
+        here: tuple[tuple[Block, ...], _Scope] | None = next(copies := _copies(block, scope))
+        while here is not None:
+            (blocks, inner), here = here, next(copies, None)
+            following = self.entry(here[0][0], here[1]) if here else None
+            exits = (success, following or failure) if tries else (following or success, failure)
+            self.series(blocks, inner, dict(zip((SUCCEED, FAIL), exits, strict=True)), sections)
+
     def branch(self, child: Block, scope: _Scope) -> Branch:
         alone = replace(child, success=None, failure=None)
-        return Branch(scope.prefix + child.name, child.mandatory, self.graph((alone,), scope), child.source)
+        return Branch(scope.name(child), child.mandatory, self.graph((alone,), scope), child.source)
 
     def count(self, parameters: int) -> None:
         self.objectives += 1
@@ -316,6 +364,28 @@ class _Flattening:
         if self.parameters > MAX_PARAMETERS:
             message = f"more than {MAX_PARAMETERS} parameters of objectives after expansion"
             raise LimitError(f"{message}: the limit was hit")
+
+
+def _several(block: Block) -> bool:
+    """Whether a block stands for several copies, one after the other."""
+    return block.repeat is not None or block.retries > 0 or isinstance(block, Each)
+
+
+def _copies(block: Block, scope: _Scope) -> Iterator[tuple[tuple[Block, ...], _Scope]]:
+    """The rounds of a block, else its tries, else its values: what is done each time, and its scope."""
+    alone = replace(block, success=None, failure=None)
+    if block.repeat is not None:
+        for number in range(1, block.repeat + 1):
+            value = Parameter(name=ROUND, value=str(number), source=block.source)
+            yield (replace(alone, repeat=None),), scope.copy(block, str(number), value)
+    elif block.retries:
+        for number in range(1, block.retries + 2):
+            yield (replace(alone, retries=0),), scope.copy(block, f"try{number}")
+    elif isinstance(block, Each):
+        inside = scope.into(block)
+        for text in block.values:
+            value = Parameter(name=block.bound, value=text, source=block.source)
+            yield block.blocks, inside.copy(block, text, value)
 
 
 def _reachable(graph: ObjectivesGraph) -> ObjectivesGraph:

@@ -122,11 +122,16 @@ class BlockElement(Element):
             (the next sibling, or ``succeed`` from the last).
         failure: Where failure leads; ``None`` for the default, ``fail``.
         mandatory: Counts in the outcome of the parallel block that holds it; of no effect elsewhere.
+        retries: How many times it is tried again when it fails; it fails when the last try does.
+        repeat: How many times it is done, one round after the other; ``None`` for once, without rounds. The
+            first round that fails ends it in failure. Each round has its own retries.
     """
 
     success: str | None = None
     failure: str | None = None
     mandatory: bool = True
+    retries: int = 0
+    repeat: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,7 +189,36 @@ class Use(BlockElement):
     parameters: tuple[Parameter, ...] = ()
 
 
-Block: TypeAlias = Objective | Recursive | Parallel | Use
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Each(BlockElement):
+    """Blocks that are done once for each of some values, one round after the other.
+
+    A round that succeeds leads to the round of the next value; the first that fails ends all in failure. A
+    block inside is named with the value appended (``visit_12``), which qualifies what it holds
+    (``visit_12.travel``).
+
+    Args:
+        values: At least one, in order.
+        blocks: At least one; each round is entered at the first.
+        parameter: The parameter that has the value in each round; by default it has the block's own name.
+    """
+
+    values: tuple[str, ...]
+    blocks: tuple[Block, ...]
+    parameter: str | None = None
+
+    @property
+    def bound(self) -> str:
+        """The name of the parameter that has the value."""
+        return self.parameter or self.name
+
+
+Block: TypeAlias = Objective | Recursive | Parallel | Use | Each
+"""Whatever stands in a series."""
+Holder: TypeAlias = Recursive | Parallel | Each
+"""Blocks that hold blocks."""
+ROUND = "round"
+"""The parameter that has the number of the round, from 1, in a block that is repeated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,5 +273,5 @@ def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:
     while stack:
         block = stack.pop()
         yield block
-        if isinstance(block, Recursive | Parallel):
+        if isinstance(block, Holder):
             stack.extend(reversed(block.blocks))

@@ -17,7 +17,7 @@ from lxml import etree
 RNG = "{http://relaxng.org/ns/structure/1.0}"
 NAMESPACE = "urn:mcpn:mission:1"
 ROOTS = ("mission", "robot", "protocols")
-BLOCKS = ("objective", "parallel", "use")
+BLOCKS = ("objective", "parallel", "use", "each")
 
 
 @dataclass
@@ -141,6 +141,10 @@ def _expected(pattern: str) -> str:
         return "true or false"
     if "eE" in pattern:
         return "a decimal number of at least 0, for example 12 or 2.5e-4"
+    if "{1,6}" in pattern:
+        return "a whole number of at most 6 digits"
+    if "[A-Za-z0-9_]+(" in pattern:
+        return "values of letters, digits and _, separated by spaces"
     return "letters, digits and _, no digit first, at most 255 characters"
 
 
@@ -160,8 +164,9 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
                     _line(child),
                     f"found <{name}> after a block of <{tag}>, expected before its first block",
                 )
-    if tag in ("mission", "protocol", "parallel") and not blocks:
-        yield line, f"<{tag}> has no blocks, expected <objective>, <parallel> or <use> inside"
+    if tag in ("mission", "protocol", "parallel", "each") and not blocks:
+        expected = ", ".join(f"<{name}>" for name in BLOCKS if name in _rules()[tag].children)
+        yield line, f"<{tag}> has no blocks, expected one of {expected} inside"
     if tag == "objective" and bool(blocks) == ("activities" in element.attrib):
         found = "both activities and blocks" if blocks else "neither activities nor blocks"
         yield line, f"<objective> has {found}, expected activities (elementary) or blocks (recursive)"

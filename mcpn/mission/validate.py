@@ -7,16 +7,18 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from itertools import islice
+from itertools import islice, product
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, flatten
+from mcpn.mission.flatten import MAX_OBJECTIVES
 from mcpn.mission.model import (
     FAIL,
     SUCCEED,
     Activity,
     Block,
+    Each,
     Element,
+    Holder,
     Mission,
     Objective,
     Parallel,
@@ -31,6 +33,10 @@ MAX_HINTS = 10
 MAX_COMPARED = 500
 """Among how many known names a near one is looked for."""
 
+MAX_ROUNDS = 100_000
+"""The largest number of rounds or tries that a block may ask for."""
+
+_VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
 
@@ -46,22 +52,6 @@ def find_errors(mission: Mission) -> list[Problem]:
         size.
     """
     return list(_Checks(mission).errors())
-
-
-def find_warnings(mission: Mission) -> list[Problem]:
-    """What is suspicious in a valid mission, though it can be verified as it stands.
-
-    Args:
-        mission: A valid mission.
-
-    Returns:
-        Activities that nothing starts, resources and protocols that nothing uses, objectives that no route
-        reaches, alternatives that are never tried, each with its line.
-    """
-    return sorted(
-        _Checks(mission).warnings(),
-        key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0),
-    )
 
 
 class _Checks:
@@ -201,14 +191,16 @@ class _Checks:
         yield from _duplicates("block", all_blocks)
         if isinstance(owner, Protocol):
             yield from _duplicates("parameter", owner.parameters)
+        yield from _clashes(blocks)
         for siblings in _families(blocks):
             yield from self.routing(siblings)
         for block in all_blocks:
-            if isinstance(block, Recursive | Parallel) and not block.blocks:
+            if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
+            yield from self.rounds(block)
             if block.name in (SUCCEED, FAIL):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
-            if not isinstance(block, Parallel):
+            if not isinstance(block, Parallel | Each):
                 yield from _duplicates("parameter", block.parameters)
             if isinstance(block, Objective):
                 yield from self.objective(block)
@@ -229,6 +221,22 @@ class _Checks:
                     message = f"{exit_name} of {block.name} leads to {route}"
                     expected = f"expected one of {shown}, {SUCCEED}, {FAIL}"
                     yield Problem(block.source, f"{message}; {expected}{self.hint(route, names)}")
+
+    def rounds(self, block: Block) -> Iterator[Problem]:
+        for attribute, number, least in (("repeat", block.repeat, 1), ("retries", block.retries, 0)):
+            if number is not None and not least <= number <= MAX_ROUNDS:
+                expected = f"expected a whole number from {least} to {MAX_ROUNDS}"
+                yield Problem(block.source, f"{attribute} of {block.name} is {number}, {expected}")
+        if isinstance(block, Each):
+            if not block.values:
+                yield Problem(block.source, f"each {block.name} names no value")
+            if not _NAME.fullmatch(block.bound):
+                yield Problem(block.source, f"the parameter of {block.name}, {block.bound!r}, is no name")
+            yield from _repeats(block, "in", block.values)
+            for value in block.values:
+                if not _VALUE.fullmatch(value):
+                    expected = "expected letters, digits and _, at most 64 characters"
+                    yield Problem(block.source, f"each {block.name} names the value {value!r}, {expected}")
 
     def objective(self, block: Objective) -> Iterator[Problem]:
         if not block.activities:
@@ -274,65 +282,50 @@ class _Checks:
                 message = f"{child.name} has a route, though it is a child of a parallel block"
                 yield Problem(child.source, message)
 
-    # --- warnings --------------------------------------------------------------------------------------
-
-    def warnings(self) -> Iterator[Problem]:
-        graph = flatten(self.mission)
-        started = self.started(graph)
-        consumed = {k for name in started for k in _consumed(self.activities[name])}
-        for activity in self.mission.activities:
-            if activity.name not in started:
-                yield Problem(activity.source, f"activity {activity.name} is never started")
-            for number, alternative in enumerate(activity.alternatives[:-1]):
-                if not alternative.consumes:
-                    for late in activity.alternatives[number + 1 :]:
-                        message = (
-                            f"alternative {late.name} is never tried: {alternative.name} is always possible"
-                        )
-                        yield Problem(late.source, message)
-                    break
-        for resource in (*self.mission.hardware, *self.mission.software):
-            if resource.name not in consumed:
-                yield Problem(resource.source, f"resource {resource.name} is never consumed")
-        used = {b.protocol for _, blocks in self.scopes for b in walk(blocks) if isinstance(b, Use)}
-        for protocol in self.mission.protocols:
-            if protocol.name not in used:
-                yield Problem(protocol.source, f"protocol {protocol.name} is never used")
-        yield from map(never_entered, graph.never_entered())
-
-    def started(self, graph: ObjectivesGraph) -> set[str]:
-        """Activities that objectives start, themselves or through resources."""
-        stack = [name for section in graph.walk() for name in section.activities]
-        started: set[str] = set()
-        while stack:
-            name = stack.pop()
-            if name not in started:
-                started.add(name)
-                for resource in _consumed(self.activities[name]):
-                    stack.extend(a.name for a in self.producers.get(resource, ()))
-        return started
-
-
-def never_entered(section: ElementarySection) -> Problem:
-    """The warning of an objective that no route reaches, in the words of every stage that finds it."""
-    return Problem(section.source, f"objective {section.name} can never be entered: no route reaches it")
-
 
 def _consumed(activity: Activity) -> list[str]:
     return list(dict.fromkeys(k for alternative in activity.alternatives for k in alternative.consumes))
+
+
+def _clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:
+    """Copies of a block that would bear the name of another block, or of another's copy, in one text."""
+    named: dict[str, Block] = {block.name: block for block in walk(blocks)}
+    names = ((block, name) for block, name in _copies(blocks) if name != block.name)
+    for block, name in islice(names, MAX_OBJECTIVES):  # with more, flattening hits its limit
+        other = named.setdefault(name, block)
+        if other is not block:
+            where = f" ({other.source})" if other.source else ""
+            message = f"{name}, a round or a try of {block.name}, would have the name of another block"
+            yield Problem(block.source, f"{message}: {other.name}{where}")
+            return
+
+
+def _copies(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, str]]:
+    """Every block with the name of each of its copies in its own text."""
+    stack: list[tuple[Block, tuple[str, ...]]] = [(block, ("",)) for block in blocks]
+    while stack:
+        block, values = stack.pop()
+        rounds = [f"_{n}" for n in range(1, min(block.repeat or 0, MAX_ROUNDS) + 1)] or [""]
+        most = min(block.retries, MAX_ROUNDS)
+        tries = [f"_try{n}" for n in range(1, most + 2)] if most > 0 else [""]
+        for value, number, attempt in product(values, rounds, tries):
+            yield block, f"{block.name}{value}{number}{attempt}"
+        if isinstance(block, Holder):
+            inner = tuple(f"_{value}" for value in block.values) if isinstance(block, Each) else ("",)
+            stack.extend((child, inner) for child in block.blocks)
 
 
 def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
     """Every series of sibling blocks that are routed to one another."""
     yield blocks
     for block in walk(blocks):
-        if isinstance(block, Recursive):
+        if isinstance(block, Recursive | Each):
             yield block.blocks
 
 
 def _parameters(protocol: Protocol) -> frozenset[str]:
     """Names of the parameters that are written in a protocol, which a use of it may override."""
-    blocks = (block for block in walk(protocol.blocks) if not isinstance(block, Parallel))
+    blocks = (block for block in walk(protocol.blocks) if not isinstance(block, Parallel | Each))
     return frozenset(p.name for element in (protocol, *blocks) for p in element.parameters)
 
 
@@ -349,7 +342,7 @@ def _elements(mission: Mission) -> Iterator[Element]:
     for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
         for block in walk(blocks):
             yield block
-            if not isinstance(block, Parallel):
+            if not isinstance(block, Parallel | Each):
                 yield from block.parameters
 
 

@@ -1,4 +1,4 @@
-"""Mission files: the one reader and the one writer (namespace ``urn:mcpn:mission:1``).
+"""Reads mission files (namespace ``urn:mcpn:mission:1``); :mod:`mcpn.mission.writer` writes them.
 
 Files are untrusted: see :mod:`mcpn.xmlio`; imports stay inside the directory of the main file, unless a wider
 root is given. All problems of all files are collected and raised in one go.
@@ -6,7 +6,6 @@ root is given. All problems of all files are collected and raised in one go.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,11 @@ from typing import Any
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.files import write_atomically
 from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Hardware,
     Mission,
     Objective,
@@ -30,7 +29,7 @@ from mcpn.mission.model import (
     Software,
     Use,
 )
-from mcpn.mission.schema import NAMESPACE, find_misfits
+from mcpn.mission.schema import find_misfits
 from mcpn.mission.validate import find_errors
 from mcpn.xmlio import parse_xml
 
@@ -166,8 +165,10 @@ class _Reader:
             target = path.parent / href
             real = target.resolve()
             inside = real.is_relative_to(self.root)
+            kind = "a file" if target.is_file() else "a directory" if target.is_dir() else "no such file"
         except (OSError, ValueError, RuntimeError) as error:
-            self.not_imported(path, element, f"{href!r}: {error}")
+            what = getattr(error, "strerror", None) or error
+            self.not_imported(path, element, f"{href[:80]!r}: {what}")
             return
         if not inside or ":" in href.split("/")[0]:
             self.not_imported(path, element, f"{href} leaves the mission's directory")
@@ -183,10 +184,8 @@ class _Reader:
                 self.not_imported(
                     path, element, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports"
                 )
-            elif not target.is_file():
-                self.not_imported(
-                    path, element, f"{href}: {'a directory' if target.is_dir() else 'no such file'}"
-                )
+            elif kind != "a file":
+                self.not_imported(path, element, f"{href}: {kind}")
             else:
                 root = self.load(target)
                 if root is not None and _tag(root) == "mission":
@@ -263,10 +262,15 @@ class _Reader:
             "success": element.get("success"),
             "failure": element.get("failure"),
             "mandatory": _truth(element, "mandatory"),
+            "retries": int(element.get("retries", "0")),
+            "repeat": int(element.get("repeat", "1")) if "repeat" in element.attrib else None,
         }
         tag = _tag(element)
         if tag == "parallel":
             return Parallel(**common, blocks=self.blocks(element, path))
+        if tag == "each":
+            common |= {"values": _names(element, "in"), "parameter": element.get("parameter")}
+            return Each(**common, blocks=self.blocks(element, path))
         parameters = self.parameters(element, path)
         if tag == "use":
             return Use(**common, protocol=element.get("protocol", ""), parameters=parameters)
@@ -309,109 +313,3 @@ def _truth(element: etree._Element, attribute: str) -> bool:
 
 def _numbers(element: etree._Element, *attributes: str) -> dict[str, float]:
     return {a: float(text) for a in attributes if (text := element.get(a)) is not None}
-
-
-# --- writing -------------------------------------------------------------------------------------------
-
-
-def write_mission(mission: Mission) -> bytes:
-    """A mission as one file that reads back as the same mission.
-
-    Args:
-        mission: The mission.
-
-    Returns:
-        UTF-8 XML with robots and protocols as children of the mission, before its blocks.
-
-    Raises:
-        InputError: A text holds a character that XML cannot.
-    """
-    try:
-        return _written(mission)
-    except ValueError as error:
-        raise InputError.at(mission.source, f"mission {mission.name} cannot be written: {error}") from error
-
-
-def _written(mission: Mission) -> bytes:
-    root = etree.fromstring(f'<mission xmlns="{NAMESPACE}"/>')
-    _attributes(root, mission)
-    for robot in mission.robots:
-        _write_robot(_child(root, "robot", robot), robot)
-    if mission.protocols:
-        protocols = etree.SubElement(root, f"{{{NAMESPACE}}}protocols")
-        for protocol in mission.protocols:
-            element = _child(protocols, "protocol", protocol)
-            _write_parameters(element, protocol.parameters)
-            _write_blocks(element, protocol.blocks, in_parallel=False)
-    _write_blocks(root, mission.blocks, in_parallel=False)
-    return etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
-
-
-def save_mission(mission: Mission, path: Path | str) -> None:
-    """Writes a mission to a file, whole or not at all.
-
-    Raises:
-        InputError: The file cannot be written.
-    """
-    write_atomically(Path(path), write_mission(mission))
-
-
-def _attributes(element: etree._Element, of: Any, **more: str | float | None) -> None:
-    for key, value in {"name": of.name, **more, "description": of.description}.items():
-        if value is not None:
-            element.set(key, str(value))
-
-
-def _child(parent: etree._Element, tag: str, of: Any, **more: str | float | None) -> etree._Element:
-    element = etree.SubElement(parent, f"{{{NAMESPACE}}}{tag}")
-    _attributes(element, of, **more)
-    return element
-
-
-def _write_parameters(element: etree._Element, parameters: Iterable[Parameter]) -> None:
-    for parameter in parameters:
-        _child(element, "parameter", parameter, value=parameter.value, unit=parameter.unit)
-
-
-def _write_robot(element: etree._Element, robot: Robot) -> None:
-    for hardware in robot.hardware:
-        rates = {"failure_rate": hardware.failure_rate, "repair_rate": hardware.repair_rate}
-        _child(element, "hardware", hardware, faulty=None if hardware.faulty else "false", **rates)
-    for software in robot.software:
-        _child(element, "software", software)
-    for activity in robot.activities:
-        first = activity.alternatives[0]
-        short = activity.alternatives == (Alternative(name=activity.name, consumes=first.consumes),)
-        drawn = _child(
-            element,
-            "activity",
-            activity,
-            produces=" ".join(activity.produces) or None,
-            consumes=(" ".join(first.consumes) or None) if short else None,
-        )
-        _write_parameters(drawn, activity.parameters)
-        for alternative in () if short else activity.alternatives:
-            consumes = " ".join(alternative.consumes) or None
-            _write_parameters(
-                _child(drawn, "alternative", alternative, consumes=consumes), alternative.parameters
-            )
-
-
-def _write_blocks(parent: etree._Element, blocks: Iterable[Block], *, in_parallel: bool) -> None:
-    for block in blocks:
-        routing: dict[str, str | float | None] = {"success": block.success, "failure": block.failure}
-        if in_parallel and not block.mandatory:
-            routing["mandatory"] = "false"
-        if isinstance(block, Objective):
-            routing |= {"duration": block.duration, "failure_probability": block.failure_probability}
-            element = _child(parent, "objective", block, activities=" ".join(block.activities), **routing)
-            _write_parameters(element, block.parameters)
-        elif isinstance(block, Use):
-            element = _child(parent, "use", block, protocol=block.protocol, **routing)
-            _write_parameters(element, block.parameters)
-        elif isinstance(block, Recursive):
-            element = _child(parent, "objective", block, **routing)
-            _write_parameters(element, block.parameters)
-            _write_blocks(element, block.blocks, in_parallel=False)
-        else:
-            _write_blocks(_child(parent, "parallel", block, **routing), block.blocks, in_parallel=True)

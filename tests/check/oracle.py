@@ -8,7 +8,7 @@ from itertools import combinations
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Block, Mission, Parallel, Recursive
+from mcpn.mission.model import Block, Holder, Mission
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking
 from mcpn.testing import missions
@@ -128,7 +128,7 @@ def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
 def _unrouted(draw: st.DrawFn, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
     found = []
     for block in blocks:
-        if isinstance(block, Recursive | Parallel):
+        if isinstance(block, Holder):
             block = replace(block, blocks=_unrouted(draw, block.blocks))
         kept = block.failure if draw(st.integers(0, 3)) == 0 else None
         found.append(replace(block, success=None, failure=kept))

@@ -27,7 +27,7 @@ from mcpn.mission.model import (
     Parallel,
     Robot,
 )
-from mcpn.mission.validate import find_warnings
+from mcpn.mission.warnings import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event

@@ -20,6 +20,7 @@ from mcpn.mission.model import (
     Alternative,
     Block,
     Hardware,
+    Holder,
     Mission,
     Objective,
     Parallel,
@@ -199,7 +200,7 @@ def with_numbers(draw: st.DataObject, mission: Mission) -> Mission:
     """Rates and durations near one another, so that everything happens now and then."""
 
     def timed(block: Block) -> Block:
-        if isinstance(block, Recursive | Parallel):
+        if isinstance(block, Holder):
             return replace(block, blocks=tuple(timed(b) for b in block.blocks))
         assert isinstance(block, Objective)
         values = draw.draw(st.tuples(st.sampled_from([0.5, 1.0, 4.0]), st.sampled_from([0.0, 0.25])))

@@ -17,6 +17,7 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Mission,
     Objective,
     Parallel,
@@ -24,8 +25,10 @@ from mcpn.mission.model import (
     Recursive,
     Robot,
 )
-from mcpn.mission.validate import find_errors, find_warnings
-from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission, write_mission
+from mcpn.mission.validate import find_errors
+from mcpn.mission.warnings import find_warnings
+from mcpn.mission.writer import write_mission
+from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission
 from tests.conftest import ULYSSE
 
 NS = 'xmlns="urn:mcpn:mission:1"'
@@ -161,6 +164,59 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         "no mandatory child",
     ),
     "parallel without children": (body("<parallel name='p'/>"), 8, "<parallel> has no blocks"),
+    "retries are no number": (body(OK.replace("/>", " retries='often'/>")), 8, "expected a whole number"),
+    "retries below zero": (body(OK.replace("/>", " retries='-1'/>")), 8, "expected a whole number"),
+    "repeat without end": (body(OK.replace("/>", " repeat='1000000'/>")), 8, "expected a whole number"),
+    "repeat never": (
+        body(OK.replace("/>", " repeat='0'/>")),
+        8,
+        "repeat of o is 0, expected a whole number from 1",
+    ),
+    "each without values": (body(f"<each name='e'>{OK}</each>"), 8, "<each> has no attribute in"),
+    "each with an empty list": (body(f"<each name='e' in=' '>{OK}</each>"), 8, "expected values of letters"),
+    "each with a value that fits no name": (
+        body(f"<each name='e' in='a 1.5'>{OK}</each>"),
+        8,
+        "expected values",
+    ),
+    "each with a value twice": (body(f"<each name='e' in='a b a'>{OK}</each>"), 8, "in of e names a 2 times"),
+    "each without blocks": (body("<each name='e' in='a'/>"), 8, "<each> has no blocks"),
+    "each with a parameter that is no name": (
+        body(f"<each name='e' parameter='1' in='a'>{OK}</each>"),
+        8,
+        "parameter of <each> is '1'",
+    ),
+    "each with parameters": (
+        body(f"<each name='e' in='a'><parameter name='p' value='1'/>{OK}</each>"),
+        8,
+        "found <parameter> inside <each>",
+    ),
+    "route out of each": (
+        body(f"<each name='e' in='a'>\n<objective name='x' activities='go' success='o'/></each>{OK}"),
+        9,
+        "success of x leads to o; expected one of x, succeed, fail",
+    ),
+    "route to a round": (
+        body(
+            "<objective name='x' activities='go' success='o_2'/>\n"
+            "<objective name='o' activities='go' repeat='2'/>"
+        ),
+        8,
+        "success of x leads to o_2; expected one of x, o",
+    ),
+    "round with the name of a block": (
+        body("<objective name='o' activities='go' repeat='2'/>\n<objective name='o_2' activities='go'/>"),
+        8,
+        "o_2, a round or a try of o, would have the name of another block: o_2",
+    ),
+    "try with the name of another's round": (
+        body(
+            "<each name='e' in='b_1 1'>\n<objective name='a' activities='go'/>\n"
+            "<objective name='a_b' activities='go'/></each>"
+        ),
+        9,
+        "a_b_1, a round or a try of a, would have the name of another block: a_b",
+    ),
     "activities need each other": (
         robot(
             "<software name='A'/><software name='B'/>"
@@ -502,6 +558,18 @@ BUILT: dict[str, tuple[Mission, str]] = {
         built(elementary(), protocols=(Protocol(name="p", blocks=()),)),
         "p has no blocks",
     ),
+    "each without blocks": (built(Each(name="e", values=("a",), blocks=())), "e has no blocks"),
+    "each without values": (built(Each(name="e", values=(), blocks=(elementary(),))), "e names no value"),
+    "value that fits no name": (
+        built(Each(name="e", values=("1.5",), blocks=(elementary(),))),
+        "the value '1.5', expected letters",
+    ),
+    "parameter that is no name": (
+        built(Each(name="e", parameter="a b", values=("a",), blocks=(elementary(),))),
+        "the parameter of e, 'a b', is no name",
+    ),
+    "repeat below one": (built(elementary(repeat=-1)), "repeat of o is -1"),
+    "too many retries": (built(elementary(retries=10**9)), "retries of o is 1000000000"),
     "bad name": (built(elementary("a.b")), "the name 'a.b' is not allowed"),
     "route inside a parallel block": (
         built(Parallel(name="p", blocks=(elementary(success="fail"),))),

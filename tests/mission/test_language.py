@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from itertools import chain
 from pathlib import Path
+from random import Random
 
 import pytest
 from hypothesis import find, given
 from hypothesis import strategies as st
 
+from mcpn.errors import LimitError
 from mcpn.mission.flatten import ParallelSection, flatten
-from mcpn.mission.model import FAIL, SUCCEED, Block, Mission, Objective, Recursive, Use
+from mcpn.mission.model import (
+    FAIL,
+    SUCCEED,
+    Block,
+    Each,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    Use,
+)
 from mcpn.mission.usage import Usage
-from mcpn.mission.validate import find_errors, find_warnings
-from mcpn.mission.xml import read_mission, save_mission
+from mcpn.mission.validate import find_errors
+from mcpn.mission.warnings import find_warnings
+from mcpn.mission.writer import save_mission
+from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
 
 HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1">'
@@ -219,16 +234,91 @@ def test_flattening_keeps_every_reachable_objective_once(generated: Mission, dat
     assert names
 
 
-def written(mission: Mission, blocks: tuple[Block, ...], prefix: str = "") -> Iterator[str]:
+def suffixes(block: Block, before: str) -> Iterator[list[str]]:
+    """By round, the ends of the names of its tries."""
+    for number in [""] if block.repeat is None else [f"_{n + 1}" for n in range(block.repeat)]:
+        tries = [f"_try{n + 1}" for n in range(block.retries + 1)] if block.retries else [""]
+        yield [before + number + attempt for attempt in tries]
+
+
+def play(mission: Mission, block: Block, prefix: str = "", before: str = "") -> Generator[str, bool, bool]:
+    """Does a block as its text says, asks for the outcome of each objective and parallel block, by name."""
+    well = True
+    for tries in suffixes(block, before):
+        for suffix in tries:
+            well = yield from play_once(mission, block, prefix, suffix)
+            if well:
+                break
+        if not well:
+            break
+    return well
+
+
+def play_once(mission: Mission, block: Block, prefix: str, suffix: str) -> Generator[str, bool, bool]:
+    name = prefix + block.name + suffix
+    inside = f"{name}." if suffix else prefix
+    if isinstance(block, Objective | Parallel):
+        return (yield name)
+    if isinstance(block, Use):
+        (protocol,) = [p for p in mission.protocols if p.name == block.protocol]
+        return (yield from play_series(mission, protocol.blocks, f"{name}.", ""))
+    if isinstance(block, Recursive):
+        return (yield from play_series(mission, block.blocks, inside, ""))
+    for value in block.values:
+        if not (yield from play_series(mission, block.blocks, inside, f"_{value}")):
+            return False
+    return True
+
+
+def play_series(
+    mission: Mission, blocks: tuple[Block, ...], prefix: str, suffix: str
+) -> Generator[str, bool, bool]:
+    at = 0
+    while True:
+        well = yield from play(mission, blocks[at], prefix, suffix)
+        following = blocks[at + 1].name if at + 1 < len(blocks) else SUCCEED
+        route = (blocks[at].success or following) if well else (blocks[at].failure or FAIL)
+        if route in (SUCCEED, FAIL):
+            return route == SUCCEED
+        at = next(i for i, block in enumerate(blocks) if block.name == route)
+
+
+@given(missions(max_sections=40), st.randoms(use_true_random=False))
+def test_the_objectives_graph_is_run_as_the_text_says(generated: Mission, random: Random) -> None:
+    graph = flatten(generated)
+    text = play_series(generated, generated.blocks, "", "")
+    at, asked = graph.entry, next(text)
+    for _ in range(60):
+        assert at == asked
+        section = graph.section(at)
+        well = random.random() < 0.6
+        at = section.success if well else section.failure
+        ended = None
+        try:
+            asked = text.send(well)
+        except StopIteration as end:
+            ended = end.value
+        if ended is not None:
+            assert at == (SUCCEED if ended else FAIL)
+            return
+
+
+def written(mission: Mission, blocks: tuple[Block, ...], prefix: str = "", before: str = "") -> Iterator[str]:
     """Qualified names of all elementary objectives as they stand in the text, routes left aside."""
     for block in blocks:
-        if isinstance(block, Objective):
-            yield prefix + block.name
-        elif isinstance(block, Use):
-            (protocol,) = [p for p in mission.protocols if p.name == block.protocol]
-            yield from written(mission, protocol.blocks, f"{prefix}{block.name}.")
-        else:
-            yield from written(mission, block.blocks, prefix)
+        for suffix in chain.from_iterable(suffixes(block, before)):
+            name = prefix + block.name + suffix
+            inside = f"{name}." if suffix else prefix
+            if isinstance(block, Objective):
+                yield name
+            elif isinstance(block, Use):
+                (protocol,) = [p for p in mission.protocols if p.name == block.protocol]
+                yield from written(mission, protocol.blocks, f"{name}.")
+            elif isinstance(block, Each):
+                for value in block.values:
+                    yield from written(mission, block.blocks, inside, f"_{value}")
+            else:
+                yield from written(mission, block.blocks, inside)
 
 
 @given(missions())
@@ -244,3 +334,61 @@ def test_deeply_nested_blocks_are_flattened(tmp_path: Path) -> None:
     found = mission(tmp_path, f'{opening}<objective name="o" activities="go"/>{"</objective>" * depth}')
     assert isinstance(found.blocks[0], Recursive)
     assert [s.name for s in flatten(found).walk()] == ["o"]
+
+
+def test_rounds_and_tries_are_written_out(tmp_path: Path) -> None:
+    found = mission(
+        tmp_path,
+        '<protocols><protocol name="visit"><parameter name="room" value="none"/>\n'
+        '<objective name="travel" activities="go" retries="1"/><objective name="look" activities="look"/>'
+        "</protocol></protocols>\n"
+        '<each name="room" in="12 14" failure="home"><use name="visit" protocol="visit"/></each>\n'
+        '<objective name="home" activities="go" repeat="2"/>',
+    )
+    graph = flatten(found)
+    assert {s.name: (s.success, s.failure) for s in graph.sections} == {
+        "visit_12.travel_try1": ("visit_12.look", "visit_12.travel_try2"),
+        "visit_12.travel_try2": ("visit_12.look", "home_1"),
+        "visit_12.look": ("visit_14.travel_try1", "home_1"),
+        "visit_14.travel_try1": ("visit_14.look", "visit_14.travel_try2"),
+        "visit_14.travel_try2": ("visit_14.look", "home_1"),
+        "visit_14.look": ("home_1", "home_1"),
+        "home_1": ("home_2", FAIL),
+        "home_2": (SUCCEED, FAIL),
+    }
+    told = {s.name: {p.name: p.value for p in s.parameters} for s in graph.walk()}
+    assert told["visit_12.travel_try2"] == told["visit_12.look"] == {"room": "12"}
+    assert told["visit_14.travel_try1"] == {"room": "14"}
+    assert [told[f"home_{n}"] for n in (1, 2)] == [{"round": "1"}, {"round": "2"}]
+    lines = {s.name.rpartition(".")[2]: s.source.line for s in graph.walk() if s.source}
+    assert (lines["travel_try2"], lines["look"], lines["home_2"]) == (2, 2, 4)
+
+
+def test_values_of_rounds_are_parameters_like_those_that_a_use_states(tmp_path: Path) -> None:
+    found = mission(
+        tmp_path,
+        '<protocols><protocol name="inner"><parameter name="place" value="inner"/>'
+        '<objective name="x" activities="look"/></protocol>'
+        '<protocol name="outer"><use name="i" protocol="inner"/></protocol></protocols>'
+        '<each name="spots" parameter="place" in="a">'
+        '<use name="plain" protocol="inner"/><use name="deep" protocol="outer"/>'
+        '<use name="said" protocol="inner"><parameter name="place" value="said"/></use>'
+        '<objective name="own" activities="look"><parameter name="place" value="own"/></objective></each>',
+    )
+    told = {s.name: {p.name: p.value for p in s.parameters} for s in flatten(found).walk()}
+    assert told == {
+        "plain_a.x": {"place": "a"},
+        "deep_a.i.x": {"place": "inner"},  # the text of outer does not hand it on
+        "said_a.x": {"place": "said"},
+        "own_a": {"place": "own"},
+    }
+
+
+def test_too_many_rounds_hit_the_limit(tmp_path: Path) -> None:
+    found = mission(
+        tmp_path,
+        '<each name="site" in="1 2 3"><objective name="visit" repeat="1000" retries="50">'
+        '<objective name="x" activities="go"/></objective></each>',
+    )
+    with pytest.raises(LimitError, match="100000 objectives"):
+        flatten(found)

@@ -13,7 +13,8 @@ from mcpn.errors import InputError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.mission.validate import find_errors
-from mcpn.mission.xml import read_mission, save_mission
+from mcpn.mission.writer import save_mission
+from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
 
 TEXT = """<mission name="m" xmlns="urn:mcpn:mission:1">

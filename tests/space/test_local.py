@@ -13,10 +13,21 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
+from mcpn.controller.hierarchy import hierarchical_controller
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Activity, Hardware, Mission
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Hardware,
+    Mission,
+    Objective,
+    Recursive,
+    Robot,
+    Software,
+)
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
+from mcpn.net.sections import junction_part
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.explicit import explore
@@ -25,7 +36,8 @@ from mcpn.space.local.composite import Composite
 from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.expand import expand
 from mcpn.space.local.gluing import glue
-from mcpn.space.local.placing import Making
+from mcpn.space.local.junction import is_confluent, sharing_pairs
+from mcpn.space.local.placing import Making, local_graphs
 from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError
 from mcpn.testing import missions
 
@@ -45,6 +57,32 @@ def test_ulysse(ulysse: Mission, ulysse_net: MissionNet) -> None:
     assert (composite.states, composite.edges) == (260, 1332)
     assert len({id(placed.local) for placed in composite.sections}) == 2
     check_equal(expand(composite, ulysse_net), direct(ulysse_net.net))
+
+
+def rounds(count: int, retries: int) -> Composite:
+    driver = Activity(
+        name="driver", produces=("S",), alternatives=(Alternative(name="driver", consumes=("H",)),)
+    )
+    travel = Activity(name="travel", alternatives=(Alternative(name="travel", consumes=("S",)),))
+    robot = Robot(
+        name="r",
+        hardware=(Hardware(name="H"), Hardware(name="other")),
+        software=(Software(name="S"),),
+        activities=(driver, travel),
+    )
+    visit = Objective(name="visit", activities=("travel",), retries=retries)
+    each = Recursive(name="tour", blocks=(visit,), repeat=count)
+    return composed(compose(Mission(name="m", robots=(robot,), blocks=(each,))))
+
+
+def test_rounds_and_tries_are_of_one_type() -> None:
+    one, more = rounds(1, 0), rounds(500, 3)
+    assert (len(one.sections), len(more.sections)) == (1, 2000)
+    assert len({id(placed.local) for placed in more.sections}) == 1
+    assert more.local_states == one.local_states
+    around = 3 * 4  # before the start and at both ends, by the hardware out of service
+    assert more.states - around == 2000 * (one.states - around)
+    assert len(hierarchical_controller(more).types) == 1
 
 
 @given(missions())
@@ -116,6 +154,23 @@ def _losing(composite: Composite, goals: set[Outcome]) -> int:
     return inside + before + (len(composite.ends - goals) << count)
 
 
+# --- junctions ---------------------------------------------------------------------------------------------
+
+
+@given(missions())
+def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
+    """The argument of papers/composition.md against a proof on the net of both sections."""
+    mission_net = compose(mission)
+    usage, graph = mission_net.usage, mission_net.graph
+    placed = {p.section.name: p for p in local_graphs(usage, graph, Making(most_listed=None))}
+    calm = {name for name, p in placed.items() if not p.listed.graph.torn}
+    for first, second in sharing_pairs(graph, placed):
+        if {first.section.name, second.section.name} <= calm:
+            handover = usage.handover.awaited.get(second.section.name)
+            event(f"gated: {handover is not None}")
+            assert is_confluent(junction_part(usage, first.section, second.section).net().net, 1_000_000)
+
+
 # --- the premise ---------------------------------------------------------------------------------------
 
 
@@ -158,8 +213,8 @@ class Spending(PaperTemplates):
         super().activity(canvas, activity)
         if activity.name == "filming":
             pen = canvas.of("activity", activity.name, activity.source)
-            film, running = pen.place("filming_film", initial=1), f"{activity.name}_active1"
-            pen.transition("filming_used", [film], [], read=[running], event=Event.parse("FILMING_EV_USED"))
+            film, running = pen.place("film", initial=1), f"{activity.name}_active1"
+            pen.transition("used", [film], [], read=[running], event=Event.parse("FILMING_EV_USED"))
 
 
 class Wearing(PaperTemplates):
@@ -169,8 +224,8 @@ class Wearing(PaperTemplates):
         super().hardware(canvas, resource)
         if resource.name == "thruster_actuator":
             pen = canvas.of("hardware", resource.name, resource.source)
-            new, busy = pen.place("thruster_actuator_new", initial=1), "thruster_actuator_busy"
-            pen.transition("thruster_worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
+            new, busy = pen.place("new", initial=1), "thruster_actuator_busy"
+            pen.transition("worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
 
 
 @pytest.mark.parametrize("most_listed", [None, -1], ids=["listed", "diagrams"])
@@ -198,14 +253,20 @@ def test_a_section_that_leaves_something_behind_is_refused(
 
 def test_local_graphs_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
+    alone: list[tuple[int, int]] = []
     usage, graph = ulysse_net.usage, ulysse_net.graph
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         composite = glue(usage, graph, Making(executor=pool, progress=lambda *at: done.append(at)))
         diagrams = glue(usage, graph, Making(executor=pool, most_listed=-1))
+        own = glue(usage, graph, Making(PaperTemplates(), pool, progress=lambda *at: alone.append(at)))
     assert composite.states == diagrams.states == 260
     assert (composite.edges, diagrams.edges) == (1332, 1332)
-    # Two types of sections, then types of junctions.
-    assert done == [(1, 2), (2, 2), *((number, 5) for number in range(1, 6))]
+    # Two types of sections. Of a caller's templates nothing is known: five sections, then their junctions,
+    # one to the next, and one of them to the last by its failure.
+    assert done == [(1, 2), (2, 2)]
+    assert alone[:5] == [(number, 5) for number in range(1, 6)]
+    assert alone[5:] == [(number, 6) for number in range(1, 7)]
+    assert (own.states, own.edges) == (260, 1332)
 
 
 def test_local_graphs_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None:

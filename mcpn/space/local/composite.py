@@ -203,12 +203,15 @@ class Composite:
                 before.setdefault(self.route(name, outcome), set()).add(name)
         into_ends = [before.get(route, set()) for route, end in ENDS.items() if end in wanted]
         waiting = deque(sorted(set[str]().union(*into_ends)))
+        queued = set(waiting)
         while waiting:
             name = waiting.popleft()
+            queued.remove(name)
             wider = self.by_name[name].entries(self._leading_on(name, wanted, found))
             if wider - found[name]:
                 found[name] |= wider
-                waiting.extend(sorted(before.get(name, set()) - set(waiting)))
+                waiting.extend(sorted(before.get(name, set()) - queued))
+                queued |= before.get(name, set())
         return found
 
     def leading_to(self, goals: Iterable[Outcome]) -> dict[str, Any]:
