@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -22,12 +22,12 @@ from mcpn.cli.shared import (
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
+    from mcpn.check.logic.verdicts import Verdict
     from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
-TECHNIQUES = {"symbolic": "DECISION_DIAGRAMS", "explicit": "EXPLICIT", "local": "DECISION_DIAGRAMS"}
 
 
 @click.command()
@@ -45,7 +45,10 @@ TECHNIQUES = {"symbolic": "DECISION_DIAGRAMS", "explicit": "EXPLICIT", "local": 
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
 @click.option(
-    "--engine", type=click.Choice(["symbolic", "explicit", "local"]), default="symbolic", show_default=True
+    "--engine",
+    type=click.Choice(["auto", "symbolic", "explicit", "local"]),
+    default="auto",
+    show_default=True,
 )
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @limit_option
@@ -75,6 +78,7 @@ def ctl(
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
+    from mcpn.check.logic.verdicts import answer_examination, answer_file
 
     net, mission_net = _subject(file, import_root)
     questions = Questions(
@@ -87,18 +91,13 @@ def ctl(
     )
     # Everything asked is understood before anything is answered.
     asked = [(text, questions.core(parse(text))) for text in formulas]
-    listed = read_properties(properties) if properties else []
-    for each in listed:
-        questions.look_up(each)
-    contest = {each.name: partial(questions.property, each) for each in listed}
-    if examination:
-        contest[f"{net.name}-{examination}"] = partial(questions.examination, examination)
+    of_file = answer_file(questions, read_properties(properties)) if properties else iter(())
+    of_net = [examination] if examination else []
     objects = []
-    for name, answer_of in contest.items():
-        found = answer_of()
-        objects.append(_contest_object(name, found))
+    for verdict in chain(of_file, (answer_examination(questions, each) for each in of_net)):
+        objects.append(_contest_object(verdict))
         if not as_json:
-            click.echo(f"FORMULA {name} {found} TECHNIQUES {TECHNIQUES[engine]}")
+            click.echo(str(verdict))
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
         _write_scenario(answers[0], scn)
@@ -128,11 +127,12 @@ def _write_scenario(answer: Answer, path: Path) -> None:
     write_atomically(path, scenario(answer.witness))
 
 
-def _contest_object(name: str, found: str) -> dict[str, Any]:
+def _contest_object(verdict: Verdict) -> dict[str, Any]:
     """The answer to a property of the contest: a truth value, or a bound."""
-    truth = {"TRUE": True, "FALSE": False}.get(found)
-    answer: dict[str, Any] = {"formula": name, "holds": truth, "witness": None}
-    return answer if truth is not None else {**answer, "value": int(found)}
+    truth = {"TRUE": True, "FALSE": False}.get(verdict.value)
+    answer: dict[str, Any] = {"formula": verdict.name, "holds": truth, "witness": None}
+    answer["techniques"] = list(verdict.techniques)
+    return answer if truth is not None else {**answer, "value": int(verdict.value)}
 
 
 def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:

@@ -7,19 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from mcpn.check.logic.contest import Property
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.witness import Witness, explain
-from mcpn.check.nets.behaviour import examine
 from mcpn.check.spaces import Engine, On, space_of
-from mcpn.errors import InputError, UnsafeError
+from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.diagrams import DiagramMarkings
 
 PROGRESS = "progress"
 
@@ -47,7 +44,8 @@ class Questions:
         mission_net: The mission that it is of, if any.
         on: The graph that formulas speak of.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
-        engine: Who makes the space: arrays, diagrams or composition.
+        engine: Who makes the space: arrays, diagrams, composition, or (``auto``) diagrams with a search
+            before them.
         max_states: Limit on states that are listed one by one.
 
     Raises:
@@ -90,6 +88,11 @@ class Questions:
         """
         return resolve(formula, self.net, self.mission_net)
 
+    @property
+    def searchable(self) -> bool:
+        """Whether reachability of a marking may be asked of a search: markings, no priorities, all paths."""
+        return self.engine == "auto" and self.on == "markings" and not self.fair and not self.net.priorities
+
     @cached_property
     def space(self) -> Space[Any]:
         """The space that formulas speak of; it raises what :func:`mcpn.check.spaces.space_of` does."""
@@ -111,53 +114,3 @@ class Questions:
         """
         holds = self.evaluation.holds(core)
         return Answer(text, holds, explain(self.evaluation, core))
-
-    def look_up(self, asked: Property) -> Core | dict[int, int]:
-        """What a property of the contest asks, names looked up: a formula, or places with their weights.
-
-        Raises:
-            InputError: A name is unknown.
-        """
-        if asked.formula is not None:
-            try:
-                return self.core(asked.formula)
-            except InputError as error:
-                raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-        weights: dict[int, int] = {}
-        for name in asked.bound:
-            if name not in self.net.place_index:
-                raise InputError.at(asked.source, f"no place is named {name}")
-            place = self.net.place_index[name]
-            weights[place] = weights.get(place, 0) + 1
-        return weights
-
-    def property(self, asked: Property) -> str:
-        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
-        meant = self.look_up(asked)
-        if isinstance(meant, dict):
-            return str(largest(self.space, meant))
-        return str(self.evaluation.holds(meant)).upper()
-
-    def examination(self, name: str) -> str:
-        """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`)."""
-        try:
-            return str(examine(name, self.space)).upper()
-        except UnsafeError:
-            if name == "OneSafe":
-                return "FALSE"
-            raise
-
-
-def largest(space: Space[Any], weights: dict[int, int]) -> int:
-    """The largest weighted sum of tokens in a state of a space; weights are not negative."""
-    if isinstance(space, DiagramMarkings):  # in one pass over the diagram
-        levels, always = space.encoding.weigh(weights)
-        return space.everything.largest(levels) + always
-    low, high = 0, sum(weights.values())
-    while low < high:
-        middle = (low + high) // 2
-        if space.everything - space.at_most(weights, middle):
-            low = middle + 1
-        else:
-            high = middle
-    return low
