@@ -13,6 +13,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.confluence import prove_confluent
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.symbolic import reach
 
 On: TypeAlias = Literal["markings", "alternatives"]
@@ -53,7 +54,8 @@ def space_of(
                 None,
                 "composition makes the alternatives graph of a mission: sections hand on stable states only",
             )
-        raise InputError.at(None, "composition is not wired yet")
+        options = Options() if max_states is None else Options(max_states=max_states)
+        return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit)
     return markings if on == "markings" else alternatives_by(markings, limit)
 
