@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Or, negation
 from mcpn.check.logic.resolve import marked

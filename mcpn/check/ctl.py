@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from functools import partial
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.encoding import distinct
 from mcpn.space.symbolic import SymbolicSpace, chained, elements

@@ -57,7 +57,7 @@ def space_of(
         options = Options() if max_states is None else Options(max_states=max_states)
         return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit)
-    return markings if on == "markings" else alternatives_by(markings, limit)
+    return markings if on == "markings" else alternatives_by(markings, limit)[0]
 
 
 def markings_by(
@@ -69,9 +69,10 @@ def markings_by(
     return DiagramMarkings(reach(net))
 
 
-def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> Space[Any]:
-    """The alternatives graph of a net whose markings graph is there; see :func:`space_of`."""
+def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> tuple[Space[Any], str]:
+    """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
     if isinstance(markings, ArraySpace):
-        return ArraySpace(by_reduction(markings.graph))
-    prove_confluent(markings.net, max_states=max_states, space=markings.space)
-    return DiagramAlternatives(markings.space)
+        graph = by_reduction(markings.graph)
+        return ArraySpace(graph), graph.proof or ""
+    proof = prove_confluent(markings.net, max_states=max_states, space=markings.space)
+    return DiagramAlternatives(markings.space), proof

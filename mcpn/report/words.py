@@ -11,8 +11,10 @@ from mcpn.net.events import Event
 from mcpn.space.run import Run
 
 
-def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event, str]]:
+def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:
     """Each event of a run with what happens and what changes, up to the next event, for a reader.
+
+    Where a run shows the internal firings after its last event, these follow by the names of the transitions.
 
     Args:
         mission_net: The mission's net.
@@ -22,7 +24,9 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event, str]]:
     begun: tuple[Event, Situation] | None = None
     settled = situation(mission_net, net.initial)
     last = net.initial
-    for t, marking in Run(net, run.transitions, settles=True).steps():
+    shown = run.tail
+    events = run.transitions[: len(run.transitions) - len(shown)]
+    for t, marking in Run(net, events, settles=not shown).steps():
         event = net.transitions[t].event
         if event is not None:
             settled = situation(mission_net, last)
@@ -31,7 +35,8 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event, str]]:
             begun = event, settled
         last = marking
     if begun is not None:
-        yield begun[0], _words(mission_net, *begun, situation(mission_net, last))
+        yield begun[0], _words(mission_net, *begun, begun[1] if shown else situation(mission_net, last))
+    yield from ((name, f"internal: {name}") for name in shown)
 
 
 def _words(mission_net: MissionNet, event: Event, before: Situation, after: Situation) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import takewhile
 
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, PetriNet
@@ -59,16 +60,24 @@ class Run:
         net: The net.
         transitions: Events, with all internal firings between them or with none.
         settles: Whether internal evolution goes on to its end after the last of them.
+        detailed: Whether the internal firings after the last event are what the run shows.
     """
 
     net: PetriNet
     transitions: tuple[int, ...] = ()
     settles: bool = False
+    detailed: bool = False
 
     @property
     def events(self) -> list[Event]:
         """The events of the run."""
         return [event for t in self.transitions if (event := self.net.transitions[t].event) is not None]
+
+    @property
+    def tail(self) -> list[str]:
+        """The names of the internal transitions after the last event, where the run shows them."""
+        internal = takewhile(lambda t: self.net.transitions[t].internal, reversed(self.transitions))
+        return [self.net.transitions[t].name for t in internal][::-1] if self.detailed else []
 
     def steps(self) -> Iterator[tuple[int, Marking]]:
         """Each firing, internal ones completed, with the marking after it."""

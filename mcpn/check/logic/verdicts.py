@@ -12,8 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from mcpn_kernel import Store
-
+from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.formulas import Core, walk
 from mcpn.check.logic.questions import Questions

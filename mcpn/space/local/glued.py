@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from mcpn_kernel import Zdd
 
+from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.local.layout import Layout
