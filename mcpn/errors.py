@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -81,6 +81,9 @@ class SemanticsError(McpnError):
         runs: Sequences of transition names from the initial marking.
     """
 
+    kind: ClassVar[str] = "semantics"
+    """What is broken, in a word that does not change: what programs read."""
+
     def __init__(self, message: str, runs: Sequence[Sequence[str]] = ()) -> None:
         super().__init__(message)
         self.runs: tuple[tuple[str, ...], ...] = tuple(tuple(run) for run in runs)
@@ -95,6 +98,8 @@ class UnsafeError(SemanticsError):
         marking: Names of the marked places before that firing.
         run: Transitions from the initial marking to ``marking`` (without ``transition``).
     """
+
+    kind = "unsafe"
 
     def __init__(self, place: str, transition: str, marking: Iterable[str], run: Sequence[str]) -> None:
         self.place = place
@@ -114,6 +119,10 @@ class UnsafeError(SemanticsError):
 class ConfluenceError(SemanticsError):
     """Internal evolution ends in two different stable markings, depending on the interleaving."""
 
+    kind = "nonconfluent"
+
 
 class DivergenceError(SemanticsError):
     """Internal evolution need not end: an infinite internal run exists."""
+
+    kind = "divergent"

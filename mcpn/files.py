@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Mapping
+from errno import ENOTDIR
 from pathlib import Path
 
 from mcpn.errors import InputError, Source
@@ -62,3 +64,40 @@ def write_atomically(path: Path, data: bytes | str) -> None:
     except (OSError, ValueError) as error:  # ValueError: half a character in the text, a NUL in the path
         what = getattr(error, "strerror", None) or error
         raise InputError.at(Source(str(path)), f"cannot be written: {what}") from error
+
+
+def write_folder(folder: Path, files: Mapping[str, bytes | str]) -> None:
+    """Writes files into a folder, which is made where there is none; a refusal leaves no new folder.
+
+    Args:
+        folder: Where; files of other names in it stay.
+        files: What, by name.
+
+    Raises:
+        InputError: The folder cannot be made, or a file cannot be written.
+    """
+    made: list[Path] = []
+    try:
+        for directory in reversed((folder, *folder.parents)):
+            if not directory.exists():
+                directory.mkdir()
+                made.append(directory)
+        if not folder.is_dir():
+            raise NotADirectoryError(ENOTDIR, os.strerror(ENOTDIR))
+        written: list[Path] = []
+        try:
+            for name, data in files.items():
+                write_atomically(folder / name, data)
+                written.append(folder / name)
+        except BaseException:
+            if made:
+                for path in written:
+                    path.unlink()
+            raise
+    except BaseException as error:
+        for directory in reversed(made):
+            directory.rmdir()
+        if isinstance(error, OSError | ValueError):
+            what = getattr(error, "strerror", None) or error
+            raise InputError.at(Source(str(folder)), f"cannot be made a directory: {what}") from error
+        raise

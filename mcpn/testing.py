@@ -216,8 +216,13 @@ class _Drawing:
 
     def consumed(self, island: _Island) -> tuple[str, ...]:
         chosen: list[str] = []
-        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2]))):
+        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            # What a supplier of this very alternative may take too, itself or through others.
+            under = frozenset[str]().union(*(island.below[k] for k in chosen))
+            near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
+            if near and self.chance():
+                left = near
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
         return tuple(chosen)

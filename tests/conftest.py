@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import random
 import signal
 from pathlib import Path
 
@@ -46,11 +47,23 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    drawn = random.randrange(1 << 32)
+    parser.addoption("--seed", type=int, default=drawn, help="Seed of what is drawn afresh (default: any).")
     for option, variable, what in (
         ("--mcc", "MCPN_MCC", "nets of the Model Checking Contest with oracles.tsv"),
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
+
+
+@pytest.fixture(scope="session")
+def fresh_seed(request: pytest.FixtureRequest) -> int:
+    """A seed that differs from run to run; the header of the run tells how to have it again."""
+    return int(request.config.getoption("--seed"))
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    return f"drawn afresh from --seed {config.getoption('--seed')}"
 
 
 def _folder(request: pytest.FixtureRequest, option: str, beside: str) -> Path:

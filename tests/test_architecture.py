@@ -62,7 +62,7 @@ def test_help_loads_nothing_heavy() -> None:
     script = (
         "import sys\n"
         "from click.testing import CliRunner\n"
-        "from mcpn.cli import command_line\n"
+        "from mcpn.cli.line import command_line\n"
         "assert CliRunner().invoke(command_line, ['--help']).exit_code == 0\n"
         f"print(*sorted({heavy!r} & sys.modules.keys()))\n"
     )

@@ -16,6 +16,7 @@ from mcpn.errors import (
     Source,
     UnsafeError,
 )
+from mcpn.space.compare import Disagreement
 from mcpn.space.local.diagram import Undecided
 from mcpn.space.local.protocol import PremiseError
 
@@ -33,6 +34,7 @@ ERRORS = [
     DivergenceError("divergent", [["a", "a"]]),
     PremiseError("o", "p", [["MISSION_EV_START"]]),
     Undecided("a conflict"),
+    Disagreement("on states"),
 ]
 
 

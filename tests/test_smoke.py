@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from mcpn.cli import command_line
+from mcpn.cli.line import command_line
 from tests.conftest import ULYSSE
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from mcpn.check.modes import Mode, situation
 from mcpn.mission.flatten import ElementarySection, Section
-from mcpn.mission.usage import entries
+from mcpn.mission.handover import entries
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.space.graph import Ints, Mask, StateGraph

@@ -1,69 +1,52 @@
 """The command line: the one room that sees all others.
 
 Heavy modules are imported inside the commands, so that ``mcpn --help`` answers at once. Exit codes: 0 all
-required verdicts hold, 1 some verdict fails, 2 bad input or a limit hit, 130 interrupted.
+that is required holds; 1 a verdict or requirement fails, or the semantics do not allow an answer; 2 anything
+wrong with the input, the options or the machine, with a sentence that says what; 130 and 143 interrupted and
+terminated.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from io import TextIOWrapper
+from types import FrameType
 
-import click
-
-from mcpn import __version__
-from mcpn.cli import causes, check, ctl, outputs, spaces
-from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED
-from mcpn.errors import InputError, McpnError, SemanticsError
-
-
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="mcpn")
-def command_line() -> None:
-    """Verify robot missions and generate their controllers."""
+SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
 def main() -> None:
-    """Runs the command line; mcpn's errors, Ctrl-C and a closed pipe become messages and exit codes."""
+    """Runs the command line as a process: signals end it cleanly, also while modules are imported."""
+    received: list[int] = []
+
+    def stop(number: int, _frame: FrameType | None) -> None:
+        received.append(number)
+        signal.signal(number, signal.SIG_DFL)  # a second one does not wait for anything
+        raise KeyboardInterrupt
+
     try:
-        command_line.main(standalone_mode=False)
-    except click.ClickException as error:
-        error.show()
-        sys.exit(EXIT_BAD_INPUT)
-    except McpnError as error:
-        sys.exit(_tell(error))
-    except MemoryError as error:  # of a diagram store, whose limit it names, or of this process
-        click.echo(f"error: out of memory: {error or 'this process has no more'}", err=True)
-        sys.exit(EXIT_BAD_INPUT)
-    except (KeyboardInterrupt, click.Abort):
-        click.echo("interrupted", err=True)
-        sys.exit(EXIT_INTERRUPTED)
-    except BrokenPipeError:
-        # The reader has gone: keep the interpreter from flushing into the closed pipe at its end.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(EXIT_FAILED)
+        for number in SIGNALS:
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, stop)
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")  # what a terminal's encoding does not know
+        from mcpn.cli.line import run
+
+        code = run()
+    except BaseException:
+        # An import or a callback may turn the interruption into an error of its own.
+        if not received:
+            raise
+        code = 128 + received[0]
+        _say(SIGNALS[signal.Signals(received[0])])
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)  # the work is done: what is left takes milliseconds
+    sys.exit(code)
 
 
-def _tell(error: McpnError) -> int:
-    """Prints an error and says the exit code that goes with it."""
-    problems = error.problems if isinstance(error, InputError) else (error,)
-    for problem in problems:
-        click.echo(f"error: {problem}", err=True)
-    if isinstance(error, SemanticsError):
-        for number, run in enumerate(error.runs, 1):
-            click.echo(f"  run {number}: {' '.join(run)}", err=True)
-        return EXIT_FAILED
-    return EXIT_BAD_INPUT
-
-
-for command in (
-    check.check,
-    causes.causes,
-    spaces.states,
-    spaces.alternatives,
-    ctl.ctl,
-    outputs.controller,
-    outputs.convert,
-    spaces.compare,
-):
-    command_line.add_command(command)
+def _say(words: str) -> None:
+    if sys.stderr is not None:
+        os.write(sys.stderr.fileno(), f"{words}\n".encode())

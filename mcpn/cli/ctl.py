@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import click
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    emit_json,
     import_option,
     is_net,
     json_option,
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from mcpn.net.petri import PetriNet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
+TECHNIQUES = {"symbolic": "DECISION_DIAGRAMS", "explicit": "EXPLICIT"}
 
 
 @click.command()
@@ -80,17 +82,25 @@ def ctl(
         engine="explicit" if engine == "explicit" else "symbolic",
         max_states=max_states,
     )
+    # Everything asked is understood before anything is answered.
     asked = [(text, questions.core(parse(text))) for text in formulas]
-    if properties:
-        for found in read_properties(properties):
-            click.echo(f"FORMULA {found.name} {questions.property(found)}")
+    listed = read_properties(properties) if properties else []
+    for each in listed:
+        questions.look_up(each)
+    contest = {each.name: partial(questions.property, each) for each in listed}
     if examination:
-        click.echo(f"FORMULA {net.name}-{examination} {questions.examination(examination)}")
+        contest[f"{net.name}-{examination}"] = partial(questions.examination, examination)
+    objects = []
+    for name, answer_of in contest.items():
+        found = answer_of()
+        objects.append(_contest_object(name, found))
+        if not as_json:
+            click.echo(f"FORMULA {name} {found} TECHNIQUES {TECHNIQUES[engine]}")
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
         _write_scenario(answers[0], net, scn)
     if as_json:
-        click.echo(json.dumps([_answer_object(answer, net) for answer in answers], ensure_ascii=False))
+        emit_json([*objects, *(_answer_object(answer, net) for answer in answers)])
     elif answers:
         from mcpn.report.text import print_answers
 
@@ -114,6 +124,13 @@ def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
 
     assert answer.witness is not None, "the symbolic engine always gives a witness"
     write_atomically(path, scenario(answer.witness, net))
+
+
+def _contest_object(name: str, found: str) -> dict[str, Any]:
+    """The answer to a property of the contest: a truth value, or a bound."""
+    truth = {"TRUE": True, "FALSE": False}.get(found)
+    answer: dict[str, Any] = {"formula": name, "holds": truth, "witness": None}
+    return answer if truth is not None else {**answer, "value": int(found)}
 
 
 def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:

@@ -10,13 +10,14 @@ from mcpn.cli.shared import (
     FILE,
     SECTIONS,
     STATES_AND_EDGES,
+    emit_json,
     import_option,
+    json_option,
     limit_option,
     mission_net_of,
     net_of,
     progress_line,
 )
-from mcpn.errors import InputError, Source
 
 
 @click.command()
@@ -30,6 +31,7 @@ from mcpn.errors import InputError, Source
 )
 @limit_option
 @import_option
+@json_option
 def controller(
     mission: Path,
     target: str,
@@ -37,14 +39,15 @@ def controller(
     hierarchical: bool,
     max_states: int | None,
     import_root: Path | None,
+    as_json: bool,
 ) -> None:
     """Generate the controller of MISSION: finite state machines that do what was verified."""
     from mcpn.controller.generate import generate
     from mcpn.controller.targets import files
-    from mcpn.files import write_atomically
+    from mcpn.files import write_folder
 
     mission_net = mission_net_of(mission, import_root)
-    with progress_line(False, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
+    with progress_line(as_json, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
         found = generate(
             mission_net,
             "hierarchical" if hierarchical else "flat",
@@ -52,25 +55,30 @@ def controller(
             progress=progress,
             told=lambda text: click.echo(text, err=True),
         )
-    click.echo(f"{found.form} controller of {found.mission}: {found.size}")
     texts = files(found, mission_net, target)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError.at(Source(str(output)), f"cannot be made a directory: {error.strerror}") from error
-    for name, text in texts.items():
-        write_atomically(output / name, text)
-        click.echo(output / name)
+    write_folder(output, texts)
+    paths = [str(output / name) for name in texts]
+    if as_json:
+        emit_json({"mission": found.mission, "form": found.form, "size": found.size, "files": paths})
+        return
+    click.echo(f"{found.form} controller of {found.mission}: {found.size}")
+    for path in paths:
+        click.echo(path)
 
 
 @click.command()
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
 @import_option
-def convert(source: Path, target: Path, import_root: Path | None) -> None:
+@json_option
+def convert(source: Path, target: Path, import_root: Path | None, as_json: bool) -> None:
     """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json)."""
     from mcpn.net.formats import save_net
 
-    warning = save_net(net_of(source, import_root), target)
-    if warning:
+    net = net_of(source, import_root)
+    warning = save_net(net, target)
+    if as_json:
+        sizes = {"places": len(net.places), "transitions": len(net.transitions)}
+        emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
+    elif warning:
         click.echo(f"warning: {warning}", err=True)

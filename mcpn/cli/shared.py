@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,13 +22,32 @@ if TYPE_CHECKING:
     from mcpn.net.petri import PetriNet
     from mcpn.space.local.composite import Composite
 
-EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 1, 2, 130
+EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
 FILE = click.Path(path_type=Path)
-json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
+_JSON = "mcpn.json"
+
+
+def _remember_json(ctx: click.Context, _option: click.Parameter, asked: bool) -> bool:
+    ctx.meta[_JSON] = asked
+    return asked
+
+
+def json_asked(ctx: click.Context) -> bool:
+    """Whether the command under way is to answer in JSON."""
+    return bool(ctx.meta.get(_JSON))
+
+
+json_option = click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    callback=_remember_json,
+    help="Print one JSON value and nothing else.",
+)
 limit_option = click.option(
     "--max-states",
-    type=click.IntRange(min=1),
+    type=click.IntRange(1, (1 << 63) - 1),
     help="Give up beyond this number of states; sections of the local engine become diagrams.",
 )
 import_option = click.option(
@@ -61,10 +81,16 @@ def executor_of(jobs: int, scheduler: str | None) -> Iterator[Executor | None]:
             yield client.get_executor()
     elif jobs > 1:
         from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
+        from multiprocessing import active_children, get_context
 
         with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            yield pool
+            before = set(active_children())
+            try:
+                yield pool
+            except BaseException:  # leaving waits for work under way, which nobody needs any more
+                for process in set(active_children()) - before:
+                    process.terminate()
+                raise
     else:
         yield None
 
@@ -109,9 +135,27 @@ def net_of(path: Path, import_root: Path | None) -> PetriNet:
     return mission_net_of(path, import_root).net
 
 
-def emit_json(document: dict[str, Any]) -> None:
-    """Prints one JSON object on standard output."""
-    click.echo(json.dumps(document, ensure_ascii=False))
+def emit_json(document: object) -> None:
+    """Prints one JSON value on standard output, in ASCII, integers of any size; what is not finite is null.
+
+    Python refuses to write integers of more than 4,300 digits, for they may take long; counts may be larger.
+    """
+    sys.set_int_max_str_digits(0)
+    try:
+        text = json.dumps(document, allow_nan=False)
+    except ValueError:
+        text = json.dumps(_finite(document))
+    click.echo(text)
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if isinstance(value, dict):
+        return {name: _finite(inner) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    return value
 
 
 def emit_counts(counts: dict[str, Any], as_json: bool) -> None:
@@ -139,7 +183,7 @@ def progress_line(quiet: bool, told: str = STATES_AND_EDGES) -> Iterator[Callabl
     if quiet or not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
+    from mcpn.report.terminal import terminal
 
-    with Console(stderr=True).status("exploring") as status:
+    with terminal(error=True).status("exploring") as status:
         yield lambda one, other: status.update(told.format(one, other))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -10,9 +11,11 @@ from typing import TYPE_CHECKING
 import click
 
 from mcpn.cli.shared import (
+    EXIT_FAILED,
     FILE,
     composite_of,
     emit_counts,
+    emit_json,
     import_option,
     is_net,
     json_option,
@@ -39,7 +42,11 @@ if TYPE_CHECKING:
 )
 @click.option("--markings", is_flag=True, help="With --engine local: count markings too, on the whole net.")
 @click.option("--order", type=FILE, help="Read the diagram's order of places instead of racing several.")
-@click.option("--seed", type=int, help="Draw one more order for the race; the same seed, the same race.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0, (1 << 63) - 1),
+    help="Draw one more order for the race; the same seed, the same race.",
+)
 @click.option("--save-order", type=FILE, help="Write the order of places that was used.")
 @limit_option
 @import_option
@@ -207,14 +214,29 @@ def _alternatives(
 @click.argument("file", type=FILE)
 @limit_option
 @import_option
-def compare(file: Path, max_states: int | None, import_root: Path | None) -> None:
-    """Run every engine on FILE, a mission or a net, side by side; disagreement is an error."""
-    from mcpn.report.text import print_comparison
+@json_option
+def compare(file: Path, max_states: int | None, import_root: Path | None, as_json: bool) -> None:
+    """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree."""
+    from dataclasses import asdict
+
     from mcpn.space.compare import disagreement, measure
 
     subject = net_of(file, import_root) if is_net(file) else mission_net_of(file, import_root).mission
     found = measure(subject, max_states=max_states)
-    print_comparison(found)
     error = disagreement(found)
+    if as_json:
+        emit_json(
+            {
+                "engines": [asdict(m) for m in found],
+                "agree": error is None,
+                "message": str(error or "") or None,
+            }
+        )
+        if error is not None:
+            sys.exit(EXIT_FAILED)
+        return
+    from mcpn.report.text import print_comparison
+
+    print_comparison(found)
     if error is not None:
         raise error

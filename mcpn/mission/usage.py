@@ -17,7 +17,8 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
 
 Demand: TypeAlias = tuple[str, int]
@@ -186,7 +187,7 @@ class Usage:
         for resource, (a, _), (b, _), context, source in self._concurrent_demands():
             pair = (a, b) if a < b else (b, a)
             found.setdefault(Contention(resource, pair, context, source))
-        for section, first, second, activity in self._started_twice():
+        for section, first, second, activity in self.started_twice():
             context = f"parallel block {section.name}"
             found.setdefault(Contention(f"activity {activity}", (first, second), context, section.source))
         return tuple(found)
@@ -199,6 +200,11 @@ class Usage:
     def contended_resources(self) -> frozenset[str]:
         """Resources that two activities may want at the same time."""
         return frozenset(resource for resource, *_ in self._concurrent_demands())
+
+    def resources_of(self, activities: Iterable[str]) -> frozenset[str]:
+        """Resources that some alternative of some activities consumes."""
+        ways = (way for a in activities for way in self.activities[a].alternatives)
+        return frozenset(k for way in ways for k in way.consumes)
 
     def waits_for_release(self, activity: str, alternative: int) -> bool:
         """Whether the alternative may wait in its evaluation place until another activity releases."""
@@ -235,7 +241,7 @@ class Usage:
                     for resource, c, d in self._inside(activity):
                         yield resource, c, d, f"activity {activity}", self.activities[activity].source
                 for a, b in combinations(section.activities, 2):
-                    for resource, c, d in _both(self._tree_needs(a), self._tree_needs(b)):
+                    for resource, c, d in _both(self.tree_needs(a), self.tree_needs(b)):
                         yield resource, c, d, context, section.source
             else:
                 context = f"parallel block {section.name}"
@@ -255,13 +261,14 @@ class Usage:
                 below = self.suppliers(activity, i)
                 for p in below:
                     found |= self._inside(p)
-                    found.update(_both(own, self._tree_needs(p)))
+                    found.update(_both(own, self.tree_needs(p)))
                 for p, q in combinations(below, 2):
-                    found.update(_both(self._tree_needs(p), self._tree_needs(q)))
+                    found.update(_both(self.tree_needs(p), self.tree_needs(q)))
             self._inner[activity] = frozenset(found)
         return self._inner[activity]
 
-    def _tree_needs(self, activity: str) -> Needs:
+    def tree_needs(self, activity: str) -> Needs:
+        """Demands of the activity and of all that it may start, by resource."""
         if activity not in self._needs:
             self._needs[activity] = _merge(
                 {k: {(a, i)} for k in alternative.consumes}
@@ -271,24 +278,7 @@ class Usage:
         return self._needs[activity]
 
     def _graph_needs(self, graph: ObjectivesGraph) -> Needs:
-        return _merge(self._tree_needs(a) for section in graph.walk() for a in section.activities)
-
-    # --- what follows what at once ---------------------------------------------------------------------
-
-    @cached_property
-    def restarted(self) -> frozenset[str]:
-        """Activities that an objective may start while their last stop is still on its way.
-
-        So it is where one edge of the objectives graph stops and starts the same activity (a retry, a
-        protocol used twice in a row), and where two branches of a parallel block start the same one.
-        """
-        found: set[str] = set()
-        for graph in self._graphs():
-            for section in graph.sections:
-                ending = {a for last in _endings(section) for a in last.activities}
-                for target in graph.targets(section):
-                    found |= ending & {a for first in entries(target) for a in first.activities}
-        return frozenset(found).union(activity for *_, activity in self._started_twice())
+        return _merge(self.tree_needs(a) for section in graph.walk() for a in section.activities)
 
     @cached_property
     def exchanges(self) -> tuple[Contention, ...]:
@@ -312,9 +302,14 @@ class Usage:
                 found.append(Contention(f"activity {name}", (one, other), "its resources", activity.source))
         return tuple(found)
 
-    def _started_twice(self) -> Iterator[tuple[ParallelSection, str, str, str]]:
+    @cached_property
+    def handover(self) -> Handover:
+        """What an objective must wait for before it begins."""
+        return Handover(self)
+
+    def started_twice(self) -> Iterator[tuple[ParallelSection, str, str, str]]:
         """Parallel blocks of which two branches start the same activity: block, branches, activity."""
-        for graph in self._graphs():
+        for graph in self.graphs():
             for section in graph.sections:
                 if isinstance(section, ParallelSection):
                     for first, second in combinations(section.branches, 2):
@@ -322,43 +317,8 @@ class Usage:
                         for activity in sorted(shared):
                             yield section, first.name, second.name, activity
 
-    @cached_property
-    def settled_before(self) -> Mapping[str, tuple[str, ...]]:
-        """Software resources that must be back before an objective is entered.
-
-        Two consumers of a producer that serves several resources may stop at the same moment; whether the
-        producer stops with them must not depend on how quickly the next objective asks again.
-
-        Returns:
-            Qualified name of an elementary objective to the resources to be awaited, in document order.
-        """
-        awaited: dict[str, set[str]] = {}
-        for graph in self._graphs():
-            for section in graph.sections:
-                released = self._released_apart(section)
-                for target in graph.targets(section) if released else ():
-                    for first in entries(target):
-                        needs = _merge(self._tree_needs(a) for a in first.activities)
-                        producers = {self.producer[s] for s in needs if s in self.producer}
-                        # What enters beside it may take a resource at once, and must not be waited for.
-                        beside = [a for e in entries(target) if e is not first for a in e.activities]
-                        taken = _merge(self._tree_needs(a) for a in beside)
-                        again = {s for s in released if self.producer[s] in producers and s not in taken}
-                        if again:
-                            awaited.setdefault(first.name, set()).update(again)
-        order = {software: number for number, software in enumerate(self.producer)}
-        return {name: tuple(sorted(found, key=order.__getitem__)) for name, found in awaited.items()}
-
-    def _released_apart(self, section: Section) -> set[str]:
-        released: set[str] = set()
-        needs = _merge(self._tree_needs(a) for last in _endings(section) for a in last.activities)
-        for activity in {self.producer[s] for s in needs if s in self.producer}:
-            outputs = [s for s in self.activities[activity].produces if s in needs]
-            if len({c for s in outputs for c, _ in needs[s]}) > 1 and len(outputs) > 1:
-                released.update(s for s in outputs if s not in self.contended_resources)
-        return released
-
-    def _graphs(self) -> Iterator[ObjectivesGraph]:
+    def graphs(self) -> Iterator[ObjectivesGraph]:
+        """The mission's graph and those of branches, at any depth."""
         stack = [self.graph]
         while stack:
             graph = stack.pop()
@@ -366,28 +326,6 @@ class Usage:
             for section in graph.sections:
                 if isinstance(section, ParallelSection):
                     stack.extend(branch.graph for branch in section.branches)
-
-
-def entries(section: Section) -> tuple[ElementarySection, ...]:
-    """The elementary objectives that start when a section is entered."""
-    if isinstance(section, ElementarySection):
-        return (section,)
-    return tuple(
-        first for branch in section.branches for first in entries(branch.graph.section(branch.graph.entry))
-    )
-
-
-def _endings(section: Section) -> tuple[ElementarySection, ...]:
-    """The elementary objectives that may be the last of a section, of a branch for a parallel block."""
-    if isinstance(section, ElementarySection):
-        return (section,)
-    return tuple(
-        last
-        for branch in section.branches
-        for inner in branch.graph.sections
-        if len(branch.graph.targets(inner)) < 2
-        for last in _endings(inner)
-    )
 
 
 def _named(graph: ObjectivesGraph) -> set[str]:

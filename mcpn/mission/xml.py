@@ -168,8 +168,10 @@ class _Reader:
             target = path.parent / href
             real = target.resolve()
             inside = real.is_relative_to(self.root)
+            kind = "a file" if target.is_file() else "a directory" if target.is_dir() else "no such file"
         except (OSError, ValueError, RuntimeError) as error:
-            self.not_imported(path, element, f"{href!r}: {error}")
+            what = getattr(error, "strerror", None) or error
+            self.not_imported(path, element, f"{href[:80]!r}: {what}")
             return
         if not inside or ":" in href.split("/")[0]:
             self.not_imported(path, element, f"{href} leaves the mission's directory")
@@ -185,10 +187,8 @@ class _Reader:
                 self.not_imported(
                     path, element, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports"
                 )
-            elif not target.is_file():
-                self.not_imported(
-                    path, element, f"{href}: {'a directory' if target.is_dir() else 'no such file'}"
-                )
+            elif kind != "a file":
+                self.not_imported(path, element, f"{href}: {kind}")
             else:
                 root = self.load(target)
                 if root is not None and _tag(root) == "mission":

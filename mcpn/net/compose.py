@@ -142,7 +142,8 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
         InputError: A template names a place that none of the parts draws.
     """
     templates = templates or PaperTemplates()
-    canvas = Canvas(usage.mission.name, usage)
+    known = _named(usage.mission.software, usage.mission.activities)
+    canvas = Canvas(usage.mission.name, usage, known - _named(parts.software, parts.activities))
     for hardware in parts.hardware:
         templates.hardware(canvas, hardware)
     for software in parts.software:
@@ -153,3 +154,8 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     net = canvas.build()
     roles = {net.place_index[place]: role for place, role in canvas.roles.items()}
     return MissionNet(usage.mission, parts.graph, usage, net, roles)
+
+
+def _named(software: tuple[Software, ...], activities: tuple[Activity, ...]) -> frozenset[tuple[str, str]]:
+    """Elements as kind and name: names are unique in their kind only."""
+    return frozenset((*(("software", s.name) for s in software), *(("activity", a.name) for a in activities)))

@@ -79,7 +79,7 @@ class LocalPart:
                     )
                     for i, alternative in enumerate(activity.alternatives)
                 ),
-                activity.name in usage.restarted,
+                activity.name in usage.handover.with_idle,
                 usage.may_wait(activity.name),
             )
             for activity in parts.activities
@@ -97,16 +97,19 @@ class LocalPart:
         shapes = []
         for section in graph.sections:
             inside: Hashable
-            if isinstance(section, ElementarySection):
-                awaited = self.usage.settled_before.get(section.name)
-                inside = (
-                    tuple(task[a] for a in section.activities),
-                    None if awaited is None else tuple(number[s] for s in awaited),
+            awaited = self.usage.handover.awaited.get(section.name)
+            waits = None
+            if awaited is not None:  # what is not of the part is idle while the part runs
+                waits = (
+                    tuple(task[a] for a in awaited.activities if a in task),
+                    tuple(number[s] for s in awaited.software if s in number),
                 )
+            if isinstance(section, ElementarySection):
+                inside = tuple(task[a] for a in section.activities)
             else:
                 inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
             routes = (places.get(r, r) for r in (section.success, section.failure))
-            shapes.append((isinstance(section, ParallelSection), inside, *routes))
+            shapes.append((isinstance(section, ParallelSection), waits, inside, *routes))
         return places[graph.entry], tuple(shapes)
 
 

@@ -23,6 +23,7 @@ from mcpn.check.runs import Step
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.events import Event
+from mcpn.report.terminal import terminal
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
@@ -171,8 +172,8 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
 
 def print_causes(causes: Causes) -> None:
     """Prints conditions of failure, what is survived, runs to failure, and critical events."""
-    console = Console(highlight=False, soft_wrap=True)
-    console.print(f"[bold]{sentence(causes.mission.name, causes.mission.cut_sets)}[/bold]")
+    console = terminal()
+    console.print(sentence(causes.mission.name, causes.mission.cut_sets), style="bold")
     for name, goal in causes.objectives.items():
         console.print(f"  {sentence(name, goal.cut_sets)}")
     console.print()
@@ -192,7 +193,7 @@ def print_causes(causes: Causes) -> None:
             lost = enumeration(goal.nonmonotone.lost or ("nothing",))
             larger = enumeration(goal.nonmonotone.larger)
             told = f"{goal.name} may be lost with {lost}, but not with {larger}"
-            console.print(f"[yellow]not monotone:[/yellow] {told}")
+            console.print(f"not monotone: {told}", style="yellow")
 
 
 def _print_run(console: Console, what: str, run: Sequence[Step] | None) -> None:
@@ -200,7 +201,7 @@ def _print_run(console: Console, what: str, run: Sequence[Step] | None) -> None:
         return
     console.print(f"\n{what}:")
     for step in run:
-        console.print(f"    {step.event!s:34} {step.words}", markup=False)
+        console.print(f"    {step.event!s:34} {step.words}")
 
 
 def _print_critical(console: Console, goal: GoalCauses) -> None:
@@ -232,7 +233,7 @@ def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
         shared.setdefault(key, []).append(row.objective)
     for (hardware, *cells), objectives in shared.items():
         table.add_row(hardware, "\n".join(objectives), *cells)
-    Console(highlight=False).print(table)
+    terminal().print(table)
 
 
 def print_risk(numbers: Risk) -> None:
@@ -243,4 +244,4 @@ def print_risk(numbers: Risk) -> None:
             table.add_row(name.replace("_", " "), f"{value:.6g}")
     for hardware, value in sorted(numbers.importance.items(), key=lambda pair: -pair[1]):
         table.add_row(f"importance of {hardware}", f"{value:.6g}")
-    Console(highlight=False).print(table)
+    terminal().print(table)

@@ -10,6 +10,7 @@ from rich.console import Console
 from mcpn.check.nets.properties import NetCheck, Structure, marking_after
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
+from mcpn.report.terminal import terminal
 from mcpn.space.tokens import OMEGA
 
 SHOWN = 20
@@ -69,29 +70,27 @@ def structure_object(structure: Structure) -> dict[str, Any]:
 
 def print_net(check: NetCheck) -> None:
     """Prints the behaviour of a net."""
-    console = Console(highlight=False, soft_wrap=True)
+    console = terminal()
     net = check.net
     sizes = f"{len(net.places)} places, {len(net.transitions)} transitions"
     states = "" if check.states is None else f", {check.states} markings"
-    console.print(f"net {net.name}: {sizes}{states}", markup=False)
+    console.print(f"net {net.name}: {sizes}{states}")
     answers = {True: "yes", False: "no", None: "not known"}
     console.print(f"1-safe          {answers[check.safe]}")
     bound = "" if check.bound is None else f"  at most {check.bound} tokens in a place"
-    console.print(
-        f"bounded         {answers[check.bounded.bounded]}{bound}  {check.bounded.reason}", markup=False
-    )
+    console.print(f"bounded         {answers[check.bounded.bounded]}{bound}  {check.bounded.reason}")
     if check.bounded.pump:
-        console.print(f"    run: {' '.join(check.bounded.run)}", markup=False)
-        console.print(f"    repeat: {' '.join(check.bounded.pump)}", markup=False)
+        console.print(f"    run: {' '.join(check.bounded.run)}")
+        console.print(f"    repeat: {' '.join(check.bounded.pump)}")
     console.print(f"deadlock free   {answers[check.deadlock_free]}")
     if check.deadlock is not None:
-        console.print(f"    run: {' '.join(check.deadlock)}", markup=False)
+        console.print(f"    run: {' '.join(check.deadlock)}")
         told = (p if n == 1 else f"{p} {n}" for p, n in marking_after(net, check.deadlock).items())
-        console.print(f"    dead marking: {', '.join(told)}", markup=False)
+        console.print(f"    dead marking: {', '.join(told)}")
     for word, names in (("quasi-live", check.dead_transitions), ("live", check.not_live)):
         holds = None if names is None else not names
         without = f"  not: {_some(names)}" if names else ""
-        console.print(f"{word:15} {answers[holds]}{without}", markup=False)
+        console.print(f"{word:15} {answers[holds]}{without}")
     console.print(f"reversible      {answers[check.reversible]}")
     if check.home_markings is not None:
         console.print(f"home markings   {check.home_markings}")
@@ -99,9 +98,9 @@ def print_net(check: NetCheck) -> None:
 
 def print_structure(structure: Structure) -> None:
     """Prints the structure of a net; long lists are cut, and said to be."""
-    console = Console(highlight=False, soft_wrap=True)
+    console = terminal()
     net = structure.net
-    console.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}", markup=False)
+    console.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}")
     transitions = [t.name for t in net.transitions]
     _list(console, "P-semiflows", _told(structure.p_semiflows, lambda flow: _invariant(net, flow)))
     _list(console, "T-semiflows", _told(structure.t_semiflows, lambda flow: _combined(flow, transitions)))
@@ -112,9 +111,9 @@ def print_structure(structure: Structure) -> None:
     ):
         _list(console, title, _told(found, lambda members: ", ".join(net.places[p].name for p in members)))
     for sentence in structure.proves:
-        console.print(f"proved: {sentence}", markup=False)
+        console.print(f"proved: {sentence}")
     for part, reason in structure.left_out.items():
-        console.print(f"left out: {part.replace('_', ' ')}: {reason}", markup=False)
+        console.print(f"left out: {part.replace('_', ' ')}: {reason}")
 
 
 def _bounds(check: NetCheck) -> dict[str, int | None] | None:
@@ -153,6 +152,6 @@ def _list(console: Console, title: str, lines: list[str] | None) -> None:
         return  # told among what is left out
     console.print(f"{title}: {len(lines)}")
     for line in lines[:SHOWN]:
-        console.print(f"    {line}", markup=False)
+        console.print(f"    {line}")
     if len(lines) > SHOWN:
         console.print(f"    and {len(lines) - SHOWN} more (--json lists all)")

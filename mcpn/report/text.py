@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from mcpn.check.logic.questions import Answer
@@ -13,6 +12,7 @@ from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
 from mcpn.errors import Problem
 from mcpn.net.petri import PetriNet
+from mcpn.report.terminal import terminal
 from mcpn.space.compare import Measurement
 
 
@@ -23,7 +23,7 @@ def print_counts(counts: Mapping[str, object]) -> None:
         if value is not None:
             shown = f"{value:.3f}" if isinstance(value, float) else str(value)
             table.add_row(name.replace("_", " "), shown)
-    Console(highlight=False).print(table)
+    terminal().print(table)
 
 
 def print_comparison(found: Sequence[Measurement]) -> None:
@@ -37,7 +37,7 @@ def print_comparison(found: Sequence[Measurement]) -> None:
         sizes = ["" if (size := (m.sizes or {})[name]) is None else str(size) for name in (*counted, "nodes")]
         took = (f"{m.seconds:.3f}", f"{slowest / m.seconds:.1f} x", str(m.megabytes))
         table.add_row(m.engine, *sizes[:-1], *took, sizes[-1])
-    console = Console(highlight=False, soft_wrap=True)
+    console = terminal()
     console.print(table)
     for m in found:
         if m.sizes is None:
@@ -46,27 +46,27 @@ def print_comparison(found: Sequence[Measurement]) -> None:
 
 def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
     """Prints answers to formulas with the runs that show them."""
-    console = Console(highlight=False, soft_wrap=True)
+    console = terminal()
     for answer in answers:
         colour, word = ("green", "holds") if answer.holds else ("red", "fails")
-        console.print(f"[{colour}]{word}[/{colour}]  {escape(answer.formula)}")
+        console.print(f"{word}  {answer.formula}", style=colour)
         witness = answer.witness
         if witness is None:
             continue
         if answer.told:
             for step in answer.told:
-                console.print(f"    {step.event!s:34} {step.words}", markup=False)
+                console.print(f"    {step.event!s:34} {step.words}")
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
                     console.print("    from here on for ever:")
-                console.print(f"    {net.transitions[t].name}", markup=False)
+                console.print(f"    {net.transitions[t].name}")
         if answer.told and witness.cycle is not None:
             repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
             events = [str(e) for t in repeated if (e := net.transitions[t].event)]
-            console.print(f"    for ever: {' '.join(events) or 'internal firings'}", markup=False)
+            console.print(f"    for ever: {' '.join(events) or 'internal firings'}")
         for note in witness.notes:
-            console.print(f"    {note}", markup=False)
+            console.print(f"    {note}")
 
 
 def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:
@@ -77,7 +77,7 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
         warnings: What reading the mission found suspicious.
         seconds: Time for all of it.
     """
-    console = Console(highlight=False, soft_wrap=True)
+    console = terminal()
     net = check.mission_net.net
     sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
     if check.marking_sizes is not None:
@@ -91,7 +91,7 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
         local = f"{check.composite.local_states} local states"
         sizes.append(f"{len(check.composite.sections)} sections of {types} types, {local}")
     console.print(
-        f"[bold]mission {check.mission_net.mission.name}[/bold]: {'; '.join(sizes)}; {seconds:.2f} s"
+        f"mission {check.mission_net.mission.name}: {'; '.join(sizes)}; {seconds:.2f} s", style="bold"
     )
     console.print()
     for verdict in check.verdicts.values():
@@ -101,20 +101,22 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
     warnings = [*warnings, *check.unselectable, *(Problem(c.source, f"{c}") for c in contentions)]
     for problem in dict.fromkeys(warnings):
-        console.print(f"[yellow]warning:[/yellow] {problem}", markup=True)
-    conclusion = "[green]all required verdicts hold[/green]" if check.passed else "[red]verdicts fail[/red]"
-    console.print(conclusion)
+        console.print(f"warning: {problem}", style="yellow")
+    if check.passed:
+        console.print("all required verdicts hold", style="green")
+    else:
+        console.print("verdicts fail", style="red")
 
 
 def _print_verdict(console: Console, verdict: Verdict) -> None:
     answer = {True: "yes", False: "no", None: "not known"}[verdict.holds]
     colour = "dim" if not verdict.required else "green" if verdict.holds else "red"
-    console.print(f"[{colour}]{verdict.name:18} {answer:10}[/{colour}] {verdict.explanation}")
+    console.print(f"{verdict.name:18} {answer:10} {verdict.explanation}", style=colour)
     for number, run in enumerate(verdict.runs, 1):
         if len(verdict.runs) > 1:
             console.print(f"    run {number}")
         for step in run:
-            console.print(f"    {step.event!s:34} {step.words}", markup=False)
+            console.print(f"    {step.event!s:34} {step.words}")
 
 
 def _print_modes(console: Console, modes: Mapping[str, list[Mode]]) -> None:

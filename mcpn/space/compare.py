@@ -16,7 +16,6 @@ from mcpn.space.local.gluing import glue
 from mcpn.space.local.placing import DEFAULT_MAX_STATES, Making
 from mcpn.space.summary import ENGINES, summarise
 
-MOST_PLACES_FOR_PYEDA = 24
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
 """What engines must agree on, as far as each counts it."""
 
@@ -58,10 +57,6 @@ def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> li
     found = []
     net = compose(subject).net if isinstance(subject, Mission) else subject
     for engine in ENGINES:
-        if engine == "pyeda" and len(net.places) > MOST_PLACES_FOR_PYEDA:
-            reason = f"left out: more than {MOST_PLACES_FOR_PYEDA} places"
-            found.append(Measurement(engine, None, 0, 0, reason))
-            continue
         found.append(_apart(net, engine, max_states))
     if isinstance(subject, Mission):
         found.append(_apart(subject, "local", max_states))
@@ -97,11 +92,17 @@ def _local(mission: Mission, max_states: int) -> tuple[dict[str, int | None], fl
     return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
 
 
-def disagreement(found: list[Measurement]) -> SemanticsError | None:
+class Disagreement(SemanticsError):
+    """Engines count differently: one of them is wrong."""
+
+    kind = "disagreement"
+
+
+def disagreement(found: list[Measurement]) -> Disagreement | None:
     """The error that says how engines disagree, or ``None`` where all agree on what they count."""
     for name in SIZES:
         counted = {m.engine: size for m in found if m.sizes and (size := m.sizes[name]) is not None}
         if len(set(counted.values())) > 1:
             told = ", ".join(f"{engine}: {size}" for engine, size in counted.items())
-            return SemanticsError(f"the engines disagree on {name}, one of them is wrong: {told}")
+            return Disagreement(f"the engines disagree on {name}, one of them is wrong: {told}")
     return None

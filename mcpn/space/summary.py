@@ -18,6 +18,10 @@ ENGINES = ("explicit", "symbolic", "pyeda")
 """The engines that count: marking by marking, by decision diagrams, and the small independent reference."""
 
 
+MOST_PLACES_FOR_PYEDA = 24
+"""Beyond, pyeda's BDDs may take hours."""
+
+
 @dataclass(frozen=True)
 class SpaceSummary:
     """Sizes of a state space; exact integers of any size.
@@ -118,6 +122,8 @@ def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], Non
 
 
 def _pyeda(net: PetriNet) -> _Counts:
+    if len(net.places) > MOST_PLACES_FOR_PYEDA:
+        raise LimitError(f"more than {MOST_PLACES_FOR_PYEDA} places, the limit of the reference engine")
     try:
         from mcpn.space.pyeda_reference import count
 

@@ -27,6 +27,7 @@ from mcpn.mission.model import (
 )
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
+from mcpn.net.sections import junction_part
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.explicit import explore
@@ -35,7 +36,8 @@ from mcpn.space.local.composite import Composite
 from mcpn.space.local.diagram import LocalDiagram
 from mcpn.space.local.expand import expand
 from mcpn.space.local.gluing import glue
-from mcpn.space.local.placing import Making
+from mcpn.space.local.junction import is_confluent, sharing_pairs
+from mcpn.space.local.placing import Making, local_graphs
 from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError
 from mcpn.testing import missions
 
@@ -152,6 +154,23 @@ def _losing(composite: Composite, goals: set[Outcome]) -> int:
     return inside + before + (len(composite.ends - goals) << count)
 
 
+# --- junctions ---------------------------------------------------------------------------------------------
+
+
+@given(missions())
+def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
+    """The argument of papers/composition.md against a proof on the net of both sections."""
+    mission_net = compose(mission)
+    usage, graph = mission_net.usage, mission_net.graph
+    placed = {p.section.name: p for p in local_graphs(usage, graph, Making(most_listed=None))}
+    calm = {name for name, p in placed.items() if not p.listed.graph.torn}
+    for first, second in sharing_pairs(graph, placed):
+        if {first.section.name, second.section.name} <= calm:
+            handover = usage.handover.awaited.get(second.section.name)
+            event(f"gated: {handover is not None}")
+            assert is_confluent(junction_part(usage, first.section, second.section).net().net, 1_000_000)
+
+
 # --- the premise ---------------------------------------------------------------------------------------
 
 
@@ -234,14 +253,20 @@ def test_a_section_that_leaves_something_behind_is_refused(
 
 def test_local_graphs_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
+    alone: list[tuple[int, int]] = []
     usage, graph = ulysse_net.usage, ulysse_net.graph
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         composite = glue(usage, graph, Making(executor=pool, progress=lambda *at: done.append(at)))
         diagrams = glue(usage, graph, Making(executor=pool, most_listed=-1))
+        own = glue(usage, graph, Making(PaperTemplates(), pool, progress=lambda *at: alone.append(at)))
     assert composite.states == diagrams.states == 260
     assert (composite.edges, diagrams.edges) == (1332, 1332)
-    # Two types of sections, then types of junctions.
-    assert done == [(1, 2), (2, 2), *((number, 5) for number in range(1, 6))]
+    # Two types of sections. Of a caller's templates nothing is known: five sections, then their junctions,
+    # one to the next, and one of them to the last by its failure.
+    assert done == [(1, 2), (2, 2)]
+    assert alone[:5] == [(number, 5) for number in range(1, 6)]
+    assert alone[5:] == [(number, 6) for number in range(1, 7)]
+    assert (own.states, own.edges) == (260, 1332)
 
 
 def test_local_graphs_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None:

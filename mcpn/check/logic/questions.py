@@ -150,29 +150,42 @@ class Questions:
         told = replay(self.mission_net, names) if self.mission_net else ()
         return Answer(text, self.symbolic.holds(core), witness, tuple(told))
 
-    def property(self, asked: Property) -> str:
-        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
+    def look_up(self, asked: Property) -> Core | dict[int, int]:
+        """What a property of the contest asks, names looked up: a formula, or places with their weights.
+
+        Raises:
+            InputError: A name is unknown.
+        """
         if asked.formula is not None:
             try:
-                core = self.core(asked.formula)
+                return self.core(asked.formula)
             except InputError as error:
                 raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-            evaluation = self.symbolic if self.engine == "symbolic" else self.explicit
-            return str(evaluation.holds(core)).upper()
         weights: dict[int, int] = {}
         for name in asked.bound:
             if name not in self.net.place_index:
                 raise InputError.at(asked.source, f"no place is named {name}")
             place = self.net.place_index[name]
             weights[place] = weights.get(place, 0) + 1
+        return weights
+
+    def property(self, asked: Property) -> str:
+        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
+        meant = self.look_up(asked)
+        if not isinstance(meant, dict):
+            evaluation = self.symbolic if self.engine == "symbolic" else self.explicit
+            return str(evaluation.holds(meant)).upper()
+        return str(self._bound(meant))
+
+    def _bound(self, weights: dict[int, int]) -> int:
         if self.engine == "symbolic":
             levels, always = self.space.encoding.weigh(weights)
-            return str(self.space.reachable.largest(levels) + always)
+            return self.space.reachable.largest(levels) + always
         graph = self.explicit.graph
         tokens = np.zeros(graph.states, np.int64)
         for place, weight in weights.items():
             tokens += weight * graph.marked(place)
-        return str(tokens.max())
+        return int(tokens.max())
 
     def examination(self, name: str) -> str:
         """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`)."""

@@ -111,7 +111,7 @@ def _refuse_excess(activity: Activity) -> None:
 def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     a, usage = activity.name, canvas.usage
     start, stop = pen.place(f"{a}_Start"), pen.place(f"{a}_Stop")
-    idle = [pen.place(f"{a}_idle", initial=1)] if a in usage.restarted else []
+    idle = [pen.place(f"{a}_idle", initial=1)] if a in usage.handover.with_idle else []
     refuse = []
     if usage.refusable(a):
         refuse = [canvas.role(pen.place(f"{a}_error"), ("refused", a))]
@@ -218,6 +218,8 @@ class _AlternativeDrawing:
     def error_while_waiting(self) -> None:
         """Some resources answered with an error, the others are here: give all back, try the next."""
         stable = self.usage.waits_for_answer(self.activity.name, self.index)
+        if stable:
+            self.error_while_asking()
         failing = [k for k in self.consumes if self.usage.can_fail(k) and (stable or k not in self.hardware)]
         for errors in _subsets(failing):
             self._draw(
@@ -245,20 +247,40 @@ class _AlternativeDrawing:
         for ending in self.life.endings:
             self._end("cancel", ending, [self.evaluation], [])
 
+    def error_while_asking(self) -> None:
+        """A resource answers with an error while others have not answered yet, for a producer waits itself.
+
+        Nothing but this failure may happen for long, so the activity does not wait on: it gives up what is
+        still asked for. Hardware that has failed would else never get out of *failing*.
+        """
+        for places, given in self._while_asking():
+            if any(place.endswith("_error") for place in places):
+                stages = "_".join(place.rsplit("_", 1)[1] for place in places)
+                self._draw(
+                    "werr",
+                    [self.wait, *places],
+                    [*given, *self.otherwise],
+                    stages,
+                    read=self.quiet_to_refuse,
+                )
+
     def stop_while_waiting(self) -> None:
         """It waits for answers and is stopped: give back what came, give up what is still asked for.
 
         A request given up frees its resource at once, in one step with the stop: were it a release on its
         way, an answer could still come in between and stay behind.
         """
-        for places in product(*(self._stages(k) for k in self.consumes)):
-            asked = [k for k, place in zip(self.consumes, places, strict=True) if place == f"{k}_waiting"]
-            if not asked:
-                continue
-            given = [f"{k}_free" if k in asked else f"{k}_release" for k in self.consumes]
+        for places, given in self._while_asking():
             stages = [place.rsplit("_", 1)[1] for place in places]
             for ending in self.life.endings:
                 self._end("giveup_" + "_".join(stages), ending, [self.wait, *places], given)
+
+    def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str]]]:
+        """How far its requests may be, not all answered: the places, and those that give everything back."""
+        for places in product(*(self._stages(k) for k in self.consumes)):
+            asked = [k for k, place in zip(self.consumes, places, strict=True) if place == f"{k}_waiting"]
+            if asked:
+                yield places, [f"{k}_free" if k in asked else f"{k}_release" for k in self.consumes]
 
     def _stages(self, resource: str) -> Iterator[str]:
         """Places that say how far the request of a resource has come."""

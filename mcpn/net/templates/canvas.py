@@ -31,11 +31,14 @@ class Canvas(NetBuilder):
     Args:
         name: The net's name.
         usage: Static facts of the mission.
+        left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
+            all the time.
     """
 
-    def __init__(self, name: str, usage: Usage) -> None:
+    def __init__(self, name: str, usage: Usage, left_out: frozenset[tuple[str, str]] = frozenset()) -> None:
         super().__init__(name, priorities=True)
         self.usage = usage
+        self.left_out = left_out
         self.roles: dict[str, Role] = {}
 
     def role(self, place: str, role: Role) -> str:

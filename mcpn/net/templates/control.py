@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import product
 
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.handover import Awaited
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
@@ -59,19 +60,40 @@ class _Control:
         if target in self.exits:
             return self.exits[target]
         section = self.graph.section(target)
+        if self.gated(section):
+            return [_gate(section)]
+        return self.begin(section)
+
+    def begin(self, section: Section) -> list[str]:
+        """Places to mark so that a section begins at once."""
         if isinstance(section, ElementarySection):
-            return [f"OBJ_{section.name}_enter"] if self.gated(section) else self.begin(section)
+            return [f"OBJ_{section.name}", *(f"{a}_Start" for a in section.activities)]
         inner = [_Control(self.canvas, branch.graph, {}) for branch in section.branches]
         return [place for control in inner for place in control.enter(control.graph.entry)]
 
-    def begin(self, section: ElementarySection) -> list[str]:
-        """Places to mark so that an objective and its activities start at once."""
-        return [f"OBJ_{section.name}", *(f"{a}_Start" for a in section.activities)]
+    def gated(self, section: Section) -> bool:
+        """Whether the section must wait at its entry until activities are idle and resources are back."""
+        handover = self.canvas.usage.handover
+        if section.name in handover.awaited:
+            return True
+        return isinstance(section, ElementarySection) and any(
+            a in handover.with_idle for a in section.activities
+        )
 
-    def gated(self, section: ElementarySection) -> bool:
-        """Whether the objective must wait at its entry until its activities and resources are idle again."""
-        usage = self.canvas.usage
-        return section.name in usage.settled_before or any(a in usage.restarted for a in section.activities)
+    def gate(self, pen: Pen, section: Section) -> None:
+        """The section's entry: it begins when all that it waits for is over."""
+        gate = pen.place(_gate(section))
+        handover, left_out = self.canvas.usage.handover, self.canvas.left_out
+        awaited = handover.awaited.get(section.name, Awaited())
+        own: tuple[str, ...] = ()
+        if isinstance(section, ElementarySection):
+            self.canvas.role(gate, ("pending", section.name))
+            own = tuple(a for a in section.activities if a in handover.with_idle)
+        idle = [f"{a}_idle" for a in awaited.activities if a not in own and ("activity", a) not in left_out]
+        back = [f"{s}_available" for s in awaited.software if ("software", s) not in left_out]
+        begin = gate.removesuffix("_enter") + "_begin"
+        taken = [f"{a}_idle" for a in own]
+        pen.transition(begin, [gate, *taken], self.begin(section), read=[*idle, *back])
 
     def elementary(self, section: ElementarySection) -> None:
         """OK and FAIL stop the activities and enter what follows; OK only while all of them run."""
@@ -79,10 +101,7 @@ class _Control:
         pen = self.canvas.of("objective", name, section.source)
         place = self.canvas.role(pen.place(f"OBJ_{name}"), ("objective", name))
         if self.gated(section):
-            gate = self.canvas.role(pen.place(f"OBJ_{name}_enter"), ("pending", name))
-            idle = [f"{a}_idle" for a in section.activities if a in usage.restarted]
-            settled = [f"{s}_notAvailable" for s in usage.settled_before.get(name, ())]
-            pen.transition(f"OBJ_{name}_begin", [gate, *idle], self.begin(section), read=settled)
+            self.gate(pen, section)
         stops = [f"{a}_Stop" for a in section.activities]
         running = [running_place(usage.activities[a]) for a in section.activities]
         for what, route, read in (
@@ -95,11 +114,20 @@ class _Control:
     def parallel(self, section: ParallelSection) -> None:
         """Each child marks that it is done; when all are, internal transitions leave the block."""
         pen = self.canvas.of("parallel", section.name, section.source)
+        if self.gated(section):
+            self.gate(pen, section)
+        combined = len(section.branches) <= MAX_COMBINED
         for branch in section.branches:
-            ok = self.canvas.role(pen.place(f"OBJ_{branch.name}_ok"), ("done", branch.name))
-            fail = self.canvas.role(pen.place(f"OBJ_{branch.name}_fail"), ("done", branch.name))
-            _Control(self.canvas, branch.graph, {SUCCEED: [ok], FAIL: [fail]}).draw()
-        if len(section.branches) <= MAX_COMBINED:
+            ended = [pen.place(_done(branch, ok)) for ok in (True, False)]
+            if combined:
+                ends = [[place] for place in ended]
+            else:  # the outcome is taken note of at once, so another place says that the branch has ended
+                ended = [pen.place(f"OBJ_{branch.name}_ended")]
+                ends = [[_done(branch, ok), *ended] for ok in (True, False)]
+            for place in ended:
+                self.canvas.role(place, ("done", branch.name))
+            _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True))).draw()
+        if combined:
             self.leave_combined(pen, section)
         else:
             self.leave_one_by_one(pen, section)
@@ -126,11 +154,18 @@ class _Control:
         for i, branch in enumerate(section.branches):
             name = f"PAR_{section.name}_note{i + 1}"
             after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
-            pen.transition(f"{name}_0", [*well[i], _done(branch, True)], well[i + 1])
-            pen.transition(f"{name}_1", [*well[i], _done(branch, False)], after_failure)
+            last = i == len(section.branches) - 1
+            ended = [f"OBJ_{b.name}_ended" for b in section.branches] if last else []
+            pen.transition(f"{name}_0", [*well[i], _done(branch, True), *ended], well[i + 1])
+            pen.transition(f"{name}_1", [*well[i], _done(branch, False), *ended], after_failure)
             if i:
-                pen.transition(f"{name}_2", [*lost[i], _done(branch, True)], lost[i + 1])
-                pen.transition(f"{name}_3", [*lost[i], _done(branch, False)], lost[i + 1])
+                pen.transition(f"{name}_2", [*lost[i], _done(branch, True), *ended], lost[i + 1])
+                pen.transition(f"{name}_3", [*lost[i], _done(branch, False), *ended], lost[i + 1])
+
+
+def _gate(section: Section) -> str:
+    kind = "OBJ" if isinstance(section, ElementarySection) else "PAR"
+    return f"{kind}_{section.name}_enter"
 
 
 def _done(branch: Branch, ok: bool) -> str:

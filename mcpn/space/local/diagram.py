@@ -22,6 +22,8 @@ from mcpn.space.symbolic import SymbolicSpace, chained, elements
 class Undecided(ConfluenceError):
     """What diagrams do not decide: whether a conflict of internal transitions, or a long run, matters."""
 
+    kind = "undecided"
+
 
 @dataclass(frozen=True, eq=False)
 class LocalDiagram:

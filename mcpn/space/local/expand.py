@@ -53,7 +53,7 @@ def expand(
         offsets.append(len(targets))
     words = pack(map(writing.marking, queue), len(mission_net.net.places))
     starts, ends, fired = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    proof = "each section's local graph and each junction proved confluent on its own net"
+    proof = "each section's local graph proved confluent on its own net; junctions by the templates"
     return AlternativesGraph(mission_net.net, words, starts, ends, fired, "local", proof)
 
 

@@ -1,13 +1,14 @@
-"""Junctions: from one section to the next, where both start or reach the same activities.
+"""Junctions: from one section to the next, where what stops meets what begins.
 
-Sections that share hardware only meet at its places alone: releasing and taking it do not compete. Where they
-share activities, a release on its way from the one may meet a request of the other, and whether the outcome
-depends on their order is proved on the net of both.
+The paper's templates make every junction of sections confluent whose own nets are (``papers/composition.md``
+has the argument): what stops gives back and asks for nothing, or else the next section is entered only when
+all of it is over (:mod:`mcpn.mission.handover`). Of a caller's own templates nothing is known, so each
+junction of two sections that share anything, hardware included, is proved on the net of both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -55,7 +56,7 @@ class Junction:
 def open_junctions(
     usage: Usage, graph: ObjectivesGraph, placed: list[PlacedSection], making: Making = AS_USUAL
 ) -> list[Junction]:
-    """Proves the junctions of a mission confluent, each type of pairs once.
+    """Proves the junctions of a mission confluent where the templates are a caller's own.
 
     Args:
         usage: Static facts of the mission.
@@ -70,17 +71,17 @@ def open_junctions(
         LimitError: A limit was hit.
     """
     templates, max_states = making.templates, making.max_states
-    pairs = _pairs(usage, graph, {p.section.name: p for p in placed}, templates)
-    nets = [junction_part(usage, *(p.section for p in of[0])).net(templates).net for of in pairs]
+    if templates is None:
+        return []
+    pairs = list(sharing_pairs(graph, {p.section.name: p for p in placed}))
+    nets = [junction_part(usage, *(p.section for p in pair)).net(templates).net for pair in pairs]
     found: list[Junction] = []
     proofs = results_of([(is_confluent, net, max_states) for net in nets], making.executor)
-    for number, of in enumerate(pairs):
-        with in_section(" to ".join(p.section.name for p in of[0])):
+    for number, (first, second) in enumerate(pairs):
+        with in_section(f"{first.section.name} to {second.section.name}"):
             if not next(proofs):
-                for first, second in of:
-                    part = junction_part(usage, first.section, second.section)
-                    torn = direct(part.net(templates).net, tear=True, max_states=max_states)
-                    found.append(Junction(first, second, torn, templates))
+                torn = direct(nets[number], tear=True, max_states=max_states)
+                found.append(Junction(first, second, torn, templates))
         if making.progress:
             making.progress(number + 1, len(pairs))
     return found
@@ -95,16 +96,23 @@ def is_confluent(net: PetriNet, max_states: int) -> bool:
     return True
 
 
-def _pairs(
-    usage: Usage, graph: ObjectivesGraph, placed: dict[str, PlacedSection], templates: TemplateSet | None
-) -> list[list[Pair]]:
-    """Sections in a row that share activities, those of one type of pair together."""
-    found: dict[Hashable, list[Pair]] = {}
+def sharing_pairs(graph: ObjectivesGraph, placed: Mapping[str, PlacedSection]) -> Iterator[Pair]:
+    """Sections in a row that share activities or hardware.
+
+    Args:
+        graph: The objectives graph.
+        placed: Its sections by name.
+
+    Yields:
+        A section that is left and one that is entered, each pair once.
+    """
+    used = {name: _used(section.part) for name, section in placed.items()}
     for first in graph.sections:
-        used = {a.name for a in placed[first.name].part.parts.activities}
-        for second in graph.targets(first):
-            if not used.isdisjoint(a.name for a in placed[second.name].part.parts.activities):
-                part: LocalPart = junction_part(usage, first, second)
-                kind = part.type if templates is None else (first.name, second.name)
-                found.setdefault(kind, []).append((placed[first.name], placed[second.name]))
-    return list(found.values())
+        for name in dict.fromkeys(target.name for target in graph.targets(first)):
+            if not used[first.name].isdisjoint(used[name]):
+                yield placed[first.name], placed[name]
+
+
+def _used(part: LocalPart) -> set[tuple[str, str]]:
+    activities, hardware = part.parts.activities, part.parts.hardware
+    return {("activity", a.name) for a in activities} | {("hardware", h.name) for h in hardware}

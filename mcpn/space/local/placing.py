@@ -3,8 +3,8 @@
 The paper's future work ("generating local graph dedicated to each objective instead of generating a complete
 graph for the whole mission"). Between two sections every activity is stopped and every software resource is
 gone, so that all a section hands on is its *interface state*: its outcome, and which of its hardware is out
-of service. This premise is checked on each local space, not believed; and where two sections in a row share
-more than hardware, their junction is proved confluent on the net of both.
+of service. This premise is checked on each local space, not believed; that the junction of two sections is
+confluent is true by the templates (:mod:`mcpn.space.local.junction`).
 """
 
 from __future__ import annotations

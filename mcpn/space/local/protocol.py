@@ -29,6 +29,8 @@ class PremiseError(SemanticsError):
         runs: One that shows it, in the local net.
     """
 
+    kind = "premise"
+
     def __init__(self, section: str, place: str, runs: list[list[str]]) -> None:
         self.section = section
         self.place = place

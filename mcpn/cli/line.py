@@ -1,0 +1,129 @@
+"""The commands under one name, and how errors become messages and exit codes."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
+
+import click
+
+from mcpn import __version__
+from mcpn.cli import causes, check, ctl, outputs, spaces
+from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
+from mcpn.errors import InputError, McpnError, SemanticsError
+
+TRACEBACK = "MCPN_TRACEBACK"
+"""Variable of the environment that shows where an internal error comes from."""
+
+
+class _CommandLine(click.Group):
+    """Semantics that allow no answer are an answer of their own, in JSON where that is asked for."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except SemanticsError as error:
+            if json_asked(ctx):
+                emit_json({"error": error.kind, "message": str(error), "runs": error.runs})
+            else:
+                _tell(str(error))
+                for number, run in enumerate(error.runs, 1):
+                    click.echo(f"  run {number}: {' '.join(run)}", err=True)
+            ctx.exit(EXIT_FAILED)
+
+
+@click.group(cls=_CommandLine, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="mcpn")
+def command_line() -> None:
+    """Verify robot missions and generate their controllers."""
+
+
+for command in (
+    check.check,
+    causes.causes,
+    spaces.states,
+    spaces.alternatives,
+    ctl.ctl,
+    outputs.controller,
+    outputs.convert,
+    spaces.compare,
+):
+    command_line.add_command(command)
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command.
+
+    Args:
+        arguments: What follows the program's name; by default those of this process.
+
+    Returns:
+        The exit code. Nothing but an interruption is raised.
+    """
+    if "_MCPN_COMPLETE" in os.environ:
+        command_line.main(prog_name="mcpn")  # answers a shell that completes a command, and exits
+    try:
+        code = _answer(sys.argv[1:] if arguments is None else list(arguments))
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError as error:  # readers and writers of files tell theirs: this is a standard stream
+        _tell(f"{error.filename or 'standard output'}: cannot be written: {error.strerror or error}")
+        _forget_output()
+        return EXIT_BAD_INPUT
+    return code
+
+
+def _answer(arguments: list[str]) -> int:
+    try:
+        with command_line.make_context("mcpn", arguments) as context:
+            command_line.invoke(context)
+    except click.exceptions.Exit as leaving:
+        return leaving.exit_code
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else EXIT_BAD_INPUT
+    except click.Abort as error:
+        raise KeyboardInterrupt from error
+    except click.ClickException as error:
+        _show(error)
+    except InputError as error:
+        for problem in error.problems:
+            _tell(str(problem))
+    except McpnError as error:
+        _tell(str(error))
+    except MemoryError as error:  # of a diagram store, whose limit it names, or of this process
+        _tell(f"out of memory: {error or 'this process has no more'}")
+    except RecursionError:
+        _tell("nested too deep for this process")
+    except OSError:
+        raise
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            raise
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{os.path.basename(last.filename)}:{last.lineno}"
+        what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        _tell(f"internal error, a fault of mcpn: {what} ({where}; {TRACEBACK}=1 shows where it comes from)")
+    else:
+        return 0
+    return EXIT_BAD_INPUT
+
+
+def _tell(message: str) -> None:
+    """Says on standard error what is wrong, if anybody can hear it."""
+    with suppress(OSError):
+        click.echo(f"error: {message}", err=True)
+
+
+def _show(error: click.ClickException) -> None:
+    with suppress(OSError):
+        error.show()
+
+
+def _forget_output() -> None:
+    """Keeps the interpreter from writing, at its end, what could not be written."""
+    with suppress(OSError, ValueError):  # no file may stand behind it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,143 @@
+"""From one objective to the next: what the next one waits for before it begins.
+
+An event that ends an objective stops its activities, and they release what they hold; that wave passes while
+the next objective already begins. The two do not compete where the wave only gives back: what is asked for
+is waited for until it is available. They may compete in two cases, and there the next is entered only when
+the activities before it are *idle* and what they produced is gone: where an activity may still be evaluating
+when its objective ends, because it was found waiting for another's release, so that what the wave frees it
+may take; and where an activity is started again at once. The argument stands in ``papers/composition.md``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+
+if TYPE_CHECKING:
+    from mcpn.mission.usage import Usage
+
+
+@dataclass(frozen=True, slots=True)
+class Awaited:
+    """What a section waits for at its entry, in document order.
+
+    Args:
+        activities: Activities that must be idle: those that objectives start, and producers of several
+            resources, which may still be refusing when all their resources are back.
+        software: Software resources that must be available: nobody asks for them or holds them.
+    """
+
+    activities: tuple[str, ...] = ()
+    software: tuple[str, ...] = ()
+
+
+class Handover:
+    """What must be over before a section begins.
+
+    Args:
+        usage: Static facts of the mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self.usage = usage
+
+    @cached_property
+    def with_idle(self) -> frozenset[str]:
+        """Activities that need a place that says that they are idle.
+
+        So it is where one edge of the objectives graph stops and starts the same activity (a retry, a
+        protocol used twice in a row), where two branches of a parallel block start the same one, and where
+        a section waits for the activity.
+        """
+        found = {a for awaited in self.awaited.values() for a in awaited.activities}
+        for graph in self.usage.graphs():
+            for section in graph.sections:
+                ending = {a for last in _endings(section) for a in last.activities}
+                for target in graph.targets(section):
+                    found |= ending & {a for first in entries(target) for a in first.activities}
+        return frozenset(found).union(activity for *_, activity in self.usage.started_twice())
+
+    @cached_property
+    def awaited(self) -> Mapping[str, Awaited]:
+        """By section at any depth, what it waits for; sections that wait for nothing are left out.
+
+        What a parallel branch beside the section may use is not waited for: it may be held for long.
+        """
+        usage = self.usage
+        activities: dict[str, set[str]] = {}
+        software: dict[str, set[str]] = {}
+        for graph, beside in self._graphs():
+            for section in graph.sections:
+                ending = {a for last in _endings(section) for a in last.activities}
+                before = self._reached(ending)
+                for target in graph.targets(section):
+                    after = self._reached({a for first in entries(target) for a in first.activities})
+                    if self._may_compete(before, after):
+                        waits = activities.setdefault(target.name, set())
+                        waits |= ending - beside
+                        waits |= {a for a in before - beside if len(usage.activities[a].produces) > 1}
+                        produced = {s for a in before - beside for s in usage.activities[a].produces}
+                        software.setdefault(target.name, set()).update(produced)
+        return {
+            name: Awaited(
+                tuple(a for a in usage.activities if a in waits),
+                tuple(s for s in usage.producer if s in software[name]),
+            )
+            for name, waits in activities.items()
+            if waits or software[name]
+        }
+
+    def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
+        """Whether what some activities do while they stop may compete with what others begin with."""
+        usage = self.usage
+        if any(len(usage.activities[a].produces) > 1 for a in before & after):
+            return True
+        if not any(usage.may_wait(a) for a in before):
+            return False
+        shared = usage.resources_of(before) & usage.resources_of(after)
+        return bool(shared) or not before.isdisjoint(after)
+
+    def _reached(self, activities: set[str]) -> frozenset[str]:
+        return frozenset[str]().union(*(self.usage.closure(a) for a in activities))
+
+    def _graphs(self) -> Iterator[tuple[ObjectivesGraph, frozenset[str]]]:
+        """Every graph with the activities that may run beside it, in other branches."""
+        stack = [(self.usage.graph, frozenset[str]())]
+        while stack:
+            graph, beside = stack.pop()
+            yield graph, beside
+            for section in graph.sections:
+                if isinstance(section, ParallelSection):
+                    reached = [
+                        self._reached({a for inner in branch.graph.walk() for a in inner.activities})
+                        for branch in section.branches
+                    ]
+                    for i, branch in enumerate(section.branches):
+                        others = beside.union(*(r for j, r in enumerate(reached) if j != i))
+                        stack.append((branch.graph, others))
+
+
+def entries(section: Section) -> tuple[ElementarySection, ...]:
+    """The elementary objectives that start when a section is entered."""
+    if isinstance(section, ElementarySection):
+        return (section,)
+    return tuple(
+        first for branch in section.branches for first in entries(branch.graph.section(branch.graph.entry))
+    )
+
+
+def _endings(section: Section) -> tuple[ElementarySection, ...]:
+    """The elementary objectives that may be the last of a section, of a branch for a parallel block."""
+    if isinstance(section, ElementarySection):
+        return (section,)
+    return tuple(
+        last
+        for branch in section.branches
+        for inner in branch.graph.sections
+        if len(branch.graph.targets(inner)) < 2
+        for last in _endings(inner)
+    )

@@ -1,0 +1,262 @@
+"""Mutated inputs and option values for the command line, and one run of it in this process.
+
+Each case is drawn from a seed of its own, so that a case that fails can be repeated alone.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import random
+import shutil
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from mcpn.cli.line import run
+
+CODES = {0, 1, 2}
+SECONDS = 60
+"""The longest that a case may take: the inputs are small and every limit on states is low."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one run of the command line did."""
+
+    code: int
+    out: str
+    err: str
+
+
+def mcpn_here(*arguments: object) -> Outcome:
+    """Runs the command line in this process."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = run([str(argument) for argument in arguments])
+    return Outcome(code, out.getvalue(), err.getvalue())
+
+
+@contextlib.contextmanager
+def at_most(seconds: int) -> Iterator[None]:
+    """Raises where the body takes longer."""
+
+    def late(_signal: int, _frame: FrameType | None) -> None:
+        raise TimeoutError(f"longer than {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def complaint(arguments: Sequence[object]) -> str | None:
+    """What is wrong with how the command line answers, or ``None``.
+
+    Whatever it is given, it ends with a code of its contract, a sentence where it refuses, and one JSON value
+    where ``--json`` asks for it and the answer is 0 or 1.
+    """
+    found = mcpn_here(*arguments)
+    told = f"{found.code}\n{found.out[-500:]}\n{found.err[-2000:]}"
+    if found.code not in CODES:
+        return f"exit code {told}"
+    if "Traceback" in found.err + found.out or "internal error" in found.err:
+        return f"a traceback: {told}"
+    if found.code == 2 and not found.err.strip():
+        return f"no sentence: {told}"
+    subject = next((a for a in arguments if isinstance(a, Path)), None)
+    if subject is not None and "warning: " in found.out and f"warning: {subject}" not in found.out:
+        return f"a warning that names no file: {told}"
+    if "--json" in map(str, arguments) and "--" not in arguments and found.code != 2:
+        try:
+            json.loads(found.out, parse_constant=_refused)
+        except ValueError as error:
+            return f"no JSON value ({error}): {told}"
+    return None
+
+
+def _refused(name: str) -> float:
+    raise ValueError(f"{name} is no JSON")
+
+
+# --- mutations -----------------------------------------------------------------------------------------
+
+_PRINTED = """
+0 1 -1 2 99999999999999999999 1e308 -0.0 NaN inf true false yes a o h x.y ../m.xml http://x/ / . .. ' " < > &
+]]> [/] [bold] [link=x] %s {0} \\ é <!-- --> <a/> <!DOCTYPE x> &lt; &#0; &#x1F600; name consumes produces
+activities success failure mandatory rate parallel objective hardware software alternative p0 t0 # pr lb tr
+pl -> ?-1 *2 ( ) ! & | AG EF A[ U
+"""
+WORDS = [*_PRINTED.split(), " ", "\t", "\r", "\n", "\x85", "\u202e", "\u0661", "\U0001f680"]
+_OPTIONS = """
+--max-states --engine --order --save-order --seed --import-root --objective --severity --fmeca --openpsa
+--method -o --target --properties --examination --fair --scn --jobs --formula --no-proof --markings
+--structure
+"""
+
+
+def mutated(data: bytes, draw: random.Random) -> bytes:
+    """A text with a few changes: parts cut out, doubled, swapped, replaced by words or by bytes.
+
+    Half of the changes keep XML well-formed: values of attributes, whole lines.
+    """
+    for _ in range(draw.choice((0, 1, 1, 1, 2, 3, 8))):
+        start = draw.randrange(len(data) + 1)
+        stop = min(len(data), start + draw.choice((0, 1, 2, 5, 20, 200)))
+        match draw.randrange(12):
+            case 0:
+                data = data[:start] + data[stop:]
+            case 1:
+                data = data[:start] + data[start:stop] * draw.choice((2, 3, 300)) + data[stop:]
+            case 2:
+                data = data[:start] + draw.choice(WORDS).encode() + data[stop:]
+            case 3:
+                data = data[:start] + bytes([draw.randrange(256)]) + data[stop:]
+            case 4:
+                data = data[:start]
+            case 5:
+                data = data[:start] + draw.choice(WORDS).encode() * draw.choice((50, 5000)) + data[stop:]
+            case 6 | 7:
+                data = _lines_moved(data, draw)
+            case _:
+                data = _value_replaced(data, draw)
+    return data
+
+
+def _lines_moved(data: bytes, draw: random.Random) -> bytes:
+    lines = data.split(b"\n")
+    line = lines.pop(draw.randrange(len(lines)))
+    for _ in range(draw.choice((0, 0, 1, 2))):
+        lines.insert(draw.randrange(len(lines) + 1), line)
+    return b"\n".join(lines)
+
+
+def _value_replaced(data: bytes, draw: random.Random) -> bytes:
+    """A quoted value becomes another one of the text, a part of it, or a word, at times a very long one."""
+    parts = data.split(b'"')
+    if len(parts) < 5:
+        return data
+    to, source = (draw.randrange(len(parts) // 2) * 2 + 1 for _ in range(2))
+    word = draw.choice([w for w in WORDS if not set(w) & set('<&"')]).encode()
+    parts[to] = draw.choice((parts[source], parts[source], b"", word, word * 5000, parts[to] + b" " + word))
+    return b'"'.join(parts)
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """Files to mutate, by what they are."""
+
+    missions: tuple[bytes, ...]
+    nets: dict[str, tuple[bytes, ...]]
+    properties: tuple[bytes, ...]
+    formulas: tuple[str, ...]
+
+
+LIMITS = ("--max-states", "200")
+
+
+def folder_name(draw: random.Random) -> str:
+    """A folder for a case: its name may look like markup, an option, or be of no characters that print."""
+    return draw.choice(("case", "[bold]", "[/red]", "a b", "-x", "[link=x]", "\U0001f680", ":smile:", "é"))
+
+
+def a_case(seeds: Seeds, folder: Path, draw: random.Random) -> list[object]:
+    """Writes a mutated file and says the arguments that give it to a command."""
+    at = folder / folder_name(draw)
+    shutil.rmtree(at, ignore_errors=True)
+    at.mkdir(parents=True)
+    kinds: list[Callable[[Seeds, Path, random.Random], list[object]]] = [
+        _mission_case,
+        _net_case,
+        _properties_case,
+        _formula_case,
+        _options_case,
+    ]
+    arguments = draw.choice(kinds)(seeds, at, draw)
+    if draw.random() < 0.5:
+        arguments.append("--json")
+    return arguments
+
+
+def _about_a_mission(path: Path, out: Path, draw: random.Random) -> list[object]:
+    engine = ("--engine", draw.choice(("explicit", "symbolic", "local")))
+    possible: list[list[object]] = [
+        ["check", path, *engine, *LIMITS],
+        ["check", path, *engine, *LIMITS],
+        ["states", path, *engine, *LIMITS],
+        ["alternatives", path, "--method", draw.choice(("direct", "reduction", "local")), *LIMITS],
+        ["alternatives", path, "-o", out / draw.choice(("a.json", "a.aut", "a.dot", "a.txt")), *LIMITS],
+        ["causes", path, "--engine", draw.choice(("explicit", "local")), *LIMITS],
+        ["causes", path, "--fmeca", out / "f.csv", "--openpsa", out / "o.xml", "--rates", *LIMITS],
+        ["controller", path, "-o", out / "made", draw.choice(("--flat", "--hierarchical")), *LIMITS],
+        ["convert", path, out / draw.choice(("n.net", "n.pnml", "n.json", "n.dot", "n.txt", "no/n.net"))],
+        ["ctl", path, "EF failure", *LIMITS],
+    ]
+    if draw.random() < 0.01:  # these take seconds
+        possible = [["compare", path, *LIMITS], ["check", path, "--structure"]]
+    return draw.choice(possible)
+
+
+def _mission_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    path = at / "m.xml"
+    path.write_bytes(mutated(draw.choice(seeds.missions), draw))
+    return _about_a_mission(path, at, draw)
+
+
+def _net_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    suffix = draw.choice(list(seeds.nets))
+    path = at / f"n{suffix}"
+    path.write_bytes(mutated(draw.choice(seeds.nets[suffix]), draw))
+    possible: list[list[object]] = [
+        ["check", path, *LIMITS],
+        ["states", path, "--engine", draw.choice(("explicit", "symbolic", "pyeda")), *LIMITS],
+        ["ctl", path, "--examination", draw.choice(("OneSafe", "Liveness", "ReachabilityDeadlock"))],
+        ["convert", path, at / draw.choice(("o.net", "o.pnml", "o.json", "o.dot"))],
+    ]
+    if suffix == ".net" or draw.random() < 0.1:
+        possible.append(["check", path, "--structure"])
+    return draw.choice(possible)
+
+
+def _properties_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    net, path = at / "n.net", at / "p.xml"
+    net.write_bytes(seeds.nets[".net"][0])
+    path.write_bytes(mutated(draw.choice(seeds.properties), draw))
+    return ["ctl", net, "--properties", path, "--engine", draw.choice(("explicit", "symbolic")), *LIMITS]
+
+
+def _formula_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    path = at / "m.xml"
+    path.write_bytes(seeds.missions[0])
+    texts = [
+        mutated(draw.choice(seeds.formulas).encode(), draw).decode(errors="surrogateescape")
+        for _ in range(draw.choice((1, 1, 2)))
+    ]
+    on = ("--on", draw.choice(("markings", "alternatives")))
+    fair = ("--fair", draw.choice(("progress", "failure", texts[0]))) if draw.random() < 0.3 else ()
+    return ["ctl", path, *on, *fair, *LIMITS, *(t for t in texts if not t.startswith("-"))]
+
+
+def _options_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
+    path = at / "m.xml"
+    path.write_bytes(seeds.missions[0])
+    arguments = _about_a_mission(path, at, draw)
+    odd = draw.choice(WORDS) * draw.choice((1, 1, 1, 5000))
+    option = draw.choice(_OPTIONS.split())
+    match draw.randrange(3):
+        case 0:
+            return [*arguments, option, odd]
+        case 1:
+            arguments[draw.randrange(1, len(arguments))] = odd
+            return arguments
+        case _:
+            return [
+                *arguments,
+                *(("--severity", f"mission lost={odd}") if arguments[0] == "causes" else (odd,)),
+            ]

@@ -1,0 +1,47 @@
+"""What every composed mission owes, whatever its engine: looked for in its whole markings graph."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcpn.net.compose import MissionNet
+from mcpn.space.graph import Ints, StateGraph
+
+
+def check_promises(found: MissionNet, graph: StateGraph) -> None:
+    """Checks unit invariants in every marking, hardware in the stable ones, and idleness at the ends.
+
+    Args:
+        found: The mission's net.
+        graph: Its markings graph.
+    """
+    unit_invariants(found, graph)
+    internal = np.array([t.internal for t in graph.net.transitions], np.bool_)
+    stable = np.ones(graph.states, np.bool_)
+    stable[graph.sources[internal[graph.labels]]] = False
+    for hardware in found.mission.hardware:
+        known = tokens(found, graph, hardware.name, "free", "busy", "OOS")
+        assert (known[stable] == 1).all(), f"{hardware.name} is neither free nor busy nor out of service"
+    ends = stable & (graph.marked(found.success) | graph.marked(found.failure))
+    for state in np.flatnonzero(ends).tolist():
+        assert found.not_idle(graph.marking(state)) == []
+
+
+def unit_invariants(found: MissionNet, graph: StateGraph) -> None:
+    """Each unit holds one token: the interface of each resource, and what the resource itself is in."""
+    interface = ("available", "take", "answer", "release", "error")
+    for hardware in found.mission.hardware:
+        assert (tokens(found, graph, hardware.name, "free", "busy", "OOS", "failing") == 1).all()
+        assert (tokens(found, graph, hardware.name, *interface, "OOS") == 1).all()
+    for software in found.mission.software:
+        if f"{software.name}_free" in found.net.place_index:
+            assert (tokens(found, graph, software.name, *interface, "waiting", "free") == 1).all()
+            own = tokens(found, graph, software.name, "notAvailable", "waiting", "free", "busy", "failed")
+            assert (own <= 1).all()
+
+
+def tokens(found: MissionNet, graph: StateGraph, name: str, *suffixes: str) -> Ints:
+    """By state, the tokens in some places of an element, those that it has."""
+    index = found.net.place_index
+    places = [index[f"{name}_{s}"] for s in suffixes if f"{name}_{s}" in index]
+    return np.asarray(np.sum([graph.marked(p) for p in places], axis=0, dtype=np.int64), np.int64)

@@ -1,0 +1,128 @@
+"""A campaign: generated missions through every engine and both controllers, which must all say the same.
+
+``MCPN_CAMPAIGN`` says how many missions (2,000 if not set), ``MCPN_CAMPAIGN_SEED`` which ones::
+
+    MCPN_CAMPAIGN=20000 python -m pytest -m slow -s tests/test_campaign.py
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import sys
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from mcpn.controller.hierarchy import flat_controller, hierarchical_controller
+from mcpn.controller.targets.json import document
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller as Runtime
+from mcpn.space.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.confluence import prove_confluent
+from mcpn.space.explicit import explore
+from mcpn.space.local.composite import Composite
+from mcpn.space.local.expand import expand
+from mcpn.space.local.gluing import glue
+from mcpn.space.local.placing import Making
+from mcpn.space.symbolic import reach
+from mcpn.testing import missions
+from tests.controller.test_lockstep import walk
+from tests.net.promises import check_promises
+
+LIMIT = 20_000
+EVENTS = 200
+NET_TOO = 0.05
+"""Share of missions on which the net is fired beside both controllers."""
+
+
+def test_a_few_missions_agree_in_every_engine_and_controller() -> None:
+    run_campaign(20, random.randrange(2**32))
+
+
+@pytest.mark.slow
+def test_campaign() -> None:
+    run_campaign(int(os.environ.get("MCPN_CAMPAIGN", "2000")), int(os.environ.get("MCPN_CAMPAIGN_SEED", "1")))
+
+
+def run_campaign(number: int, first: int) -> None:
+    """Draws missions and judges each; prints how many were of which kind."""
+    found: Counter[str] = Counter()
+    began = time.monotonic()
+
+    @seed(first)
+    @settings(
+        max_examples=number,
+        phases=[Phase.generate, Phase.shrink],
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(missions())
+    def judged(mission: Mission) -> None:
+        found["drawn"] += 1
+        found[judge(mission, random.Random(found["drawn"]))] += 1
+
+    try:
+        judged()
+    finally:
+        took = time.monotonic() - began
+        kinds = ", ".join(f"{n} {what} ({n / found['drawn']:.1%})" for what, n in found.items())
+        sys.stdout.write(f"\nseed {first}: {kinds} in {took:.0f} s\n")
+
+
+def judge(mission: Mission, choice: random.Random) -> str:
+    """Holds every engine and both controllers against one another on a mission; says of what kind it is."""
+    mission_net = compose(mission)
+    net, usage = mission_net.net, mission_net.usage
+    try:
+        markings = explore(net, max_states=LIMIT)  # 1-safety is checked at each firing
+    except LimitError:
+        return "too large"
+    check_promises(mission_net, markings)
+    space = reach(net)
+    assert space.reachable.count() == markings.states
+    try:
+        whole = by_reduction(markings)
+    except (ConfluenceError, DivergenceError) as error:
+        assert usage.contentions or usage.exchanges
+        with pytest.raises(type(error)):
+            prove_confluent(net, space=space)
+        with pytest.raises((ConfluenceError, DivergenceError)):
+            glue(usage, mission_net.graph, Making(most_listed=None))
+        return "not confluent"
+    prove_confluent(net, space=space)
+    assert space.stable is not None
+    assert space.stable.count() == whole.states
+    composite = glue(usage, mission_net.graph, Making(most_listed=None))
+    written = expand(composite, mission_net)
+    for name in ("markings", "offsets", "targets", "labels"):
+        assert np.array_equal(getattr(written, name), getattr(whole, name)), name
+    lockstep(mission_net, whole, composite, choice)
+    return "confluent, may contend" if usage.contentions else "confluent, cannot contend"
+
+
+def lockstep(
+    mission_net: MissionNet, whole: AlternativesGraph, composite: Composite, choice: random.Random
+) -> None:
+    """Drives both controllers by the same random events; the net itself, which is slow, on some missions."""
+    controllers = [flat_controller(mission_net, whole), hierarchical_controller(composite)]
+    if choice.random() < NET_TOO:
+        walk(mission_net, controllers, choice, EVENTS)
+        return
+    documents = [document(c, mission_net) for c in controllers]
+    one, other = (Runtime.from_document(d) for d in documents)
+    for _ in range(EVENTS):
+        assert one.possible == other.possible
+        assert (one.mode, one.outcome) == (other.mode, other.outcome)
+        assert one.state.objectives == other.state.objectives
+        if not one.possible or (one.outcome and choice.random() < 0.3):
+            one, other = (Runtime.from_document(d) for d in documents)
+            continue
+        happened = choice.choice(one.possible)
+        assert one.handle(happened) == other.handle(happened)

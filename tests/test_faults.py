@@ -1,0 +1,161 @@
+"""Small missions on which mcpn was once wrong, each with what must hold of it now."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from mcpn.check.modes import situation
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    Robot,
+    Software,
+)
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import START, Event, What
+from mcpn.space.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.explicit import explore
+from tests.test_campaign import judge
+
+
+def hw(*names: str) -> tuple[Hardware, ...]:
+    return tuple(Hardware(name=name) for name in names)
+
+
+def activity(name: str, *alternatives: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
+    ways = tuple(Alternative(name=f"{name}{i}", consumes=k) for i, k in enumerate(alternatives))
+    return Activity(name=name, alternatives=ways, produces=produces)
+
+
+def robot(hardware: tuple[Hardware, ...], *activities: Activity) -> tuple[Robot, ...]:
+    software = tuple(Software(name=s) for a in activities for s in a.produces)
+    return (Robot(name="r", hardware=hardware, software=software, activities=activities),)
+
+
+def after(found: MissionNet, graph: AlternativesGraph, *events: Event) -> tuple[int, ...]:
+    """The stable marking that some events lead to, one after the other, from the beginning."""
+    state = 0
+    for happened in events:
+        (state,) = {
+            target
+            for label, target in graph.successors(state)
+            if graph.net.transitions[label].event == happened
+        }
+    return graph.marking(state)
+
+
+def ok(name: str) -> Event:
+    return Event(What.SUCCESS, name)
+
+
+def a_producer_falls_back_while_its_section_stops() -> Mission:
+    """While ``drive`` stops, ``attitude`` takes the image at last, and ``vision`` may ask for the camera."""
+    return Mission(
+        name="rover",
+        robots=robot(
+            hw("stereo_rig", "mast", "star_tracker"),
+            activity("vision", ("stereo_rig",), ("mast",), produces=("image",)),
+            activity("attitude", ("star_tracker",), ("image",), produces=("heading",)),
+            activity("drive", ("image", "heading")),
+            activity("photo", ("mast",)),
+        ),
+        blocks=(
+            Objective(name="approach", activities=("drive",)),
+            Objective(name="panorama", activities=("photo",)),
+        ),
+    )
+
+
+def hardware_fails_while_its_activity_waits() -> Mission:
+    """``sample`` holds the arm and waits for the image, whose producer waits for the lamp."""
+    return Mission(
+        name="sampler",
+        robots=robot(
+            hw("lamp", "arm"),
+            activity("imaging", ("lamp",), produces=("image",)),
+            activity("sample", ("arm", "image")),
+            activity("light", ("lamp",)),
+            activity("think", ()),
+            activity("stow", ("arm",)),
+        ),
+        blocks=(
+            Parallel(
+                name="both",
+                failure="end",
+                blocks=(
+                    Recursive(
+                        name="science",
+                        blocks=(
+                            Objective(name="plan", activities=("think",)),
+                            Objective(name="take", activities=("sample",)),
+                        ),
+                    ),
+                    Objective(name="lighting", activities=("light",)),
+                ),
+            ),
+            Objective(name="end", activities=("stow",)),
+        ),
+    )
+
+
+def eight_branches() -> Mission:
+    names = [f"leg{i}" for i in range(8)]
+    return Mission(
+        name="octopod",
+        robots=robot(hw("h"), *(activity(f"move_{n}", ()) for n in names)),
+        blocks=(
+            Parallel(
+                name="walk",
+                blocks=tuple(
+                    Objective(name=n, activities=(f"move_{n}",), mandatory=i != 3)
+                    for i, n in enumerate(names)
+                ),
+            ),
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    "mission",
+    [
+        a_producer_falls_back_while_its_section_stops(),
+        hardware_fails_while_its_activity_waits(),
+    ],
+    ids=lambda mission: mission.name,
+)
+def test_every_engine_and_both_controllers_agree(mission: Mission) -> None:
+    assert judge(mission, random.Random(1)) == "confluent, may contend"
+
+
+def test_what_begins_waits_until_no_producer_evaluates() -> None:
+    found = compose(a_producer_falls_back_while_its_section_stops())
+    awaited = found.usage.handover.awaited["panorama"]
+    assert (awaited.activities, awaited.software) == (("drive",), ("image", "heading"))
+
+
+def test_a_resource_that_fails_while_its_activity_waits_can_be_repaired() -> None:
+    found = compose(hardware_fails_while_its_activity_waits())
+    graph = by_reduction(explore(found.net))
+    begin = (START, ok("plan"))
+    failed = Event(What.OUT_OF_SERVICE, "arm")
+    waiting = situation(found, after(found, graph, *begin))
+    assert waiting.waiting == {"sample": "sample0"}
+    without = situation(found, after(found, graph, *begin, failed))
+    assert (without.out_of_service, without.refused, without.waiting) == (("arm",), ("sample",), {})
+    repaired = (*begin, failed, Event(What.REPAIRED, "arm"))
+    again = situation(found, after(found, graph, *repaired, ok("lighting"), Event(What.FAILURE, "take")))
+    assert (again.objectives, again.mode) == (("end",), {"stow": "stow0"})
+
+
+def test_a_wide_block_remembers_which_branches_have_ended() -> None:
+    found = compose(eight_branches())
+    graph = by_reduction(explore(found.net))
+    begun = (START, ok("leg0"), Event(What.FAILURE, "leg1"), ok("leg4"))
+    assert situation(found, after(found, graph, *begun)).done == ("leg0", "leg1", "leg4")

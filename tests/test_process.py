@@ -1,0 +1,136 @@
+"""The command line as a process: signals, streams that cannot be written, what is left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from mcpn.cli.shared import executor_of
+from tests.conftest import ULYSSE, interruptible
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and devices")
+COMMAND = [sys.executable, "-m", "mcpn.cli"]
+ENDS = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
+
+
+@pytest.fixture(scope="module")
+def big(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A net of 2^40 markings, which nobody explores to the end."""
+    path = tmp_path_factory.mktemp("big") / "big.net"
+    lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(40))]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def ended(arguments: list[str], number: signal.Signals, after: float) -> tuple[int, str, str]:
+    """Exit code, output and messages of a command that gets a signal after some seconds."""
+    with subprocess.Popen(
+        arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=interruptible
+    ) as process:
+        time.sleep(after)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    return process.returncode, out, err.strip()
+
+
+@pytest.mark.parametrize("number", ENDS)
+def test_a_signal_ends_an_exploration_cleanly(number: signal.Signals, big: Path) -> None:
+    code, said = ENDS[number]
+    assert ended([*COMMAND, "states", str(big)], number, 3) == (code, "", said)
+
+
+def test_an_interruption_does_not_wait_for_other_processes() -> None:
+    """The processes of --jobs get no signal of their own."""
+    started = time.monotonic()
+
+    def interrupted() -> None:
+        with executor_of(2, None) as executor:
+            assert executor is not None
+            for _ in range(2):
+                executor.submit(time.sleep, 120)
+            time.sleep(2)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert time.monotonic() - started < 60
+
+
+@pytest.mark.parametrize("number", ENDS)
+@pytest.mark.parametrize("module", ["click", "lxml.etree", "numpy"])
+def test_a_signal_during_imports_ends_cleanly(number: signal.Signals, module: str) -> None:
+    """The signal comes just as a module is looked for."""
+    script = f"""
+import os, sys
+class Late:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            os.kill(os.getpid(), {int(number)})
+sys.meta_path.insert(0, Late())
+sys.argv = ["mcpn", "check", {str(ULYSSE)!r}]
+from mcpn.cli import main
+main()
+"""
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, preexec_fn=interruptible
+    )
+    assert (run.returncode, run.stdout, run.stderr.strip()) == (ENDS[number][0], "", ENDS[number][1])
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("arguments", [["check", str(ULYSSE)], ["--help"], ["states", str(ULYSSE), "--json"]])
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_disk_is_told(arguments: list[str], unbuffered: str) -> None:
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    with open("/dev/full", "w") as full:
+        run = subprocess.run(
+            [*COMMAND, *arguments],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            env=environment,
+        )
+    told = "error: standard output: cannot be written: No space left on device"
+    assert (run.returncode, run.stderr.strip()) == (2, told)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_an_error_that_cannot_be_told_keeps_its_code(tmp_path: Path) -> None:
+    with open("/dev/full", "w") as full:
+        for arguments, code in ((["check", str(tmp_path)], 2), (["fly"], 2), (["--version"], 0)):
+            run = subprocess.run([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=full, check=False)
+            assert run.returncode == code
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("arguments", [["check", str(ULYSSE)], ["--help"]])
+def test_a_closed_pipe_is_told_in_a_sentence(arguments: list[str], unbuffered: str) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    run = subprocess.run(
+        [*COMMAND, *arguments], stdout=write, stderr=subprocess.PIPE, text=True, check=False, env=environment
+    )
+    os.close(write)
+    told = "error: standard output: cannot be written: Broken pipe"
+    assert (run.returncode, run.stderr.strip()) == (2, told)
+
+
+def test_a_terminal_that_knows_no_unicode_gets_escapes(tmp_path: Path) -> None:
+    net = tmp_path / "n.net"
+    net.write_text("net {\N{ROCKET}}\npl {caf\N{LATIN SMALL LETTER E WITH ACUTE}} (1)\n", encoding="utf-8")
+    run = subprocess.run(
+        [*COMMAND, "check", str(net)],
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
+    assert (run.returncode, run.stderr) == (0, b"")
+    assert b"\\U0001f680" in run.stdout
