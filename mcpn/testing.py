@@ -20,7 +20,9 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    DeclaredEvent,
     Each,
+    Handler,
     Hardware,
     Mission,
     Objective,
@@ -52,6 +54,7 @@ class Shape:
         loops: Whether routes may go back.
         rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
             may be shared.
+        events: Most declared events; with some, blocks and the mission handle them.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
@@ -72,6 +75,7 @@ class Shape:
     protocols: bool = True
     loops: bool = True
     rounds: bool = True
+    events: int = 0
     shared_activities: bool = True
     disjoint_branches: bool = False
     text: bool = False
@@ -113,6 +117,7 @@ class _Drawing:
         # Each protocol with the islands that it needs and how many elementary objectives it has.
         self.protocols: list[tuple[Protocol, list[_Island], int]] = []
         self.unused: list[str] = []
+        self.events: tuple[str, ...] = ()
 
     def number(self, low: int, high: int) -> int:
         return self.draw(st.integers(low, high))
@@ -140,6 +145,7 @@ class _Drawing:
         hardware, software = self.resources()
         for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
             self.startable(self.islands[i] if i < len(self.islands) else self.island())
+        self.events = tuple(f"e{i}" for i in range(self.number(0, self.shape.events)))
         budget = self.shape.sections
         if self.shape.protocols and self.chance():
             blocks, size = self.series(1, self.islands, self.number(1, budget))
@@ -152,9 +158,30 @@ class _Drawing:
             description=self.description(),
             blocks=blocks,
             robots=(
-                Robot(name="robot", hardware=hardware, software=software, activities=tuple(self.activities)),
+                Robot(
+                    name="robot",
+                    hardware=hardware,
+                    software=software,
+                    activities=tuple(self.activities),
+                    events=tuple(DeclaredEvent(name=e, description=self.description()) for e in self.events),
+                ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
+            handlers=self.handlers([b.name for b in blocks]),
+        )
+
+    def handlers(self, siblings: list[str]) -> tuple[Handler, ...]:
+        """What a block that stands among some siblings does on events."""
+        targets = st.sampled_from([SUCCEED, FAIL, *siblings])
+        return tuple(
+            Handler(
+                event=event,
+                goto=self.draw(targets),
+                once=self.number(0, 3) == 0,
+                description=self.description(),
+            )
+            for event in self.events
+            if self.number(0, 2) == 0
         )
 
     # --- the robot -------------------------------------------------------------------------------------
@@ -250,7 +277,9 @@ class _Drawing:
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         targets = [None, SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else index + 1 :])]
         route = st.sampled_from(targets)
-        return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
+        success, failure = self.draw(st.none() | route), self.draw(route)
+        handlers = self.handlers([b.name for b in blocks])
+        return replace(block, success=success, failure=failure, handlers=handlers)
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
         if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
@@ -339,7 +368,8 @@ class _Drawing:
             child, size = self.block(depth, share, budget - taken - (number - 1 - i))
             if isinstance(child, Parallel):
                 child = Recursive(name=self.name("rec"), blocks=(child,))
-            children.append(replace(child, mandatory=i == 0 or self.chance()))
+            mandatory = i == 0 or self.chance()
+            children.append(replace(child, mandatory=mandatory, handlers=self.handlers([])))
             taken += size
         return tuple(children), taken
 

@@ -31,8 +31,20 @@ class Interruption:
     source: Source | None = field(default=None, compare=False)
 
 
+class _Routes:
+    __slots__ = ()
+    success: str
+    failure: str
+    interruptions: tuple[Interruption, ...]
+
+    @property
+    def routes(self) -> tuple[str, ...]:
+        """Where the section may lead: on success, on failure, then on each event that interrupts it."""
+        return self.success, self.failure, *(i.target for i in self.interruptions)
+
+
 @dataclass(frozen=True, slots=True)
-class ElementarySection:
+class ElementarySection(_Routes):
     """An elementary objective with its place in the graph.
 
     Args:
@@ -81,7 +93,7 @@ class Branch:
 
 
 @dataclass(frozen=True, slots=True)
-class ParallelSection:
+class ParallelSection(_Routes):
     """A parallel block with its place in the graph.
 
     Args:

@@ -1,10 +1,23 @@
-"""The objectives graph as a net (paper, 6.3 and Fig. 9)."""
+"""The objectives graph as a net (paper, 6.3 and Fig. 9), and how declared events interrupt it.
+
+An event that interrupts an elementary objective is one more way out of it: like its failure it stops the
+activities and enters what follows. One that interrupts a parallel block as a whole halts every branch: the
+event's transition takes the place that says that the block runs, so that nothing begins in it any more, and
+puts a token into each branch's place *halt*. Internal transitions then stop the objective that the branch is
+in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
+follows is entered. Of all handlers of an event those of the branches count first: where some branch is at a
+place that handles the event itself, these branches do so together and the block goes on.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
+from typing import Literal
 
+from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.handover import Awaited
 from mcpn.mission.model import FAIL, SUCCEED
@@ -14,6 +27,9 @@ from mcpn.net.templates.canvas import Canvas, Pen
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
+
+MAX_POSITIONS = 10_000
+"""Combinations of where the branches of a block may be that handle one event, each with a transition."""
 
 
 def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
@@ -33,6 +49,38 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     control.draw()
 
 
+@dataclass(frozen=True)
+class _Position:
+    """Where the objectives of a section may be when an event happens, and what the event does there.
+
+    Args:
+        read: Places that are marked there.
+        take: Those of them that the event's transition consumes.
+        put: Places that it marks; ``None`` where nothing handles the event.
+    """
+
+    read: tuple[str, ...]
+    take: tuple[str, ...] = ()
+    put: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class _Around:
+    """What stands around a graph of objectives.
+
+    Args:
+        in_branch: Whether it is that of a branch of a parallel block.
+        eventful: Whether some event interrupts the mission's section that it is in, or something there.
+        running: Places that say that the blocks around run which an event may interrupt as a whole.
+        halted: With such blocks around, the place that says that the branch is halted.
+    """
+
+    in_branch: bool = False
+    eventful: bool = False
+    running: tuple[str, ...] = ()
+    halted: str = ""
+
+
 class _Control:
     """Draws one level of the objectives graph.
 
@@ -40,12 +88,20 @@ class _Control:
         canvas: Where to draw.
         graph: The mission's graph, or that of a branch of a parallel block.
         exits: Places to mark at the graph's own exits.
+        around: What stands around it.
     """
 
-    def __init__(self, canvas: Canvas, graph: ObjectivesGraph, exits: Mapping[str, list[str]]) -> None:
+    def __init__(
+        self,
+        canvas: Canvas,
+        graph: ObjectivesGraph,
+        exits: Mapping[str, list[str]],
+        around: _Around | None = None,
+    ) -> None:
         self.canvas = canvas
         self.graph = graph
         self.exits = exits
+        self.around = around or _Around()
 
     def draw(self) -> None:
         """Draws every section of the graph."""
@@ -54,6 +110,25 @@ class _Control:
                 self.elementary(section)
             else:
                 self.parallel(section)
+            if not self.around.in_branch:
+                self.interruptions(section)
+
+    def inside(self, section: ParallelSection, branch: Branch) -> _Control:
+        """Draws a branch of a section of this graph."""
+        around = _Around(in_branch=True, eventful=self.eventful(section))
+        if self.halted(section):
+            running = (*self.around.running, _running(section))
+            around = replace(around, running=running, halted=_halted(branch))
+        ends = map(list, _ends(section, branch))
+        return _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True)), around)
+
+    def eventful(self, section: Section) -> bool:
+        """Whether a place must say that the block runs."""
+        return self.around.eventful or any(_events(section))
+
+    def halted(self, section: ParallelSection) -> bool:
+        """Whether an event may interrupt the block as a whole."""
+        return bool(self.around.running or section.interruptions)
 
     def enter(self, target: str) -> list[str]:
         """Places to mark so as to enter a section, or to leave the graph."""
@@ -68,8 +143,9 @@ class _Control:
         """Places to mark so that a section begins at once."""
         if isinstance(section, ElementarySection):
             return [f"OBJ_{section.name}", *(f"{a}_Start" for a in section.activities)]
-        inner = [_Control(self.canvas, branch.graph, {}) for branch in section.branches]
-        return [place for control in inner for place in control.enter(control.graph.entry)]
+        inner = [self.inside(section, branch) for branch in section.branches]
+        entered = [place for control in inner for place in control.enter(control.graph.entry)]
+        return [_running(section), *entered] if self.eventful(section) else entered
 
     def gated(self, section: Section) -> bool:
         """Whether the section must wait at its entry until activities are idle and resources are back."""
@@ -93,7 +169,8 @@ class _Control:
         back = [f"{s}_available" for s in awaited.software if ("software", s) not in left_out]
         begin = gate.removesuffix("_enter") + "_begin"
         taken = [f"{a}_idle" for a in own]
-        pen.transition(begin, [gate, *taken], self.begin(section), read=[*idle, *back])
+        read = [*idle, *back, *self.around.running]
+        pen.transition(begin, [gate, *taken], self.begin(section), read=read)
 
     def elementary(self, section: ElementarySection) -> None:
         """OK and FAIL stop the activities and enter what follows; OK only while all of them run."""
@@ -102,7 +179,7 @@ class _Control:
         place = self.canvas.role(pen.place(f"OBJ_{name}"), ("objective", name))
         if self.gated(section):
             self.gate(pen, section)
-        stops = [f"{a}_Stop" for a in section.activities]
+        stops = _stops(section)
         running = [running_place(usage.activities[a]) for a in section.activities]
         for what, route, read in (
             (What.SUCCESS, section.success, [p for p in running if p is not None]),
@@ -116,23 +193,23 @@ class _Control:
         pen = self.canvas.of("parallel", section.name, section.source)
         if self.gated(section):
             self.gate(pen, section)
+        running = [pen.place(_running(section))] if self.eventful(section) else []
         combined = len(section.branches) <= MAX_COMBINED
         for branch in section.branches:
             ended = [pen.place(_done(branch, ok)) for ok in (True, False)]
-            if combined:
-                ends = [[place] for place in ended]
-            else:  # the outcome is taken note of at once, so another place says that the branch has ended
-                ended = [pen.place(f"OBJ_{branch.name}_ended")]
-                ends = [[_done(branch, ok), *ended] for ok in (True, False)]
+            if not combined:  # outcomes are taken note of one by one: another place says that it has ended
+                ended = [pen.place(_ended(branch))]
             for place in ended:
                 self.canvas.role(place, ("done", branch.name))
-            _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True))).draw()
+            self.inside(section, branch).draw()
         if combined:
-            self.leave_combined(pen, section)
+            self.leave_combined(pen, section, running)
         else:
-            self.leave_one_by_one(pen, section)
+            self.leave_one_by_one(pen, section, running)
+        if self.halted(section):
+            self.halt(pen, section)
 
-    def leave_combined(self, pen: Pen, section: ParallelSection) -> None:
+    def leave_combined(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
         for outcome in product((True, False), repeat=len(section.branches)):
             done = [_done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
@@ -141,10 +218,12 @@ class _Control:
             )
             digits = "".join("0" if ok else "1" for ok in outcome)
             route = section.success if succeeded else section.failure
-            pen.transition(f"PAR_{section.name}_exit_{digits}", done, self.enter(route))
+            pen.transition(f"PAR_{section.name}_exit_{digits}", [*done, *running], self.enter(route))
 
-    def leave_one_by_one(self, pen: Pen, section: ParallelSection) -> None:
+    def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """The same outcome for wide blocks, in linear size: children are taken note of in document order."""
+        # A block that may be halted takes note of nothing before all have ended.
+        begin = 0 if self.halted(section) else len(section.branches) - 1
         well, lost = [], []
         for number in range(1, len(section.branches)):
             well.append([pen.place(f"PAR_{section.name}_ok{number}")])
@@ -154,13 +233,97 @@ class _Control:
         for i, branch in enumerate(section.branches):
             name = f"PAR_{section.name}_note{i + 1}"
             after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
-            last = i == len(section.branches) - 1
-            ended = [f"OBJ_{b.name}_ended" for b in section.branches] if last else []
+            ended = [*map(_ended, section.branches), *running] if i == begin else []
             pen.transition(f"{name}_0", [*well[i], _done(branch, True), *ended], well[i + 1])
             pen.transition(f"{name}_1", [*well[i], _done(branch, False), *ended], after_failure)
             if i:
                 pen.transition(f"{name}_2", [*lost[i], _done(branch, True), *ended], lost[i + 1])
                 pen.transition(f"{name}_3", [*lost[i], _done(branch, False), *ended], lost[i + 1])
+
+    # --- interruption ---
+
+    def interruptions(self, section: Section) -> None:
+        """One transition for each event and each position of the section's objectives that handles it."""
+        pen = self.canvas.of(_kind(section), section.name, section.source)
+        for name in dict.fromkeys(_events(section)):
+            event = Event(What.DECLARED, name)
+            found = [p for p in self.positions(section, name) if p.put is not None]
+            for number, position in enumerate(found):
+                read = [place for place in position.read if place not in position.take]
+                label = f"{event}_{section.name}" + (f"_{number + 1}" if number else "")
+                pen.transition(label, list(position.take), list(position.put or ()), read=read, event=event)
+
+    def positions(self, section: Section, event: str) -> Iterator[_Position]:
+        """Where the objectives of a section may be when an event happens; one of these holds at a time."""
+        own = next((i for i in section.interruptions if i.event == event), None)
+        onward = tuple(self.enter(own.target)) if own else ()
+        if self.around.in_branch and self.gated(section):
+            gate = (_gate(section),)
+            yield _Position(gate, gate, onward) if own else _Position(gate)
+        if isinstance(section, ElementarySection):
+            at = (f"OBJ_{section.name}",)
+            yield _Position(at, at, (*_stops(section), *onward)) if own else _Position(at)
+            return
+        handling = [
+            list(self.inside(section, branch).in_branch(section, branch, event))
+            for branch in section.branches
+            if any(e == event for inner in branch.graph.sections for e in _events(inner))
+        ]
+        if (count := prod(map(len, handling))) > MAX_POSITIONS:
+            message = f"parallel block {section.name}: {count} combinations of where its branches are when "
+            raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
+        running = (_running(section),)
+        for positions in product(*handling):
+            read = tuple(place for position in positions for place in position.read)
+            acting = [p for p in positions if p.put is not None]
+            if acting:
+                take = tuple(place for p in acting for place in p.take)
+                yield _Position(read, take, tuple(place for p in acting for place in p.put or ()))
+            elif own:
+                halts = (_halt(branch) for branch in section.branches)
+                yield _Position((*read, *running), running, (_interrupted(section, event), *halts))
+            else:
+                yield _Position((*read, *running))
+
+    def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[_Position]:
+        """Positions of this graph, that of a branch of a section, its ends among them."""
+        for inner in self.graph.sections:
+            yield from self.positions(inner, event)
+        for place in dict.fromkeys(end[-1] for end in _ends(section, branch)):
+            yield _Position((place,))
+
+    def halt(self, pen: Pen, section: ParallelSection) -> None:
+        """Halts every branch, wherever it is, then goes on to what the event leads to."""
+        for branch in section.branches:
+            halt = pen.place(_halt(branch))
+            pen.place(_halted(branch))
+            ways = self.inside(section, branch).halting(section, branch)
+            for number, (taken, put) in enumerate(ways, 1):
+                pen.transition(f"{halt}_{number}", [halt, *taken], put)
+        all_halted = [_halted(branch) for branch in section.branches]
+        for interruption in section.interruptions:
+            place = pen.place(_interrupted(section, interruption.event))
+            pen.transition(f"{place}_left", [place, *all_halted], self.enter(interruption.target))
+        if self.around.halted:
+            place = pen.place(_halting(section))
+            pen.transition(f"{place}_left", [place, *all_halted], [self.around.halted])
+
+    def halting(self, section: ParallelSection, branch: Branch) -> Iterator[tuple[list[str], list[str]]]:
+        """By position of this graph, that of a branch, the places that are taken and those that are put."""
+        halted = _halted(branch)
+        for inner in self.graph.sections:
+            if self.gated(inner):
+                yield [_gate(inner)], [halted]
+            if isinstance(inner, ElementarySection):
+                yield [f"OBJ_{inner.name}"], [*_stops(inner), halted]
+            else:
+                yield [_running(inner)], [_halting(inner), *map(_halt, inner.branches)]
+        for end in _ends(section, branch):
+            yield list(end), [halted]
+
+
+def _kind(section: Section) -> Literal["objective", "parallel"]:
+    return "objective" if isinstance(section, ElementarySection) else "parallel"
 
 
 def _gate(section: Section) -> str:
@@ -170,3 +333,45 @@ def _gate(section: Section) -> str:
 
 def _done(branch: Branch, ok: bool) -> str:
     return f"OBJ_{branch.name}_{'ok' if ok else 'fail'}"
+
+
+def _ended(branch: Branch) -> str:
+    return f"OBJ_{branch.name}_ended"
+
+
+def _ends(section: ParallelSection, branch: Branch) -> list[tuple[str, ...]]:
+    """By outcome, the places that are marked when a branch has ended; the last one says so to the reader."""
+    more = () if len(section.branches) <= MAX_COMBINED else (_ended(branch),)
+    return [(_done(branch, ok), *more) for ok in (True, False)]
+
+
+def _stops(section: ElementarySection) -> list[str]:
+    return [f"{a}_Stop" for a in section.activities]
+
+
+def _events(section: Section) -> Iterator[str]:
+    """Names of events that interrupt a section, or something in it."""
+    yield from (i.event for i in section.interruptions)
+    for branch in section.branches if isinstance(section, ParallelSection) else ():
+        for inner in branch.graph.sections:
+            yield from _events(inner)
+
+
+def _running(section: ParallelSection) -> str:
+    return f"PAR_{section.name}_running"
+
+
+def _halting(section: ParallelSection) -> str:
+    return f"PAR_{section.name}_halting"
+
+
+def _interrupted(section: ParallelSection, event: str) -> str:
+    return f"PAR_{section.name}_on_{event}"
+
+
+def _halt(branch: Branch) -> str:
+    return f"OBJ_{branch.name}_halt"
+
+
+def _halted(branch: Branch) -> str:
+    return f"OBJ_{branch.name}_halted"
