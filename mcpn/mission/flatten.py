@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.once import reachable, unfold_once
+from mcpn.mission.expansion.scope import MAX_NESTING, Scope, copies, several
 from mcpn.mission.graph import (
     Branch,
     ElementarySection,
@@ -32,8 +34,6 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
-from mcpn.mission.once import reachable, unfold_once
-from mcpn.mission.scope import MAX_NESTING, Scope, copies, several
 
 __all__ = [
     "MAX_NESTING",

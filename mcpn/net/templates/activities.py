@@ -21,9 +21,9 @@ MAX_TOGETHER = 12
 
 @dataclass(frozen=True)
 class _Ending:
-    """One way in which an activity may be stopped: what the stopping transition takes, puts and tests."""
+    """One way in which an activity may be stopped: which of its resources are free, what its stop does."""
 
-    suffix: str
+    released: tuple[str, ...] = ()
     consume: list[str] = field(default_factory=list)
     produce: list[str] = field(default_factory=list)
     read: list[str] = field(default_factory=list)
@@ -66,16 +66,14 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
     """
     _refuse_excess(activity)
     pen = canvas.of("activity", activity.name, activity.source)
-    running = f"{activity.name}_running" if _counts_running(activity) else None
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
-    if running:
-        pen.place(running)
+    running = pen.place("running") if _counts_running(activity) else None
     evaluation = life.start
     last = len(activity.alternatives) - 1
     for i, alternative in enumerate(activity.alternatives):
         otherwise = life.refuse
         if i < last:
-            otherwise = [pen.place(f"{activity.name}_eval{i + 2}")]
+            otherwise = [pen.place(f"eval{i + 2}")]
         elif not canvas.usage.refusable(activity.name):
             otherwise = []
         draw = _AlternativeDrawing(canvas, activity, alternative, i, evaluation, otherwise, life, running)
@@ -84,14 +82,14 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
             evaluation = otherwise[0]
 
 
-def running_place(activity: Activity) -> str | None:
+def running_place(canvas: Canvas, activity: Activity) -> str | None:
     """The place that says that an activity started by an objective runs, or ``None`` if it always does.
 
     An activity whose alternatives consume nothing cannot be in error, so nobody needs to ask.
     """
     if not any(alternative.consumes for alternative in activity.alternatives):
         return None
-    return f"{activity.name}_running" if _counts_running(activity) else f"{activity.name}_active1"
+    return canvas.place_of("activity", activity.name, "running" if _counts_running(activity) else "active1")
 
 
 def _counts_running(activity: Activity) -> bool:
@@ -110,36 +108,36 @@ def _refuse_excess(activity: Activity) -> None:
 
 def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     a, usage = activity.name, canvas.usage
-    start, stop = pen.place(f"{a}_Start"), pen.place(f"{a}_Stop")
-    idle = [pen.place(f"{a}_idle", initial=1)] if a in usage.handover.with_idle else []
+    start, stop = pen.place("Start"), pen.place("Stop")
+    idle = [pen.place("idle", initial=1)] if a in usage.handover.with_idle else []
     refuse = []
     if usage.refusable(a):
-        refuse = [canvas.role(pen.place(f"{a}_error"), ("refused", a))]
-        pen.transition(f"{a}_errstop", [*refuse, stop], idle)
-    return _Life(start, refuse, [], [_Ending("", [stop], idle)])
+        refuse = [canvas.role(pen.place("error"), ("refused", a))]
+        pen.transition("errstop", [*refuse, stop], idle)
+    return _Life(start, refuse, [], [_Ending(consume=[stop], produce=idle)])
 
 
 def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
-    a, outputs = activity.name, activity.produces
-    start = pen.place(f"{a}_StartByRes")
+    a, outputs, of = activity.name, activity.produces, canvas.resource
+    start = pen.place("StartByRes")
     if len(outputs) == 1:
-        s = outputs[0]
-        quiet = [f"{s}_quiet"] if canvas.usage.released_unasked(s) else []
-        ending = _Ending("", produce=[f"{s}_deactivation"], read=[f"{s}_free", *quiet])
-        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], [ending], quiet)
-    idle = pen.place(f"{a}_idle", initial=1)
+        (s,) = outputs
+        quiet = [of(s, "quiet")] if canvas.usage.released_unasked(s) else []
+        ending = _Ending(produce=[of(s, "deactivation")], read=[of(s, "free"), *quiet])
+        return _Life(start, [of(s, "deactivation")], [of(s, "activation")], [ending], quiet)
+    idle = pen.place("idle", initial=1)
     for s in outputs:
-        pen.transition(f"{a}_start_{s}", [idle], [start], read=[f"{s}_waiting"])
+        pen.transition(("start", s), [idle], [start], read=[of(s, "waiting")])
     refuse = []
     if canvas.usage.refusable(a):
-        refuse = [canvas.role(pen.place(f"{a}_refusing"), ("refused", a))]
-        pen.transition(f"{a}_refused", refuse, [idle], read=[f"{s}_unused" for s in outputs])
+        refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
+        pen.transition("refused", refuse, [idle], read=[of(s, "unused") for s in outputs])
     endings = [
         _Ending(
-            "_" + "_".join(released),
-            consume=[f"{s}_free" for s in released],
-            produce=[idle, *(f"{s}_{p}" for s in released for p in ("notAvailable", "available", "unused"))],
-            read=[f"{s}_unused" for s in outputs if s not in released],
+            released,
+            consume=[of(s, "free") for s in released],
+            produce=[idle, *(of(s, p) for s in released for p in ("notAvailable", "available", "unused"))],
+            read=[of(s, "unused") for s in outputs if s not in released],
         )
         for released in _subsets(outputs)
     ]
@@ -168,14 +166,13 @@ class _AlternativeDrawing:
         self.life = life
         self.consumes = alternative.consumes
         self.hardware = [k for k in self.consumes if k in self.usage.hardware]
-        qualified = f"{activity.name}.{alternative.name}"
-        self.pen = canvas.of("alternative", qualified, alternative.source)
-        number = index + 1
-        self.prefix = activity.name
-        self.number = number
-        self.active = canvas.role(self.pen.place(f"{activity.name}_active{number}"), ("active", qualified))
+        self.of = canvas.resource
+        self.pen = canvas.of_alternative(activity, alternative)
+        self.number = index + 1
+        name = self.pen.provenance.name
+        self.active = canvas.role(self.pen.place(f"active{self.number}"), ("active", name))
         if self.consumes:
-            self.wait = canvas.role(self.pen.place(f"{activity.name}_wait{number}"), ("wait", qualified))
+            self.wait = canvas.role(self.pen.place(f"wait{self.number}"), ("wait", name))
         self.runs = [self.active] + ([running] if running else [])
 
         self.runs_and_says = [*self.runs, *life.activate]
@@ -200,19 +197,19 @@ class _AlternativeDrawing:
 
     def select(self) -> None:
         """All resources are available: take them."""
-        taken = [f"{k}_take" for k in self.consumes]
-        self._draw("sel", [self.evaluation, *(f"{k}_available" for k in self.consumes)], [self.wait, *taken])
+        available = [self.of(k, "available") for k in self.consumes]
+        taken = [self.of(k, "take") for k in self.consumes]
+        self._draw("sel", [self.evaluation, *available], [self.wait, *taken])
 
     def go(self) -> None:
         """All resources have answered: run."""
-        answers = [f"{k}_answer" for k in self.consumes]
-        self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=answers)
+        self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=self._answers(()))
 
     def otherwise_out_of_service(self) -> None:
         """A hardware resource is out of service: try the next alternative, or refuse."""
         for k in self.hardware:
             if self.usage.can_fail(k):
-                read = [f"{k}_OOS", *self.quiet_to_refuse]
+                read = [self.of(k, "OOS"), *self.quiet_to_refuse]
                 self._draw("else", [self.evaluation], self.otherwise, k, read=read)
 
     def error_while_waiting(self) -> None:
@@ -253,14 +250,13 @@ class _AlternativeDrawing:
         Nothing but this failure may happen for long, so the activity does not wait on: it gives up what is
         still asked for. Hardware that has failed would else never get out of *failing*.
         """
-        for places, given in self._while_asking():
-            if any(place.endswith("_error") for place in places):
-                stages = "_".join(place.rsplit("_", 1)[1] for place in places)
+        for stages, asking, given in self._while_asking():
+            if "error" in stages:
                 self._draw(
-                    "werr",
-                    [self.wait, *places],
+                    "askerr",
+                    [self.wait, *asking],
                     [*given, *self.otherwise],
-                    stages,
+                    _initials(stages),
                     read=self.quiet_to_refuse,
                 )
 
@@ -270,46 +266,44 @@ class _AlternativeDrawing:
         A request given up frees its resource at once, in one step with the stop: were it a release on its
         way, an answer could still come in between and stay behind.
         """
-        for places, given in self._while_asking():
-            stages = [place.rsplit("_", 1)[1] for place in places]
+        for stages, asking, given in self._while_asking():
             for ending in self.life.endings:
-                self._end("giveup_" + "_".join(stages), ending, [self.wait, *places], given)
+                self._end("giveup", ending, [self.wait, *asking], given, _initials(stages))
 
-    def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str]]]:
-        """How far its requests may be, not all answered: the places, and those that give everything back."""
-        for places in product(*(self._stages(k) for k in self.consumes)):
-            asked = [k for k, place in zip(self.consumes, places, strict=True) if place == f"{k}_waiting"]
-            if asked:
-                yield places, [f"{k}_free" if k in asked else f"{k}_release" for k in self.consumes]
+    def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str], list[str]]]:
+        """How far its requests may be, not all answered: places that say so, places that give all back."""
+        for stages in product(*(self._stages(k) for k in self.consumes)):
+            if "waiting" in stages:
+                both = list(zip(self.consumes, stages, strict=True))
+                given = [self.of(k, "free" if stage == "waiting" else "release") for k, stage in both]
+                yield stages, [self.of(k, stage) for k, stage in both], given
 
     def _stages(self, resource: str) -> Iterator[str]:
-        """Places that say how far the request of a resource has come."""
-        yield f"{resource}_answer"
+        """How far the request of a resource may have come."""
+        yield "answer"
         if self.usage.can_fail(resource):
-            yield f"{resource}_error"
+            yield "error"
         if resource not in self.hardware and self.usage.may_wait(self.usage.producer[resource]):
-            yield f"{resource}_waiting"
+            yield "waiting"
 
     def _answers(self, errors: tuple[str, ...]) -> list[str]:
-        return [f"{k}_error" if k in errors else f"{k}_answer" for k in self.consumes]
+        return [self.of(k, "error" if k in errors else "answer") for k in self.consumes]
 
     def _releases(self) -> list[str]:
-        return [f"{k}_release" for k in self.consumes]
+        return [self.of(k, "release") for k in self.consumes]
 
-    def _end(self, verb: str, ending: _Ending, consume: list[str], produce: list[str]) -> None:
-        name = f"{verb}{self.number}" if verb in ("stop", "cancel") else f"{verb}_{self.number}"
-        self.pen.transition(
-            f"{self.prefix}_{name}{ending.suffix}",
-            [*consume, *ending.consume],
-            [*produce, *ending.produce],
-            read=ending.read,
-        )
+    def _end(self, verb: str, ending: _Ending, consume: list[str], produce: list[str], *stages: str) -> None:
+        taken, put = [*consume, *ending.consume], [*produce, *ending.produce]
+        self._draw(verb, taken, put, *stages, *ending.released, read=ending.read)
 
     def _draw(
         self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
     ) -> None:
-        name = "_".join([f"{self.prefix}_{verb}{self.number}", *of])
-        self.pen.transition(name, consume, produce, read=read)
+        self.pen.transition((f"{verb}{self.number}", *of), consume, produce, read=read)
+
+
+def _initials(stages: tuple[str, ...]) -> str:
+    return "".join(stage[0] for stage in stages)
 
 
 def _subsets(items: list[str] | tuple[str, ...]) -> Iterator[tuple[str, ...]]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.model import Activity, Alternative
 from mcpn.mission.usage import Usage
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
+from mcpn.net.templates.names import names_of
 
 Role: TypeAlias = tuple[
     Literal["active", "wait", "refused", "oos", "objective", "pending", "done", "success", "failure"], str
@@ -39,6 +41,7 @@ class Canvas(NetBuilder):
         super().__init__(name, priorities=True)
         self.usage = usage
         self.left_out = left_out
+        self.names = names_of(usage)
         self.roles: dict[str, Role] = {}
 
     def role(self, place: str, role: Role) -> str:
@@ -46,9 +49,22 @@ class Canvas(NetBuilder):
         self.roles[place] = role
         return place
 
+    def place_of(self, kind: str, element: str, *part: str) -> str:
+        """The name of a place of an element, drawn already or not."""
+        return self.names.of(kind, element, *part)
+
+    def resource(self, name: str, part: str) -> str:
+        """The name of a place of a resource, hardware or software."""
+        return self.names.of("hardware" if name in self.usage.hardware else "software", name, part)
+
     def of(self, kind: str, name: str, source: Source | None) -> Pen:
         """A pen that draws for one element of the mission."""
-        return Pen(self, Provenance(kind, name, source))
+        return Pen(self, Provenance(kind, name, source), (kind, name))
+
+    def of_alternative(self, activity: Activity, alternative: Alternative) -> Pen:
+        """A pen that draws for one alternative; what it draws is called after the activity."""
+        provenance = Provenance("alternative", f"{activity.name}.{alternative.name}", alternative.source)
+        return Pen(self, provenance, ("activity", activity.name))
 
 
 class Pen:
@@ -57,28 +73,37 @@ class Pen:
     Args:
         canvas: Where to draw.
         provenance: The element.
+        called: Kind and name of the element after which places and transitions are called.
     """
 
-    def __init__(self, canvas: Canvas, provenance: Provenance) -> None:
+    def __init__(self, canvas: Canvas, provenance: Provenance, called: tuple[str, str]) -> None:
         self.canvas = canvas
         self.provenance = provenance
+        self.called = called
 
-    def place(self, name: str, *, initial: int = 0) -> str:
-        """Draws a place and returns its name."""
+    def place(self, *part: str, initial: int = 0, of: tuple[str, str] | None = None) -> str:
+        """Draws a place and returns its name.
+
+        Args:
+            *part: Which place of its element; nothing for the element's own.
+            initial: Tokens of the initial marking.
+            of: Kind and name of the element, where it is another than the pen's.
+        """
+        name = self.canvas.place_of(*(of or self.called), *part)
         return self.canvas.place(name, initial=initial, provenance=self.provenance)
 
     def transition(
         self,
-        name: str,
+        part: str | tuple[str, ...],
         consume: list[str],
         produce: list[str],
         *,
         read: list[str] | None = None,
         event: Event | None = None,
     ) -> None:
-        """Draws a transition, internal unless an event is given."""
+        """Draws a transition, internal unless an event is given; its part is a word, or one with names."""
         self.canvas.transition(
-            name,
+            self.canvas.names.of(*self.called, *((part,) if isinstance(part, str) else part)),
             consume=consume,
             produce=produce,
             read=read or [],

@@ -11,11 +11,10 @@ place that handles the event itself, these branches do so together and the block
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
-from typing import Literal
 
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
@@ -41,11 +40,11 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     """
     mission = canvas.usage.mission
     pen = canvas.of("mission", mission.name, mission.source)
-    begin = pen.place("MISSION_begin", initial=1)
-    success = canvas.role(pen.place("MISSION_success"), ("success", mission.name))
-    failure = canvas.role(pen.place("MISSION_failure"), ("failure", mission.name))
+    begin = pen.place("begin", initial=1)
+    success = canvas.role(pen.place("success"), ("success", mission.name))
+    failure = canvas.role(pen.place("failure"), ("failure", mission.name))
     control = _Control(canvas, graph, {SUCCEED: [success], FAIL: [failure]})
-    pen.transition(f"{START}", [begin], control.enter(graph.entry), event=START)
+    pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
 
 
@@ -117,9 +116,9 @@ class _Control:
         """Draws a branch of a section of this graph."""
         around = _Around(in_branch=True, eventful=self.eventful(section))
         if self.halted(section):
-            running = (*self.around.running, _running(section))
-            around = replace(around, running=running, halted=_halted(branch))
-        ends = map(list, _ends(section, branch))
+            running = (*self.around.running, self.of(section, "running"))
+            around = replace(around, running=running, halted=self.of_branch(branch, "halted"))
+        ends = map(list, self.ends(section, branch))
         return _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True)), around)
 
     def eventful(self, section: Section) -> bool:
@@ -136,16 +135,17 @@ class _Control:
             return self.exits[target]
         section = self.graph.section(target)
         if self.gated(section):
-            return [_gate(section)]
+            return [self.canvas.place_of(*_element(section), "enter")]
         return self.begin(section)
 
     def begin(self, section: Section) -> list[str]:
         """Places to mark so that a section begins at once."""
         if isinstance(section, ElementarySection):
-            return [f"OBJ_{section.name}", *(f"{a}_Start" for a in section.activities)]
+            starts = self.of_activities(section.activities, "Start")
+            return [self.canvas.place_of(*_element(section)), *starts]
         inner = [self.inside(section, branch) for branch in section.branches]
         entered = [place for control in inner for place in control.enter(control.graph.entry)]
-        return [_running(section), *entered] if self.eventful(section) else entered
+        return [self.of(section, "running"), *entered] if self.eventful(section) else entered
 
     def gated(self, section: Section) -> bool:
         """Whether the section must wait at its entry until activities are idle and resources are back."""
@@ -158,47 +158,51 @@ class _Control:
 
     def gate(self, pen: Pen, section: Section) -> None:
         """The section's entry: it begins when all that it waits for is over."""
-        gate = pen.place(_gate(section))
+        gate = pen.place("enter")
         handover, left_out = self.canvas.usage.handover, self.canvas.left_out
         awaited = handover.awaited.get(section.name, Awaited())
         own: tuple[str, ...] = ()
         if isinstance(section, ElementarySection):
             self.canvas.role(gate, ("pending", section.name))
             own = tuple(a for a in section.activities if a in handover.with_idle)
-        idle = [f"{a}_idle" for a in awaited.activities if a not in own and ("activity", a) not in left_out]
-        back = [f"{s}_available" for s in awaited.software if ("software", s) not in left_out]
-        begin = gate.removesuffix("_enter") + "_begin"
-        taken = [f"{a}_idle" for a in own]
+        others = [a for a in awaited.activities if a not in own and ("activity", a) not in left_out]
+        software = [s for s in awaited.software if ("software", s) not in left_out]
+        back = [self.canvas.resource(s, "available") for s in software]
+        taken, idle = self.of_activities(own, "idle"), self.of_activities(others, "idle")
         read = [*idle, *back, *self.around.running]
-        pen.transition(begin, [gate, *taken], self.begin(section), read=read)
+        pen.transition("begin", [gate, *taken], self.begin(section), read=read)
+
+    def of_activities(self, activities: Iterable[str], part: str) -> list[str]:
+        """The same place of each of some activities."""
+        return [self.canvas.place_of("activity", a, part) for a in activities]
 
     def elementary(self, section: ElementarySection) -> None:
         """OK and FAIL stop the activities and enter what follows; OK only while all of them run."""
         usage, name = self.canvas.usage, section.name
         pen = self.canvas.of("objective", name, section.source)
-        place = self.canvas.role(pen.place(f"OBJ_{name}"), ("objective", name))
+        place = self.canvas.role(pen.place(), ("objective", name))
         if self.gated(section):
             self.gate(pen, section)
-        stops = _stops(section)
-        running = [running_place(usage.activities[a]) for a in section.activities]
-        for what, route, read in (
-            (What.SUCCESS, section.success, [p for p in running if p is not None]),
-            (What.FAILURE, section.failure, []),
+        stops = self.stops(section)
+        running = [running_place(self.canvas, usage.activities[a]) for a in section.activities]
+        for what, part, route, read in (
+            (What.SUCCESS, "EV_OK", section.success, [p for p in running if p is not None]),
+            (What.FAILURE, "EV_FAIL", section.failure, []),
         ):
-            event = Event(what, name)
-            pen.transition(f"{event}", [place], [*stops, *self.enter(route)], read=read, event=event)
+            after = [*stops, *self.enter(route)]
+            pen.transition(part, [place], after, read=read, event=Event(what, name))
 
     def parallel(self, section: ParallelSection) -> None:
         """Each child marks that it is done; when all are, internal transitions leave the block."""
         pen = self.canvas.of("parallel", section.name, section.source)
         if self.gated(section):
             self.gate(pen, section)
-        running = [pen.place(_running(section))] if self.eventful(section) else []
+        running = [pen.place("running")] if self.eventful(section) else []
         combined = len(section.branches) <= MAX_COMBINED
         for branch in section.branches:
-            ended = [pen.place(_done(branch, ok)) for ok in (True, False)]
+            ended = [pen.place(part, of=("objective", branch.name)) for part in ("ok", "fail")]
             if not combined:  # outcomes are taken note of one by one: another place says that it has ended
-                ended = [pen.place(_ended(branch))]
+                ended = [pen.place("ended", of=("objective", branch.name))]
             for place in ended:
                 self.canvas.role(place, ("done", branch.name))
             self.inside(section, branch).draw()
@@ -212,57 +216,79 @@ class _Control:
     def leave_combined(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
         for outcome in product((True, False), repeat=len(section.branches)):
-            done = [_done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
+            done = [self.done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
             succeeded = all(
                 ok or not branch.mandatory for branch, ok in zip(section.branches, outcome, strict=True)
             )
             digits = "".join("0" if ok else "1" for ok in outcome)
             route = section.success if succeeded else section.failure
-            pen.transition(f"PAR_{section.name}_exit_{digits}", [*done, *running], self.enter(route))
+            pen.transition(f"exit_{digits}", [*done, *running], self.enter(route))
 
     def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """The same outcome for wide blocks, in linear size: children are taken note of in document order."""
         # A block that may be halted takes note of nothing before all have ended.
         begin = 0 if self.halted(section) else len(section.branches) - 1
+        all_ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
         well, lost = [], []
         for number in range(1, len(section.branches)):
-            well.append([pen.place(f"PAR_{section.name}_ok{number}")])
-            lost.append([pen.place(f"PAR_{section.name}_fail{number}")])
+            well.append([pen.place(f"ok{number}")])
+            lost.append([pen.place(f"fail{number}")])
         well = [[], *well, self.enter(section.success)]
         lost = [[], *lost, self.enter(section.failure)]
         for i, branch in enumerate(section.branches):
-            name = f"PAR_{section.name}_note{i + 1}"
+            name = f"note{i + 1}"
             after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
-            ended = [*map(_ended, section.branches), *running] if i == begin else []
-            pen.transition(f"{name}_0", [*well[i], _done(branch, True), *ended], well[i + 1])
-            pen.transition(f"{name}_1", [*well[i], _done(branch, False), *ended], after_failure)
+            ended = all_ended if i == begin else []
+            pen.transition(f"{name}_0", [*well[i], self.done(branch, True), *ended], well[i + 1])
+            pen.transition(f"{name}_1", [*well[i], self.done(branch, False), *ended], after_failure)
             if i:
-                pen.transition(f"{name}_2", [*lost[i], _done(branch, True), *ended], lost[i + 1])
-                pen.transition(f"{name}_3", [*lost[i], _done(branch, False), *ended], lost[i + 1])
+                pen.transition(f"{name}_2", [*lost[i], self.done(branch, True), *ended], lost[i + 1])
+                pen.transition(f"{name}_3", [*lost[i], self.done(branch, False), *ended], lost[i + 1])
+
+    def done(self, branch: Branch, ok: bool) -> str:
+        """The place that says that a branch has ended so."""
+        return self.of_branch(branch, "ok" if ok else "fail")
+
+    def of_branch(self, branch: Branch, part: str) -> str:
+        """A place of a branch of a parallel block."""
+        return self.canvas.place_of("objective", branch.name, part)
+
+    def ends(self, section: ParallelSection, branch: Branch) -> list[tuple[str, ...]]:
+        """By outcome, the places marked when a branch has ended; the last says that it has."""
+        more = () if len(section.branches) <= MAX_COMBINED else (self.of_branch(branch, "ended"),)
+        return [(self.done(branch, ok), *more) for ok in (True, False)]
+
+    def of(self, section: Section, *part: str) -> str:
+        """A place of a section."""
+        return self.canvas.place_of(*_element(section), *part)
+
+    def stops(self, section: ElementarySection) -> list[str]:
+        """Places to mark so that the activities of an objective stop."""
+        return self.of_activities(section.activities, "Stop")
 
     # --- interruption ---
 
     def interruptions(self, section: Section) -> None:
         """One transition for each event and each position of the section's objectives that handles it."""
-        pen = self.canvas.of(_kind(section), section.name, section.source)
+        pen = self.canvas.of(*_element(section), section.source)
         for name in dict.fromkeys(_events(section)):
             event = Event(What.DECLARED, name)
             found = [p for p in self.positions(section, name) if p.put is not None]
-            for number, position in enumerate(found):
+            for number, position in enumerate(found, 1):
                 read = [place for place in position.read if place not in position.take]
-                label = f"{event}_{section.name}" + (f"_{number + 1}" if number else "")
-                pen.transition(label, list(position.take), list(position.put or ()), read=read, event=event)
+                part, put = f"EV{number}_{name}", list(position.put or ())
+                pen.transition(part, list(position.take), put, read=read, event=event)
 
     def positions(self, section: Section, event: str) -> Iterator[_Position]:
         """Where the objectives of a section may be when an event happens; one of these holds at a time."""
         own = next((i for i in section.interruptions if i.event == event), None)
         onward = tuple(self.enter(own.target)) if own else ()
         if self.around.in_branch and self.gated(section):
-            gate = (_gate(section),)
+            gate = (self.of(section, "enter"),)
             yield _Position(gate, gate, onward) if own else _Position(gate)
         if isinstance(section, ElementarySection):
-            at = (f"OBJ_{section.name}",)
-            yield _Position(at, at, (*_stops(section), *onward)) if own else _Position(at)
+            at = (self.of(section),)
+            yield _Position(at, at, (*self.stops(section), *onward)) if own else _Position(at)
             return
         handling = [
             list(self.inside(section, branch).in_branch(section, branch, event))
@@ -272,7 +298,7 @@ class _Control:
         if (count := prod(map(len, handling))) > MAX_POSITIONS:
             message = f"parallel block {section.name}: {count} combinations of where its branches are when "
             raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
-        running = (_running(section),)
+        running = (self.of(section, "running"),)
         for positions in product(*handling):
             read = tuple(place for position in positions for place in position.read)
             acting = [p for p in positions if p.put is not None]
@@ -280,8 +306,8 @@ class _Control:
                 take = tuple(place for p in acting for place in p.take)
                 yield _Position(read, take, tuple(place for p in acting for place in p.put or ()))
             elif own:
-                halts = (_halt(branch) for branch in section.branches)
-                yield _Position((*read, *running), running, (_interrupted(section, event), *halts))
+                halts = (self.of_branch(branch, "halt") for branch in section.branches)
+                yield _Position((*read, *running), running, (self.of(section, f"on_{event}"), *halts))
             else:
                 yield _Position((*read, *running))
 
@@ -289,64 +315,44 @@ class _Control:
         """Positions of this graph, that of a branch of a section, its ends among them."""
         for inner in self.graph.sections:
             yield from self.positions(inner, event)
-        for place in dict.fromkeys(end[-1] for end in _ends(section, branch)):
+        for place in dict.fromkeys(end[-1] for end in self.ends(section, branch)):
             yield _Position((place,))
 
     def halt(self, pen: Pen, section: ParallelSection) -> None:
         """Halts every branch, wherever it is, then goes on to what the event leads to."""
+        number = 0
         for branch in section.branches:
-            halt = pen.place(_halt(branch))
-            pen.place(_halted(branch))
+            halt = pen.place("halt", of=("objective", branch.name))
+            pen.place("halted", of=("objective", branch.name))
             ways = self.inside(section, branch).halting(section, branch)
-            for number, (taken, put) in enumerate(ways, 1):
-                pen.transition(f"{halt}_{number}", [halt, *taken], put)
-        all_halted = [_halted(branch) for branch in section.branches]
+            for taken, put in ways:
+                number += 1
+                pen.transition(f"halt{number}", [halt, *taken], put)
+        all_halted = [self.of_branch(branch, "halted") for branch in section.branches]
         for interruption in section.interruptions:
-            place = pen.place(_interrupted(section, interruption.event))
-            pen.transition(f"{place}_left", [place, *all_halted], self.enter(interruption.target))
+            place = pen.place(f"on_{interruption.event}")
+            pen.transition(
+                f"left_{interruption.event}", [place, *all_halted], self.enter(interruption.target)
+            )
         if self.around.halted:
-            place = pen.place(_halting(section))
-            pen.transition(f"{place}_left", [place, *all_halted], [self.around.halted])
+            place = pen.place("halting")
+            pen.transition("halted", [place, *all_halted], [self.around.halted])
 
     def halting(self, section: ParallelSection, branch: Branch) -> Iterator[tuple[list[str], list[str]]]:
         """By position of this graph, that of a branch, the places that are taken and those that are put."""
-        halted = _halted(branch)
+        halted = self.of_branch(branch, "halted")
         for inner in self.graph.sections:
             if self.gated(inner):
-                yield [_gate(inner)], [halted]
+                yield [self.of(inner, "enter")], [halted]
             if isinstance(inner, ElementarySection):
-                yield [f"OBJ_{inner.name}"], [*_stops(inner), halted]
+                yield [self.of(inner)], [*self.stops(inner), halted]
             else:
-                yield [_running(inner)], [_halting(inner), *map(_halt, inner.branches)]
-        for end in _ends(section, branch):
+                yield (
+                    [self.of(inner, "running")],
+                    [self.of(inner, "halting"), *(self.of_branch(b, "halt") for b in inner.branches)],
+                )
+        for end in self.ends(section, branch):
             yield list(end), [halted]
-
-
-def _kind(section: Section) -> Literal["objective", "parallel"]:
-    return "objective" if isinstance(section, ElementarySection) else "parallel"
-
-
-def _gate(section: Section) -> str:
-    kind = "OBJ" if isinstance(section, ElementarySection) else "PAR"
-    return f"{kind}_{section.name}_enter"
-
-
-def _done(branch: Branch, ok: bool) -> str:
-    return f"OBJ_{branch.name}_{'ok' if ok else 'fail'}"
-
-
-def _ended(branch: Branch) -> str:
-    return f"OBJ_{branch.name}_ended"
-
-
-def _ends(section: ParallelSection, branch: Branch) -> list[tuple[str, ...]]:
-    """By outcome, the places that are marked when a branch has ended; the last one says so to the reader."""
-    more = () if len(section.branches) <= MAX_COMBINED else (_ended(branch),)
-    return [(_done(branch, ok), *more) for ok in (True, False)]
-
-
-def _stops(section: ElementarySection) -> list[str]:
-    return [f"{a}_Stop" for a in section.activities]
 
 
 def _events(section: Section) -> Iterator[str]:
@@ -357,21 +363,5 @@ def _events(section: Section) -> Iterator[str]:
             yield from _events(inner)
 
 
-def _running(section: ParallelSection) -> str:
-    return f"PAR_{section.name}_running"
-
-
-def _halting(section: ParallelSection) -> str:
-    return f"PAR_{section.name}_halting"
-
-
-def _interrupted(section: ParallelSection, event: str) -> str:
-    return f"PAR_{section.name}_on_{event}"
-
-
-def _halt(branch: Branch) -> str:
-    return f"OBJ_{branch.name}_halt"
-
-
-def _halted(branch: Branch) -> str:
-    return f"OBJ_{branch.name}_halted"
+def _element(section: Section) -> tuple[str, str]:
+    return "objective" if isinstance(section, ElementarySection) else "parallel", section.name

@@ -16,29 +16,23 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     """
     r = resource.name
     pen = canvas.of("hardware", r, resource.source)
-    free, busy = pen.place(f"{r}_free", initial=1), pen.place(f"{r}_busy")
-    oos, failing = f"{r}_OOS", f"{r}_failing"
+    free, busy = pen.place("free", initial=1), pen.place("busy")
     if resource.faulty:
-        canvas.role(pen.place(oos), ("oos", r))
-        pen.place(failing)
-    available, take = pen.place(f"{r}_available", initial=1), pen.place(f"{r}_take")
-    answer, release = pen.place(f"{r}_answer"), pen.place(f"{r}_release")
+        oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+    available, take = pen.place("available", initial=1), pen.place("take")
+    answer, release = pen.place("answer"), pen.place("release")
     if resource.faulty:
-        error = pen.place(f"{r}_error")
+        error = pen.place("error")
         fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
-        pen.transition(f"{fails}_f", [free], [failing], event=fails)
-        pen.transition(f"{fails}_b", [busy, answer], [failing, error], event=fails)
-        pen.transition(f"{r}_3", [failing, available], [oos])
-        pen.transition(f"{r}_4", [failing, release], [oos])
-        pen.transition(f"{returns}", [oos], [free, available], event=returns)
-    pen.transition(f"{r}_8", [busy, release], [free, available])
-    pen.transition(f"{r}_9", [free, take], [busy, answer])
-    canvas.unit([free, busy, oos, failing] if resource.faulty else [free, busy])
-    canvas.unit(
-        [available, take, answer, release, f"{r}_error"]
-        if resource.faulty
-        else [available, take, answer, release]
-    )
+        pen.transition("EV_OOS_f", [free], [failing], event=fails)
+        pen.transition("EV_OOS_b", [busy, answer], [failing, error], event=fails)
+        pen.transition("3", [failing, available], [oos])
+        pen.transition("4", [failing, release], [oos])
+        pen.transition("EV_RD", [oos], [free, available], event=returns)
+    pen.transition("8", [busy, release], [free, available])
+    pen.transition("9", [free, take], [busy, answer])
+    canvas.unit([free, busy, *([oos, failing] if resource.faulty else [])])
+    canvas.unit([available, take, answer, release, *([error] if resource.faulty else [])])
 
 
 def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
@@ -58,23 +52,23 @@ def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> Non
     """
     s, a = resource.name, producer.name
     pen = canvas.of("software", s, resource.source)
-    free, busy = pen.place(f"{s}_free"), pen.place(f"{s}_busy")
-    not_available, waiting = pen.place(f"{s}_notAvailable", initial=1), pen.place(f"{s}_waiting")
-    activation, deactivation = pen.place(f"{s}_activation"), pen.place(f"{s}_deactivation")
-    available, take = pen.place(f"{s}_available", initial=1), pen.place(f"{s}_take")
-    answer, release, error = pen.place(f"{s}_answer"), pen.place(f"{s}_release"), pen.place(f"{s}_error")
-    pen.transition(f"{s}_1", [take, not_available], [waiting, f"{a}_StartByRes"])
-    quiet = [pen.place(f"{s}_quiet", initial=1)] if canvas.usage.released_unasked(s) else []
-    pen.transition(f"{s}_2", [waiting, activation], [busy, answer, *quiet])
-    failed = pen.place(f"{s}_failed") if quiet else deactivation
-    pen.transition(f"{s}_3", [waiting, deactivation], [failed, error])
-    pen.transition(f"{s}_6", [busy, answer, deactivation], [failed, error])
-    pen.transition(f"{s}_8", [failed, release], [not_available, available])
-    pen.transition(f"{s}_4", [busy, release], [free])
-    pen.transition(f"{s}_5", [free, deactivation], [not_available, available])
-    pen.transition(f"{s}_7", [busy, activation], [busy, *quiet])
+    free, busy = pen.place("free"), pen.place("busy")
+    not_available, waiting = pen.place("notAvailable", initial=1), pen.place("waiting")
+    activation, deactivation = pen.place("activation"), pen.place("deactivation")
+    available, take = pen.place("available", initial=1), pen.place("take")
+    answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
+    pen.transition("1", [take, not_available], [waiting, canvas.place_of("activity", a, "StartByRes")])
+    quiet = [pen.place("quiet", initial=1)] if canvas.usage.released_unasked(s) else []
+    pen.transition("2", [waiting, activation], [busy, answer, *quiet])
+    failed = pen.place("failed") if quiet else deactivation
+    pen.transition("3", [waiting, deactivation], [failed, error])
+    pen.transition("6", [busy, answer, deactivation], [failed, error])
+    pen.transition("8", [failed, release], [not_available, available])
+    pen.transition("4", [busy, release], [free])
+    pen.transition("5", [free, deactivation], [not_available, available])
+    pen.transition("7", [busy, activation], [busy, *quiet])
     if quiet:
-        pen.transition(f"{s}_10", [free, activation], [free, *quiet])
+        pen.transition("10", [free, activation], [free, *quiet])
     canvas.unit([not_available, waiting, free, busy, *([failed] if quiet else [])])
     canvas.unit([available, take, answer, release, error])
 
@@ -96,27 +90,27 @@ def draw_shared_software(canvas: Canvas, resource: Software, producer: Activity)
     """
     s, a = resource.name, producer.name
     pen = canvas.of("software", s, resource.source)
-    running = f"{a}_active1" if len(producer.alternatives) == 1 else f"{a}_running"
-    free, busy = pen.place(f"{s}_free"), pen.place(f"{s}_busy")
-    not_available, waiting = pen.place(f"{s}_notAvailable", initial=1), pen.place(f"{s}_waiting")
-    deactivation, unused = pen.place(f"{s}_deactivation"), pen.place(f"{s}_unused", initial=1)
-    available, take = pen.place(f"{s}_available", initial=1), pen.place(f"{s}_take")
-    answer, release, error = pen.place(f"{s}_answer"), pen.place(f"{s}_release"), pen.place(f"{s}_error")
+    running = canvas.place_of("activity", a, "active1" if len(producer.alternatives) == 1 else "running")
+    free, busy = pen.place("free"), pen.place("busy")
+    not_available, waiting = pen.place("notAvailable", initial=1), pen.place("waiting")
+    deactivation, unused = pen.place("deactivation"), pen.place("unused", initial=1)
+    available, take = pen.place("available", initial=1), pen.place("take")
+    answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
     back = [not_available, available, unused]
-    pen.transition(f"{s}_1", [take, not_available, unused], [waiting])
-    pen.transition(f"{s}_2", [waiting], [busy, answer], read=[running])
-    pen.transition(f"{s}_4", [busy, release], [free])
+    pen.transition("1", [take, not_available, unused], [waiting])
+    pen.transition("2", [waiting], [busy, answer], read=[running])
+    pen.transition("4", [busy, release], [free])
     for other in producer.produces:
         if other != s:
-            pen.transition(f"{s}_9_{other}", [free], back, read=[f"{other}_answer"])
+            pen.transition(("9", other), [free], back, read=[canvas.place_of("software", other, "answer")])
     if canvas.usage.may_wait(a):
         # A request may be given up before the producer has even been started.
-        pen.transition(f"{s}_10", [free], back, read=[f"{a}_idle"])
+        pen.transition("10", [free], back, read=[canvas.place_of("activity", a, "idle")])
     if canvas.usage.refusable(a):
-        refusing = f"{a}_refusing"
-        pen.transition(f"{s}_3", [waiting], [deactivation, error, unused], read=[refusing])
-        pen.transition(f"{s}_6", [busy, answer], [deactivation, error, unused], read=[refusing])
-        pen.transition(f"{s}_5", [free], back, read=[refusing])
-        pen.transition(f"{s}_8", [deactivation, release], [not_available, available])
+        refusing = canvas.place_of("activity", a, "refusing")
+        pen.transition("3", [waiting], [deactivation, error, unused], read=[refusing])
+        pen.transition("6", [busy, answer], [deactivation, error, unused], read=[refusing])
+        pen.transition("5", [free], back, read=[refusing])
+        pen.transition("8", [deactivation, release], [not_available, available])
     canvas.unit([not_available, waiting, free, busy, deactivation])
     canvas.unit([available, take, answer, release, error])
