@@ -76,12 +76,16 @@ class _Flattening:
         self.once = 0
 
     def graph(
-        self, blocks: tuple[Block, ...], scope: Scope, handlers: tuple[Handler, ...] = ()
+        self,
+        blocks: tuple[Block, ...],
+        scope: Scope,
+        handlers: tuple[Handler, ...] = (),
+        within: str = "",
     ) -> ObjectivesGraph:
         sections: list[Section] = []
         self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL}, sections, handlers)
         graph = ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope))
-        return unfold_once(reachable(graph), MAX_OBJECTIVES)
+        return unfold_once(reachable(graph), MAX_OBJECTIVES, within)
 
     def series(
         self,
@@ -172,8 +176,9 @@ class _Flattening:
 
     def branch(self, child: Block, scope: Scope) -> Branch:
         alone = replace(child, success=None, failure=None)
-        graph = self.graph((alone,), replace(scope, handlers=()))
-        return Branch(scope.name(child), child.mandatory, graph, child.source)
+        name = scope.name(child)
+        graph = self.graph((alone,), replace(scope, handlers=()), within=f"{name}.")
+        return Branch(name, child.mandatory, graph, child.source)
 
     def count(self, parameters: int) -> None:
         self.objectives += 1

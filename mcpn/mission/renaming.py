@@ -13,9 +13,9 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
 
     Args:
         mission: A valid mission.
-        rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``) and a name
-            to the new one, each new name once in its kind. An alternative of its activity's name is given
-            that of the activity.
+        rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``)
+            and a name to the new one, each new name once in its kind. An alternative of its activity's name
+            is given that of the activity.
     """
 
     def alternative(a: Alternative, activity: str) -> Alternative:

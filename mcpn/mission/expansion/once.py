@@ -26,7 +26,7 @@ def reachable(graph: ObjectivesGraph) -> ObjectivesGraph:
     return ObjectivesGraph(reached, graph.entry, tuple(s for s in graph.sections if s.name not in seen))
 
 
-def unfold_once(graph: ObjectivesGraph, limit: int) -> ObjectivesGraph:
+def unfold_once(graph: ObjectivesGraph, limit: int, within: str = "") -> ObjectivesGraph:
     """The graph with handlers that happen once as handlers like any other.
 
     What may come after such a handler has happened is a copy of its own of the sections, in which it is not;
@@ -37,6 +37,7 @@ def unfold_once(graph: ObjectivesGraph, limit: int) -> ObjectivesGraph:
     Args:
         graph: A graph whose sections may have several interruptions for one event, innermost first.
         limit: How many sections there may be.
+        within: Stands before the names of copies: the branch of a parallel block that the graph is of.
 
     Returns:
         The graph with at most one interruption of a section for each event.
@@ -46,13 +47,14 @@ def unfold_once(graph: ObjectivesGraph, limit: int) -> ObjectivesGraph:
     """
     if not any(i.once is not None for section in graph.sections for i in section.interruptions):
         return graph
-    unfolding = _Unfolding(graph, limit)
+    unfolding = _Unfolding(graph, limit, within)
     return ObjectivesGraph(tuple(unfolding.sections()), graph.entry, graph.unreached)
 
 
 class _Unfolding:
-    def __init__(self, graph: ObjectivesGraph, limit: int) -> None:
+    def __init__(self, graph: ObjectivesGraph, limit: int, within: str) -> None:
         self.graph = graph
+        self.within = within
         self.names = {section.name for section in graph.sections}
         self.ahead = _ahead(graph)
         # By history, in the order of discovery, the sections met in it.
@@ -90,10 +92,11 @@ class _Unfolding:
     def tagged(self) -> dict[Used, str]:
         """By history the qualifier of copies that stand in it."""
         events = {i.once: i.event for s in self.graph.sections for i in s.interruptions if i.once is not None}
-        taken = {name.split(".")[0] for name in self.names}
+        words = (section.name.split(".") for section in self.graph.all_sections())
+        taken = {".".join(parts[:end]) for parts in words for end in range(1, len(parts))}
         tags: dict[Used, str] = {}
         for used in self.met:
-            tag = whole = "after_" + "_and_".join(sorted(events[handler] for handler in used))
+            tag = whole = f"{self.within}after_" + "_and_".join(sorted(events[handler] for handler in used))
             number = 2
             while tag in taken:
                 tag, number = f"{whole}_{number}", number + 1
