@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
+import numpy as np
 from hypothesis import event, given
 from hypothesis import strategies as st
 
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.questions import Questions
+from mcpn.check.properties import check_mission
 from mcpn.check.runs import stabilise
 from mcpn.errors import LimitError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import DeclaredEvent, Handler, Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking
 from mcpn.testing import missions
 from tests.net.interpreter import Series
+
+HARDWARE = ("GPS_sensor", "IMU_sensor", "thruster_actuator")
 
 
 class Walk:
@@ -101,3 +108,54 @@ def handles(walk: Walk, name: str) -> bool:
     from copy import deepcopy
 
     return deepcopy(walk.text).event(name)[0]
+
+
+def leaking(ulysse: Mission) -> Mission:
+    """Ulysse, going up from everywhere below when it leaks."""
+    on_leak = (Handler(event="leak", goto="going_up"),)
+    transect = next(p for p in ulysse.protocols if p.name == "transect")
+    blocks = tuple(b if b.name == "going_up" else replace(b, handlers=on_leak) for b in transect.blocks)
+    protocols = tuple(replace(p, blocks=blocks) if p is transect else p for p in ulysse.protocols)
+    robot = replace(ulysse.robots[0], events=(DeclaredEvent(name="leak"),))
+    return replace(ulysse, protocols=protocols, robots=(robot, *ulysse.robots[1:]))
+
+
+def test_ulysse_goes_up_when_it_leaks(ulysse: Mission) -> None:
+    found = compose(leaking(ulysse))
+    check = check_mission(found)
+    assert check.passed
+    graph = check.alternatives
+    assert graph is not None
+    # The stable markings are those of Ulysse without a leak: 260 (paper, Table 1, as reconstructed).
+    assert graph.states == 260
+    leak = Event(What.DECLARED, "leak")
+    index = found.net.place_index
+    below = ["diving", "filming", "advancing", "measuring_temperature"]
+    inside = np.zeros(graph.states, bool)
+    for name in below:
+        inside |= graph.marked(index[f"OBJ_transect.{name}"])
+    met = 0
+    for state in range(graph.states):
+        after = [t for label, t in graph.successors(state) if found.net.transitions[label].event == leak]
+        assert len(after) == inside[state]
+        for target in after:
+            met += 1
+            assert graph.marking(target)[index["OBJ_transect.going_up"]]
+            # What is out of service stays so; the GPS and the thruster serve going up if they can.
+            out = [graph.marking(s)[index[f"{h}_OOS"]] for s in (state, target) for h in HARDWARE]
+            assert out[:3] == out[3:]
+    assert graph.edges == 1332 + met
+    wanted = "AG(event(leak) -> EX objective(going_up))"
+    answers = Questions(found.net, found, on="alternatives")
+    assert answers.answer(wanted, answers.core(parse(wanted))).holds
+
+
+def test_a_handler_happens_once(ulysse: Mission) -> None:
+    again = replace(leaking(ulysse), handlers=(Handler(event="leak", goto="coral_head", once=True),))
+    found = compose(again)
+    assert check_mission(found).passed
+    names = [s.name for s in found.graph.walk()]
+    assert "after_leak.coral_head.manual_moving" in names
+    after = found.graph.section("after_leak.coral_head.manual_moving")
+    assert after.interruptions == ()
+    assert [i.target for i in found.graph.section("coral_head.manual_moving").interruptions] == [after.name]

@@ -60,7 +60,7 @@ def refuse_interruptions(graph: ObjectivesGraph) -> None:
             where = f"{interruption.source}: " if interruption.source else ""
             raise LimitError(
                 f"{where}the event {interruption.event} may interrupt {section.name}, which composition does "
-                "not take yet: use --engine explicit or symbolic"
+                "not take yet: use --engine explicit or symbolic, and controller --flat"
             )
 
 
