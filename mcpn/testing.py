@@ -176,7 +176,10 @@ class _Drawing:
             island = self.island()
             producer = self.activity(f"producer{i}", island, produced)
             self.activities.append(producer)
-            software += [Software(name=s, description=self.description()) for s in produced]
+            software += [
+                Software(name=s, description=self.description(), exclusive=self.number(0, 3) == 0)
+                for s in produced
+            ]
             needs = [island.below[k] for a in producer.alternatives for k in a.consumes]
             for s in produced:
                 island.below[s] = frozenset(produced).union(*needs)
@@ -189,6 +192,7 @@ class _Drawing:
         return Hardware(
             name=name,
             faulty=faulty,
+            shared=self.number(0, 3) == 0,
             description=self.description(),
             failure_rate=rates[0],
             repair_rate=rates[1],
@@ -223,6 +227,10 @@ class _Drawing:
             near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
             if near and self.chance():
                 left = near
+            # Chains of activities come of software alone.
+            made = [k for k in left if k.startswith("s")]
+            if made and self.chance():
+                left = made
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
         return tuple(chosen)

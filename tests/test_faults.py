@@ -137,7 +137,8 @@ def test_every_engine_and_both_controllers_agree(mission: Mission) -> None:
 def test_what_begins_waits_until_no_producer_evaluates() -> None:
     found = compose(a_producer_falls_back_while_its_section_stops())
     awaited = found.usage.handover.awaited["panorama"]
-    assert (awaited.activities, awaited.software) == (("drive",), ("image", "heading"))
+    assert awaited.activities == ("drive", "vision")
+    assert [s for s, _ in awaited.interfaces] == ["image", "image", "heading"]
 
 
 def test_a_resource_that_fails_while_its_activity_waits_can_be_repaired() -> None:

@@ -27,12 +27,13 @@ class Awaited:
 
     Args:
         activities: Activities that must be idle: those that objectives start, and producers of several
-            resources, which may still be refusing when all their resources are back.
-        software: Software resources that must be available: nobody asks for them or holds them.
+            or shared resources, which may still be refusing when all of these are back.
+        interfaces: Software resources that must be available, nobody asks for them or holds them, each with
+            the owner of the interface (``None`` where it has one for all).
     """
 
     activities: tuple[str, ...] = ()
-    software: tuple[str, ...] = ()
+    interfaces: tuple[tuple[str, str | None], ...] = ()
 
 
 class Handover:
@@ -69,7 +70,7 @@ class Handover:
         """
         usage = self.usage
         activities: dict[str, set[str]] = {}
-        software: dict[str, set[str]] = {}
+        interfaces: dict[str, set[tuple[str, str | None]]] = {}
         for graph, beside in self._graphs():
             for section in graph.sections:
                 ending = {a for last in _endings(section) for a in last.activities}
@@ -79,22 +80,28 @@ class Handover:
                     if self._may_compete(before, after):
                         waits = activities.setdefault(target.name, set())
                         waits |= ending - beside
-                        waits |= {a for a in before - beside if len(usage.activities[a].produces) > 1}
-                        produced = {s for a in before - beside for s in usage.activities[a].produces}
-                        software.setdefault(target.name, set()).update(produced)
+                        waits |= {a for a in before - beside if usage.sharing.serves(a)}
+                        found = interfaces.setdefault(target.name, set())
+                        found |= {
+                            (s, owner)
+                            for a in before
+                            for s in usage.activities[a].produces
+                            for owner in usage.sharing.owners(s)
+                            if (a not in beside if owner is None else owner in before - beside)
+                        }
         return {
             name: Awaited(
                 tuple(a for a in usage.activities if a in waits),
-                tuple(s for s in usage.producer if s in software[name]),
+                tuple((s, o) for s in usage.producer for o in usage.sharing.owners(s) if (s, o) in back),
             )
-            for name, waits in activities.items()
-            if waits or software[name]
+            for (name, waits), back in zip(activities.items(), interfaces.values(), strict=True)
+            if waits or back
         }
 
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
         """Whether what some activities do while they stop may compete with what others begin with."""
         usage = self.usage
-        if any(len(usage.activities[a].produces) > 1 for a in before & after):
+        if any(usage.sharing.serves(a) for a in before & after):
             return True
         if not any(usage.may_wait(a) for a in before):
             return False

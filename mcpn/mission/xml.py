@@ -207,9 +207,10 @@ class _Reader:
                 self.imported(child, path, chain, found)
             elif tag == "hardware":
                 common |= _numbers(child, "failure_rate", "repair_rate")
-                hardware.append(Hardware(**common, faulty=_truth(child, "faulty")))
+                faulty, shared = _truth(child, "faulty"), _truth(child, "shared", "false")
+                hardware.append(Hardware(**common, faulty=faulty, shared=shared))
             elif tag == "software":
-                software.append(Software(**common))
+                software.append(Software(**common, exclusive=_truth(child, "exclusive", "false")))
             else:
                 activities.append(self.activity(child, path))
         return Robot(
@@ -307,8 +308,8 @@ def _names(element: etree._Element, attribute: str) -> tuple[str, ...]:
     return tuple(element.get(attribute, "").split())
 
 
-def _truth(element: etree._Element, attribute: str) -> bool:
-    return element.get(attribute, "true").strip() in ("true", "1")
+def _truth(element: etree._Element, attribute: str, default: str = "true") -> bool:
+    return element.get(attribute, default).strip() in ("true", "1")
 
 
 def _numbers(element: etree._Element, *attributes: str) -> dict[str, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mcpn.net.compose import MissionNet
+from mcpn.net.templates.canvas import interface
 from mcpn.space.graph import Ints, StateGraph
 
 
@@ -28,16 +29,23 @@ def check_promises(found: MissionNet, graph: StateGraph) -> None:
 
 
 def unit_invariants(found: MissionNet, graph: StateGraph) -> None:
-    """Each unit holds one token: the interface of each resource, and what the resource itself is in."""
-    interface = ("available", "take", "answer", "release", "error")
+    """Each unit holds one token: the interfaces of each resource, and what the resource itself is in."""
+    states = ("available", "take", "answer", "release", "error")
+    sharing = found.usage.sharing
     for hardware in found.mission.hardware:
         assert (tokens(found, graph, hardware.name, "free", "busy", "OOS", "failing") == 1).all()
-        assert (tokens(found, graph, hardware.name, *interface, "OOS") == 1).all()
+        out = tokens(found, graph, hardware.name, "OOS")
+        for owner in sharing.owners(hardware.name):
+            assert (tokens(found, graph, interface(hardware.name, owner), *states) + out == 1).all()
     for software in found.mission.software:
-        if f"{software.name}_free" in found.net.place_index:
-            assert (tokens(found, graph, software.name, *interface, "waiting", "free") == 1).all()
-            own = tokens(found, graph, software.name, "notAvailable", "waiting", "free", "busy", "failed")
-            assert (own <= 1).all()
+        if found.usage.producer[software.name] not in found.usage.started:
+            continue
+        for owner in sharing.owners(software.name):
+            name = interface(software.name, owner)
+            assert (tokens(found, graph, name, *states, "waiting", "free") == 1).all()
+            own = tokens(found, graph, name, "notAvailable", "unused", "waiting", "free", "busy", "failed")
+            assert (own - tokens(found, graph, name, "unused") <= 1).all()
+            assert (tokens(found, graph, name, "unused", "waiting", "busy", "notAvailable") <= 1).all()
 
 
 def tokens(found: MissionNet, graph: StateGraph, name: str, *suffixes: str) -> Ints:

@@ -9,21 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import combinations, product
+from itertools import combinations, permutations, product
 
 from mcpn.errors import LimitError
 from mcpn.mission.model import Activity, Alternative
-from mcpn.net.templates.canvas import Canvas, Pen
+from mcpn.net.templates.canvas import Canvas, Pen, interface
 
 MAX_TOGETHER = 12
-"""Resources of one alternative, or outputs of one activity, whose subsets each take a transition."""
+"""Resources of one alternative, whose subsets each take a transition."""
 
 
 @dataclass(frozen=True)
 class _Ending:
-    """One way in which an activity may be stopped: what the stopping transition takes, puts and tests."""
+    """How an activity is stopped: what the stopping transition takes, puts and tests."""
 
-    suffix: str
     consume: list[str] = field(default_factory=list)
     produce: list[str] = field(default_factory=list)
     read: list[str] = field(default_factory=list)
@@ -37,15 +36,18 @@ class _Life:
         start: The evaluation place of the first alternative.
         refuse: Places marked where no alternative is possible.
         activate: Places marked when an alternative starts to run.
-        endings: The ways in which it is stopped.
+        ending: How it is stopped.
         quiet: The place that says that no activation is on its way, where one is needed.
+        again: Interfaces of its products; while one is held it evaluates its alternatives again when another
+            is given back.
     """
 
     start: str
     refuse: list[str]
     activate: list[str]
-    endings: list[_Ending]
+    ending: _Ending
     quiet: list[str] = field(default_factory=list)
+    again: list[str] = field(default_factory=list)
 
 
 def draw_activity(canvas: Canvas, activity: Activity) -> None:
@@ -61,12 +63,13 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
         activity: The activity.
 
     Raises:
-        LimitError: An alternative consumes, or the activity produces, more resources than have subsets that
-            can be drawn one by one.
+        LimitError: An alternative consumes more resources than have subsets that can be drawn one by one.
     """
     _refuse_excess(activity)
     pen = canvas.of("activity", activity.name, activity.source)
-    running = f"{activity.name}_running" if _counts_running(activity) else None
+    serves = canvas.usage.sharing.serves(activity.name)
+    several = len(activity.alternatives) > 1 and (serves or not activity.produces)
+    running = f"{activity.name}_running" if several else None
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
     if running:
         pen.place(running)
@@ -91,21 +94,16 @@ def running_place(activity: Activity) -> str | None:
     """
     if not any(alternative.consumes for alternative in activity.alternatives):
         return None
-    return f"{activity.name}_running" if _counts_running(activity) else f"{activity.name}_active1"
-
-
-def _counts_running(activity: Activity) -> bool:
-    """One place must say *running* whatever the alternative, to an objective or to several resources."""
-    return len(activity.alternatives) > 1 and len(activity.produces) != 1
+    return f"{activity.name}_running" if len(activity.alternatives) > 1 else f"{activity.name}_active1"
 
 
 def _refuse_excess(activity: Activity) -> None:
     widest = max(len(alternative.consumes) for alternative in activity.alternatives)
-    for count, what in ((widest, "consumed by one alternative"), (len(activity.produces), "produced")):
-        if count > MAX_TOGETHER:
-            raise LimitError(
-                f"activity {activity.name}: {count} resources {what}, the limit is {MAX_TOGETHER}"
-            )
+    if widest > MAX_TOGETHER:
+        raise LimitError(
+            f"activity {activity.name}: {widest} resources consumed by one alternative, "
+            f"the limit is {MAX_TOGETHER}"
+        )
 
 
 def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
@@ -116,34 +114,28 @@ def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     if usage.refusable(a):
         refuse = [canvas.role(pen.place(f"{a}_error"), ("refused", a))]
         pen.transition(f"{a}_errstop", [*refuse, stop], idle)
-    return _Life(start, refuse, [], [_Ending("", [stop], idle)])
+    return _Life(start, refuse, [], _Ending([stop], idle))
 
 
 def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     a, outputs = activity.name, activity.produces
     start = pen.place(f"{a}_StartByRes")
-    if len(outputs) == 1:
+    if not canvas.usage.sharing.serves(a):
         s = outputs[0]
         quiet = [f"{s}_quiet"] if canvas.usage.released_unasked(s) else []
-        ending = _Ending("", produce=[f"{s}_deactivation"], read=[f"{s}_free", *quiet])
-        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], [ending], quiet)
+        ending = _Ending(produce=[f"{s}_deactivation"], read=[f"{s}_free", *quiet])
+        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], ending, quiet)
     idle = pen.place(f"{a}_idle", initial=1)
-    for s in outputs:
-        pen.transition(f"{a}_start_{s}", [idle], [start], read=[f"{s}_waiting"])
+    served = [i for s in outputs for i, _ in canvas.interfaces(s)]
+    unused = [f"{i}_unused" for i in served]
+    for i in served:
+        pen.transition(f"{a}_start_{i}", [idle], [start], read=[f"{i}_waiting"])
     refuse = []
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place(f"{a}_refusing"), ("refused", a))]
-        pen.transition(f"{a}_refused", refuse, [idle], read=[f"{s}_unused" for s in outputs])
-    endings = [
-        _Ending(
-            "_" + "_".join(released),
-            consume=[f"{s}_free" for s in released],
-            produce=[idle, *(f"{s}_{p}" for s in released for p in ("notAvailable", "available", "unused"))],
-            read=[f"{s}_unused" for s in outputs if s not in released],
-        )
-        for released in _subsets(outputs)
-    ]
-    return _Life(start, refuse, [], endings)
+        pen.transition(f"{a}_refused", refuse, [idle], read=unused)
+    again = served if canvas.usage.sharing.evaluated_on_release(a) else []
+    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused), again=again)
 
 
 class _AlternativeDrawing:
@@ -168,6 +160,8 @@ class _AlternativeDrawing:
         self.life = life
         self.consumes = alternative.consumes
         self.hardware = [k for k in self.consumes if k in self.usage.hardware]
+        owner = self.usage.sharing.owner
+        self.at = {k: interface(k, owner(k, activity.name)) for k in self.consumes}
         qualified = f"{activity.name}.{alternative.name}"
         self.pen = canvas.of("alternative", qualified, alternative.source)
         number = index + 1
@@ -193,6 +187,7 @@ class _AlternativeDrawing:
         else:
             self._draw("sel", [self.evaluation, *self.life.quiet], self.runs_and_says)
         self.stop()
+        self.evaluate_again()
         if self.usage.waits_for_release(self.activity.name, self.index):
             self.stop_while_evaluated()
         if self.usage.waits_for_answer(self.activity.name, self.index):
@@ -200,12 +195,14 @@ class _AlternativeDrawing:
 
     def select(self) -> None:
         """All resources are available: take them."""
-        taken = [f"{k}_take" for k in self.consumes]
-        self._draw("sel", [self.evaluation, *(f"{k}_available" for k in self.consumes)], [self.wait, *taken])
+        asked = [f"{i}_available" for i in self.at.values()]
+        taken = [f"{i}_take" for i in self.at.values()]
+        in_service = [f"{k}_free" for k in self.hardware if k in self.usage.sharing.consumers]
+        self._draw("sel", [self.evaluation, *asked], [self.wait, *taken], read=in_service)
 
     def go(self) -> None:
         """All resources have answered: run."""
-        answers = [f"{k}_answer" for k in self.consumes]
+        answers = [f"{i}_answer" for i in self.at.values()]
         self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=answers)
 
     def otherwise_out_of_service(self) -> None:
@@ -239,13 +236,11 @@ class _AlternativeDrawing:
 
     def stop(self) -> None:
         """It runs and is stopped: give all back."""
-        for ending in self.life.endings:
-            self._end("stop", ending, [*self.runs, *self._answers(())], self._releases())
+        self._end("stop", [*self.runs, *self._answers(())], self._releases())
 
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""
-        for ending in self.life.endings:
-            self._end("cancel", ending, [self.evaluation], [])
+        self._end("cancel", [self.evaluation], [])
 
     def error_while_asking(self) -> None:
         """A resource answers with an error while others have not answered yet, for a producer waits itself.
@@ -272,34 +267,55 @@ class _AlternativeDrawing:
         """
         for places, given in self._while_asking():
             stages = [place.rsplit("_", 1)[1] for place in places]
-            for ending in self.life.endings:
-                self._end("giveup_" + "_".join(stages), ending, [self.wait, *places], given)
+            self._end("giveup_" + "_".join(stages), [self.wait, *places], given)
 
     def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str]]]:
         """How far its requests may be, not all answered: the places, and those that give everything back."""
         for places in product(*(self._stages(k) for k in self.consumes)):
-            asked = [k for k, place in zip(self.consumes, places, strict=True) if place == f"{k}_waiting"]
-            if asked:
-                yield places, [f"{k}_free" if k in asked else f"{k}_release" for k in self.consumes]
+            if not any(place.endswith("_waiting") for place in places):
+                continue
+            given: list[str] = []
+            for (k, i), place in zip(self.at.items(), places, strict=True):
+                if place != f"{i}_waiting":
+                    given.append(f"{i}_release")
+                elif self.usage.sharing.serves(self.usage.producer[k]):
+                    given += [f"{i}_free", f"{i}_unused"]
+                else:
+                    given.append(f"{i}_free")
+            yield places, given
+
+    def evaluate_again(self) -> None:
+        """A product is given back while another is held: evaluate every alternative again."""
+        for back, held in permutations(self.life.again, 2):
+            self._draw(
+                "again",
+                [*self.runs, *self._answers(()), f"{back}_free"],
+                [*self._releases(), self.life.start, f"{back}_available"],
+                back,
+                held,
+                read=[f"{held}_answer"],
+            )
 
     def _stages(self, resource: str) -> Iterator[str]:
         """Places that say how far the request of a resource has come."""
-        yield f"{resource}_answer"
+        i = self.at[resource]
+        yield f"{i}_answer"
         if self.usage.can_fail(resource):
-            yield f"{resource}_error"
+            yield f"{i}_error"
         if resource not in self.hardware and self.usage.may_wait(self.usage.producer[resource]):
-            yield f"{resource}_waiting"
+            yield f"{i}_waiting"
 
     def _answers(self, errors: tuple[str, ...]) -> list[str]:
-        return [f"{k}_error" if k in errors else f"{k}_answer" for k in self.consumes]
+        return [f"{i}_error" if k in errors else f"{i}_answer" for k, i in self.at.items()]
 
     def _releases(self) -> list[str]:
-        return [f"{k}_release" for k in self.consumes]
+        return [f"{i}_release" for i in self.at.values()]
 
-    def _end(self, verb: str, ending: _Ending, consume: list[str], produce: list[str]) -> None:
+    def _end(self, verb: str, consume: list[str], produce: list[str]) -> None:
         name = f"{verb}{self.number}" if verb in ("stop", "cancel") else f"{verb}_{self.number}"
+        ending = self.life.ending
         self.pen.transition(
-            f"{self.prefix}_{name}{ending.suffix}",
+            f"{self.prefix}_{name}",
             [*consume, *ending.consume],
             [*produce, *ending.produce],
             read=ending.read,

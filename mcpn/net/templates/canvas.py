@@ -25,6 +25,11 @@ Role: TypeAlias = tuple[
 """
 
 
+def interface(resource: str, owner: str | None) -> str:
+    """What the places of an interface are called, before ``_take`` and the like."""
+    return resource if owner is None else f"{resource}_for_{owner}"
+
+
 class Canvas(NetBuilder):
     """A net builder that knows the mission and notes the roles of places.
 
@@ -40,6 +45,12 @@ class Canvas(NetBuilder):
         self.usage = usage
         self.left_out = left_out
         self.roles: dict[str, Role] = {}
+
+    def interfaces(self, resource: str) -> list[tuple[str, str | None]]:
+        """The interfaces of a resource that are drawn: what their places are called, and whose they are."""
+        owners = self.usage.sharing.owners(resource)
+        drawn = [o for o in owners if o is None or ("activity", o) not in self.left_out]
+        return [(interface(resource, owner), owner) for owner in drawn]
 
     def role(self, place: str, role: Role) -> str:
         """Notes what the place says when it is marked, and returns the place."""

@@ -10,7 +10,7 @@ from mcpn.mission.handover import Awaited
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
-from mcpn.net.templates.canvas import Canvas, Pen
+from mcpn.net.templates.canvas import Canvas, Pen, interface
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -90,7 +90,11 @@ class _Control:
             self.canvas.role(gate, ("pending", section.name))
             own = tuple(a for a in section.activities if a in handover.with_idle)
         idle = [f"{a}_idle" for a in awaited.activities if a not in own and ("activity", a) not in left_out]
-        back = [f"{s}_available" for s in awaited.software if ("software", s) not in left_out]
+        back = [
+            f"{interface(s, owner)}_available"
+            for s, owner in awaited.interfaces
+            if ("software", s) not in left_out and ("activity", owner) not in left_out
+        ]
         begin = gate.removesuffix("_enter") + "_begin"
         taken = [f"{a}_idle" for a in own]
         pen.transition(begin, [gate, *taken], self.begin(section), read=[*idle, *back])

@@ -79,44 +79,85 @@ def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> Non
     canvas.unit([available, take, answer, release, error])
 
 
-def draw_shared_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
-    """Draws one of several resources of one producer: 11 places.
+def draw_served_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
+    """Draws a resource whose producer serves several interfaces: 10 places for each interface.
 
-    The producer is started once, serves whichever of its resources are requested, and stops when none is.
-    So it needs no activation and no deactivation of each; instead the place ``unused`` is marked while the
-    resource is neither requested nor held, ``deactivation`` while its consumer has yet to take note of an
-    error, and ``free`` from its release on until it is known whether the producer goes on: it does while a
-    consumer holds another of its resources, and then the resource is available again; otherwise the producer
-    stops and takes all its free resources with it.
+    The interfaces are those of each consumer, where it is shared, and those of the producer's other products.
+    The producer is started with the first request, serves whoever asks while it runs, and is stopped when
+    nobody asks or holds; if it fails, each consumer gets the error. So it needs no activation and no
+    deactivation; instead, of each interface, ``unused`` is marked while it is neither asked nor held, and
+    ``deactivation`` while its owner has yet to take note of an error. ``free`` is marked from its release on
+    until it is known whether the producer goes on, because another interface is held; then it is available
+    again. Otherwise the producer stops first. Where that must not depend on who comes first, the producer
+    that goes on evaluates its alternatives again (:meth:`mcpn.mission.sharing.Sharing.evaluated_on_release`),
+    which is drawn with these.
 
     Args:
         canvas: Where to draw.
         resource: The resource.
-        producer: The activity that produces it and others.
+        producer: The activity that produces it.
     """
     s, a = resource.name, producer.name
     pen = canvas.of("software", s, resource.source)
     running = f"{a}_active1" if len(producer.alternatives) == 1 else f"{a}_running"
-    free, busy = pen.place(f"{s}_free"), pen.place(f"{s}_busy")
-    not_available, waiting = pen.place(f"{s}_notAvailable", initial=1), pen.place(f"{s}_waiting")
-    deactivation, unused = pen.place(f"{s}_deactivation"), pen.place(f"{s}_unused", initial=1)
-    available, take = pen.place(f"{s}_available", initial=1), pen.place(f"{s}_take")
-    answer, release, error = pen.place(f"{s}_answer"), pen.place(f"{s}_release"), pen.place(f"{s}_error")
-    back = [not_available, available, unused]
-    pen.transition(f"{s}_1", [take, not_available, unused], [waiting])
-    pen.transition(f"{s}_2", [waiting], [busy, answer], read=[running])
-    pen.transition(f"{s}_4", [busy, release], [free])
-    for other in producer.produces:
-        if other != s:
-            pen.transition(f"{s}_9_{other}", [free], back, read=[f"{other}_answer"])
-    if canvas.usage.may_wait(a):
-        # A request may be given up before the producer has even been started.
-        pen.transition(f"{s}_10", [free], back, read=[f"{a}_idle"])
-    if canvas.usage.refusable(a):
-        refusing = f"{a}_refusing"
-        pen.transition(f"{s}_3", [waiting], [deactivation, error, unused], read=[refusing])
-        pen.transition(f"{s}_6", [busy, answer], [deactivation, error, unused], read=[refusing])
-        pen.transition(f"{s}_5", [free], back, read=[refusing])
-        pen.transition(f"{s}_8", [deactivation, release], [not_available, available])
-    canvas.unit([not_available, waiting, free, busy, deactivation])
-    canvas.unit([available, take, answer, release, error])
+    every = [i for product in producer.produces for i, _ in canvas.interfaces(product)]
+    for i, _ in canvas.interfaces(s):
+        free, busy = pen.place(f"{i}_free"), pen.place(f"{i}_busy")
+        waiting, unused = pen.place(f"{i}_waiting"), pen.place(f"{i}_unused", initial=1)
+        available, take = pen.place(f"{i}_available", initial=1), pen.place(f"{i}_take")
+        answer, release = pen.place(f"{i}_answer"), pen.place(f"{i}_release")
+        pen.transition(f"{i}_1", [take, unused], [waiting])
+        pen.transition(f"{i}_2", [waiting], [busy, answer], read=[running])
+        pen.transition(f"{i}_4", [busy, release], [free, unused])
+        pen.transition(f"{i}_10", [free], [available], read=[f"{a}_idle"])
+        if not canvas.usage.sharing.evaluated_on_release(a):
+            for other in every:
+                if other != i:
+                    pen.transition(f"{i}_9_{other}", [free], [available], read=[f"{other}_answer"])
+        if canvas.usage.refusable(a):
+            refusing, error = f"{a}_refusing", pen.place(f"{i}_error")
+            deactivation = pen.place(f"{i}_deactivation")
+            pen.transition(f"{i}_3", [waiting], [deactivation, error, unused], read=[refusing])
+            pen.transition(f"{i}_6", [busy, answer], [deactivation, error, unused], read=[refusing])
+            pen.transition(f"{i}_5", [free], [available], read=[refusing])
+            pen.transition(f"{i}_8", [deactivation, release], [available])
+            canvas.unit([available, take, waiting, answer, release, error, free])
+        else:
+            canvas.unit([available, take, waiting, answer, release, free])
+        canvas.unit([unused, waiting, busy])
+
+
+def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
+    """Draws a hardware resource that several activities may use at a time: 3 places, and 5 for each of them.
+
+    It is *free* as long as it is in service, whoever uses it. If it fails, each activity that uses it gets
+    the error; when all of them have given it back it is out of service, and not available to any.
+
+    Args:
+        canvas: Where to draw.
+        resource: The resource.
+    """
+    r = resource.name
+    pen = canvas.of("hardware", r, resource.source)
+    free, oos, failing = pen.place(f"{r}_free", initial=1), f"{r}_OOS", f"{r}_failing"
+    interfaces = [i for i, _ in canvas.interfaces(r)]
+    for i in interfaces:
+        available, take = pen.place(f"{i}_available", initial=1), pen.place(f"{i}_take")
+        answer, release, error = pen.place(f"{i}_answer"), pen.place(f"{i}_release"), f"{i}_error"
+        pen.transition(f"{i}_7", [take], [answer], read=[free])
+        pen.transition(f"{i}_8", [release], [available])
+        if resource.faulty:
+            pen.place(error)
+            pen.transition(f"{i}_6", [answer], [error], read=[failing])
+    if not resource.faulty:
+        return
+    canvas.role(pen.place(oos), ("oos", r))
+    pen.place(failing)
+    every = [f"{i}_available" for i in interfaces]
+    fails, recovers = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
+    pen.transition(f"{fails}", [free], [failing], event=fails)
+    pen.transition(f"{r}_3", [failing, *every], [oos])
+    pen.transition(f"{recovers}", [oos], [free, *every], event=recovers)
+    canvas.unit([free, failing, oos])
+    for i in interfaces:
+        canvas.unit([f"{i}_available", f"{i}_take", f"{i}_answer", f"{i}_release", f"{i}_error", oos])
