@@ -32,6 +32,7 @@ from mcpn.mission.model import (
     Software,
     Use,
 )
+from mcpn.mission.renaming import renamed
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ class Shape:
             contends.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
+        awkward_names: Whether names are drawn that look like parts of one another and of what nets and
+            events are called, the same one for elements of different kinds.
     """
 
     hardware: int = 3
@@ -76,6 +79,7 @@ class Shape:
     disjoint_branches: bool = False
     text: bool = False
     numbers: bool = False
+    awkward_names: bool = False
 
 
 TEXTS = st.text(
@@ -368,6 +372,42 @@ def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrat
 
     @st.composite
     def drawn(draw: st.DrawFn) -> Mission:
-        return _Drawing(draw, chosen).mission()
+        mission = _Drawing(draw, chosen).mission()
+        return draw(awkwardly_named(mission)) if chosen.awkward_names else mission
+
+    return drawn()
+
+
+_AWKWARD = (
+    *("a", "a_EV", "a_EV_OK", "a_EV_OOS", "a_EV_b", "a_ok", "a_fail", "a_enter", "a_begin", "a_b", "a_free"),
+    *("a_idle", "a_error", "a_wait1", "a_start", "OBJ_a", "OBJ_a_ok", "PAR_a", "PAR_a_exit_0", "MISSION"),
+    *("MISSION_success", "EV", "OK", "b", "sel1", "start", "b_sel1", "answer"),
+)
+
+
+def awkwardly_named(mission: Mission) -> st.SearchStrategy[Mission]:
+    """The mission with other names: like parts of one another, and alike in different kinds.
+
+    Args:
+        mission: A valid mission.
+
+    Returns:
+        Missions that say the same.
+    """
+
+    @st.composite
+    def drawn(draw: st.DrawFn) -> Mission:
+        given: dict[tuple[str, str], str] = {}
+        taken: dict[str, set[str]] = {}
+
+        def rename(kind: str, name: str) -> str:
+            if (kind, name) not in given:
+                known = taken.setdefault(kind, set())
+                left = [new for new in _AWKWARD if new not in known] or [f"a_{len(known)}"]
+                given[kind, name] = draw(st.sampled_from(left))
+                known.add(given[kind, name])
+            return given[kind, name]
+
+        return renamed(mission, rename)
 
     return drawn()

@@ -2,10 +2,12 @@
 
 An event that ends an objective stops its activities, and they release what they hold; that wave passes while
 the next objective already begins. The two do not compete where the wave only gives back: what is asked for
-is waited for until it is available. They may compete in two cases, and there the next is entered only when
-the activities before it are *idle* and what they produced is gone: where an activity may still be evaluating
-when its objective ends, because it was found waiting for another's release, so that what the wave frees it
-may take; and where an activity is started again at once. The argument stands in ``papers/composition.md``.
+is waited for until it is available. They may compete in some cases, and there the next is entered only
+when the activities before it are *idle* and what they produced is gone: where an activity may still be
+evaluating when its objective ends, because it was found waiting for another's release, or because it
+evaluates again when a consumer leaves; where both need a producer that serves several interfaces, so that one
+is released while another is asked for; and where an activity is started again at once. The argument stands in
+``papers/composition.md``.
 """
 
 from __future__ import annotations
@@ -103,7 +105,7 @@ class Handover:
         usage = self.usage
         if any(usage.sharing.serves(a) for a in before & after):
             return True
-        if not any(usage.may_wait(a) for a in before):
+        if not any(usage.may_wait(a) or usage.sharing.evaluated_on_release(a) for a in before):
             return False
         shared = usage.resources_of(before) & usage.resources_of(after)
         return bool(shared) or not before.isdisjoint(after)

@@ -207,6 +207,7 @@ class Controller:
             if found is None:
                 return None
             target, actions = found
+            self._note(failing, repaired)
             if isinstance(target, str):
                 actions += self._enter(section.routes[target])
             else:
@@ -214,15 +215,19 @@ class Controller:
         elif hardware is not None:
             if (hardware in self._out_of_service) == (failing is not None):
                 return None
+            self._note(failing, repaired)
         elif event == START and self._phase == BEFORE:
             actions = self._enter(tables.initial.name)
         else:
             return None
+        return actions
+
+    def _note(self, failing: str | None, repaired: str | None) -> None:
+        """Takes note of hardware that fails or is ready again."""
         if failing is not None:
             self._out_of_service.add(failing)
         elif repaired is not None:
             self._out_of_service.discard(repaired)
-        return actions
 
     def _enter(self, route: str) -> tuple[Action, ...]:
         """Enters a section, or ends the mission."""

@@ -213,8 +213,8 @@ class Spending(PaperTemplates):
         super().activity(canvas, activity)
         if activity.name == "filming":
             pen = canvas.of("activity", activity.name, activity.source)
-            film, running = pen.place("filming_film", initial=1), f"{activity.name}_active1"
-            pen.transition("filming_used", [film], [], read=[running], event=Event.parse("FILMING_EV_USED"))
+            film, running = pen.place("film", initial=1), f"{activity.name}_active1"
+            pen.transition("used", [film], [], read=[running], event=Event.parse("FILMING_EV_USED"))
 
 
 class Wearing(PaperTemplates):
@@ -224,8 +224,8 @@ class Wearing(PaperTemplates):
         super().hardware(canvas, resource)
         if resource.name == "thruster_actuator":
             pen = canvas.of("hardware", resource.name, resource.source)
-            new, busy = pen.place("thruster_actuator_new", initial=1), "thruster_actuator_busy"
-            pen.transition("thruster_worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
+            new, busy = pen.place("new", initial=1), "thruster_actuator_busy"
+            pen.transition("worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
 
 
 @pytest.mark.parametrize("most_listed", [None, -1], ids=["listed", "diagrams"])

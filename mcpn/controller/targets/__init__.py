@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from mcpn.controller.hierarchy import Controller
-from mcpn.controller.targets import json
 from mcpn.net.compose import MissionNet
 
-TARGETS = ("json",)
+Writer = Callable[[Controller, MissionNet], dict[str, str]]
+TARGETS = ("json", "c")
 
 
 def files(controller: Controller, mission_net: MissionNet, target: str) -> dict[str, str]:
@@ -17,5 +19,14 @@ def files(controller: Controller, mission_net: MissionNet, target: str) -> dict[
         mission_net: The mission's net.
         target: One of :data:`TARGETS`.
     """
-    assert target == "json"
-    return {json.FILE_NAME: json.write_json(controller, mission_net)}
+    return _writer(target)(controller, mission_net)
+
+
+def _writer(target: str) -> Writer:
+    if target == "c":
+        from mcpn.controller.targets.c import write_c
+
+        return write_c
+    from mcpn.controller.targets.json import FILE_NAME, write_json
+
+    return lambda controller, mission_net: {FILE_NAME: write_json(controller, mission_net)}

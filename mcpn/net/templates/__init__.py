@@ -1,10 +1,11 @@
 """The Petri net templates of the paper (sections 6.1 to 6.3), as one object that a caller can replace.
 
 A set of templates is any object with the methods of :class:`TemplateSet`. Each method draws one element of
-the mission into the shared :class:`Canvas`. Templates meet at places of agreed names, the *interface* (paper,
-6.1): a resource ``R`` offers ``R_available``, ``R_take``, ``R_answer``, ``R_release``, ``R_error`` (hardware
-``R_OOS`` besides; software ``R_free``, ``R_notAvailable``, ``R_waiting``, ``R_activation``,
-``R_deactivation``), an activity ``A`` its ``A_Start`` and ``A_Stop``, or ``A_StartByRes``.
+the mission into the shared :class:`Canvas`. Templates meet at places of agreed parts, the *interface* (paper,
+6.1), which :meth:`Canvas.place_of` names: a resource ``R`` offers ``R_available``, ``R_take``, ``R_answer``,
+``R_release``, ``R_error`` (hardware ``R_OOS`` besides; software ``R_free``, ``R_notAvailable``,
+``R_waiting``, ``R_activation``, ``R_deactivation``), an activity ``A`` its ``A_Start`` and ``A_Stop``, or
+``A_StartByRes``.
 
 What later stages must know of the net's places (which one says that an alternative is active, that hardware
 is out of service, that an objective runs) they learn from *roles*, which templates declare on the canvas.

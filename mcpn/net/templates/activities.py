@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import combinations, permutations, product
+from itertools import combinations, product
 
 from mcpn.errors import LimitError
 from mcpn.mission.model import Activity, Alternative
-from mcpn.net.templates.canvas import Canvas, Pen, interface
+from mcpn.net.templates.canvas import Canvas, Pen
 
 MAX_TOGETHER = 12
 """Resources of one alternative, whose subsets each take a transition."""
@@ -38,8 +38,8 @@ class _Life:
         activate: Places marked when an alternative starts to run.
         ending: How it is stopped.
         quiet: The place that says that no activation is on its way, where one is needed.
-        again: Interfaces of its products; while one is held it evaluates its alternatives again when another
-            is given back.
+        again: Interfaces of its products, as resource and owner; while one is held it evaluates its
+            alternatives again when another is given back.
     """
 
     start: str
@@ -47,7 +47,7 @@ class _Life:
     activate: list[str]
     ending: _Ending
     quiet: list[str] = field(default_factory=list)
-    again: list[str] = field(default_factory=list)
+    again: list[tuple[str, str | None]] = field(default_factory=list)
 
 
 def draw_activity(canvas: Canvas, activity: Activity) -> None:
@@ -67,18 +67,14 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
     """
     _refuse_excess(activity)
     pen = canvas.of("activity", activity.name, activity.source)
-    serves = canvas.usage.sharing.serves(activity.name)
-    several = len(activity.alternatives) > 1 and (serves or not activity.produces)
-    running = f"{activity.name}_running" if several else None
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
-    if running:
-        pen.place(running)
+    running = pen.place("running") if _counts_running(canvas, activity) else None
     evaluation = life.start
     last = len(activity.alternatives) - 1
     for i, alternative in enumerate(activity.alternatives):
         otherwise = life.refuse
         if i < last:
-            otherwise = [pen.place(f"{activity.name}_eval{i + 2}")]
+            otherwise = [pen.place(f"eval{i + 2}")]
         elif not canvas.usage.refusable(activity.name):
             otherwise = []
         draw = _AlternativeDrawing(canvas, activity, alternative, i, evaluation, otherwise, life, running)
@@ -87,14 +83,22 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
             evaluation = otherwise[0]
 
 
-def running_place(activity: Activity) -> str | None:
+def running_place(canvas: Canvas, activity: Activity) -> str | None:
     """The place that says that an activity started by an objective runs, or ``None`` if it always does.
 
     An activity whose alternatives consume nothing cannot be in error, so nobody needs to ask.
     """
     if not any(alternative.consumes for alternative in activity.alternatives):
         return None
-    return f"{activity.name}_running" if len(activity.alternatives) > 1 else f"{activity.name}_active1"
+    return canvas.place_of(
+        "activity", activity.name, "running" if _counts_running(canvas, activity) else "active1"
+    )
+
+
+def _counts_running(canvas: Canvas, activity: Activity) -> bool:
+    """One place must say *running* whatever the alternative, to an objective or to several interfaces."""
+    asked = not activity.produces or canvas.usage.sharing.serves(activity.name)
+    return asked and len(activity.alternatives) > 1
 
 
 def _refuse_excess(activity: Activity) -> None:
@@ -108,33 +112,34 @@ def _refuse_excess(activity: Activity) -> None:
 
 def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     a, usage = activity.name, canvas.usage
-    start, stop = pen.place(f"{a}_Start"), pen.place(f"{a}_Stop")
-    idle = [pen.place(f"{a}_idle", initial=1)] if a in usage.handover.with_idle else []
+    start, stop = pen.place("Start"), pen.place("Stop")
+    idle = [pen.place("idle", initial=1)] if a in usage.handover.with_idle else []
     refuse = []
     if usage.refusable(a):
-        refuse = [canvas.role(pen.place(f"{a}_error"), ("refused", a))]
-        pen.transition(f"{a}_errstop", [*refuse, stop], idle)
-    return _Life(start, refuse, [], _Ending([stop], idle))
+        refuse = [canvas.role(pen.place("error"), ("refused", a))]
+        pen.transition("errstop", [*refuse, stop], idle)
+    return _Life(start, refuse, [], _Ending(consume=[stop], produce=idle))
 
 
 def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
-    a, outputs = activity.name, activity.produces
-    start = pen.place(f"{a}_StartByRes")
-    if not canvas.usage.sharing.serves(a):
-        s = outputs[0]
-        quiet = [f"{s}_quiet"] if canvas.usage.released_unasked(s) else []
-        ending = _Ending(produce=[f"{s}_deactivation"], read=[f"{s}_free", *quiet])
-        return _Life(start, [f"{s}_deactivation"], [f"{s}_activation"], ending, quiet)
-    idle = pen.place(f"{a}_idle", initial=1)
-    served = [i for s in outputs for i, _ in canvas.interfaces(s)]
-    unused = [f"{i}_unused" for i in served]
-    for i in served:
-        pen.transition(f"{a}_start_{i}", [idle], [start], read=[f"{i}_waiting"])
+    a, outputs, of = activity.name, activity.produces, canvas.resource
+    start = pen.place("StartByRes")
+    sharing = canvas.usage.sharing
+    if not sharing.serves(a):
+        (s,) = outputs
+        quiet = [of(s, "quiet")] if canvas.usage.released_unasked(s) else []
+        ending = _Ending(produce=[of(s, "deactivation")], read=[of(s, "free"), *quiet])
+        return _Life(start, [of(s, "deactivation")], [of(s, "activation")], ending, quiet)
+    idle = pen.place("idle", initial=1)
+    served = [(s, owner) for s in outputs for owner in canvas.owners(s)]
+    unused = [of(s, "unused", owner) for s, owner in served]
+    for number, (s, owner) in enumerate(served):
+        pen.transition(f"start{number}", [idle], [start], read=[of(s, "waiting", owner)])
     refuse = []
     if canvas.usage.refusable(a):
-        refuse = [canvas.role(pen.place(f"{a}_refusing"), ("refused", a))]
-        pen.transition(f"{a}_refused", refuse, [idle], read=unused)
-    again = served if canvas.usage.sharing.evaluated_on_release(a) else []
+        refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
+        pen.transition("refused", refuse, [idle], read=unused)
+    again = served if sharing.evaluated_on_release(a) else []
     return _Life(start, refuse, [], _Ending(produce=[idle], read=unused), again=again)
 
 
@@ -160,16 +165,13 @@ class _AlternativeDrawing:
         self.life = life
         self.consumes = alternative.consumes
         self.hardware = [k for k in self.consumes if k in self.usage.hardware]
-        owner = self.usage.sharing.owner
-        self.at = {k: interface(k, owner(k, activity.name)) for k in self.consumes}
-        qualified = f"{activity.name}.{alternative.name}"
-        self.pen = canvas.of("alternative", qualified, alternative.source)
-        number = index + 1
-        self.prefix = activity.name
-        self.number = number
-        self.active = canvas.role(self.pen.place(f"{activity.name}_active{number}"), ("active", qualified))
+        self.canvas = canvas
+        self.pen = canvas.of_alternative(activity, alternative)
+        self.number = index + 1
+        name = self.pen.provenance.name
+        self.active = canvas.role(self.pen.place(f"active{self.number}"), ("active", name))
         if self.consumes:
-            self.wait = canvas.role(self.pen.place(f"{activity.name}_wait{number}"), ("wait", qualified))
+            self.wait = canvas.role(self.pen.place(f"wait{self.number}"), ("wait", name))
         self.runs = [self.active] + ([running] if running else [])
 
         self.runs_and_says = [*self.runs, *life.activate]
@@ -195,21 +197,22 @@ class _AlternativeDrawing:
 
     def select(self) -> None:
         """All resources are available: take them."""
-        asked = [f"{i}_available" for i in self.at.values()]
-        taken = [f"{i}_take" for i in self.at.values()]
-        in_service = [f"{k}_free" for k in self.hardware if k in self.usage.sharing.consumers]
-        self._draw("sel", [self.evaluation, *asked], [self.wait, *taken], read=in_service)
+        available = [self.of(k, "available") for k in self.consumes]
+        taken = [self.of(k, "take") for k in self.consumes]
+        # Shared hardware is available to this activity until it is out of service.
+        shared = [k for k in self.hardware if k in self.usage.sharing.consumers]
+        in_service = [self.canvas.resource(k, "free") for k in shared]
+        self._draw("sel", [self.evaluation, *available], [self.wait, *taken], read=in_service)
 
     def go(self) -> None:
         """All resources have answered: run."""
-        answers = [f"{i}_answer" for i in self.at.values()]
-        self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=answers)
+        self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=self._answers(()))
 
     def otherwise_out_of_service(self) -> None:
         """A hardware resource is out of service: try the next alternative, or refuse."""
         for k in self.hardware:
             if self.usage.can_fail(k):
-                read = [f"{k}_OOS", *self.quiet_to_refuse]
+                read = [self.canvas.resource(k, "OOS"), *self.quiet_to_refuse]
                 self._draw("else", [self.evaluation], self.otherwise, k, read=read)
 
     def error_while_waiting(self) -> None:
@@ -238,6 +241,20 @@ class _AlternativeDrawing:
         """It runs and is stopped: give all back."""
         self._end("stop", [*self.runs, *self._answers(())], self._releases())
 
+    def evaluate_again(self) -> None:
+        """A product is given back while another is held: evaluate every alternative again."""
+        of = self.canvas.resource
+        for i, (product, owner) in enumerate(self.life.again):
+            for j, held in enumerate(self.life.again):
+                if i != j:
+                    self._draw(
+                        "again",
+                        [*self.runs, *self._answers(()), of(product, "free", owner)],
+                        [*self._releases(), self.life.start, of(product, "available", owner)],
+                        f"{i}.{j}",
+                        read=[self.canvas.answer(*held)],
+                    )
+
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""
         self._end("cancel", [self.evaluation], [])
@@ -248,14 +265,13 @@ class _AlternativeDrawing:
         Nothing but this failure may happen for long, so the activity does not wait on: it gives up what is
         still asked for. Hardware that has failed would else never get out of *failing*.
         """
-        for places, given in self._while_asking():
-            if any(place.endswith("_error") for place in places):
-                stages = "_".join(place.rsplit("_", 1)[1] for place in places)
+        for stages, asking, given in self._while_asking():
+            if "error" in stages:
                 self._draw(
-                    "werr",
-                    [self.wait, *places],
+                    "askerr",
+                    [self.wait, *asking],
                     [*given, *self.otherwise],
-                    stages,
+                    _initials(stages),
                     read=self.quiet_to_refuse,
                 )
 
@@ -265,67 +281,50 @@ class _AlternativeDrawing:
         A request given up frees its resource at once, in one step with the stop: were it a release on its
         way, an answer could still come in between and stay behind.
         """
-        for places, given in self._while_asking():
-            stages = [place.rsplit("_", 1)[1] for place in places]
-            self._end("giveup_" + "_".join(stages), [self.wait, *places], given)
+        for stages, asking, given in self._while_asking():
+            self._end("giveup", [self.wait, *asking], given, _initials(stages))
 
-    def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str]]]:
-        """How far its requests may be, not all answered: the places, and those that give everything back."""
-        for places in product(*(self._stages(k) for k in self.consumes)):
-            if not any(place.endswith("_waiting") for place in places):
-                continue
-            given: list[str] = []
-            for (k, i), place in zip(self.at.items(), places, strict=True):
-                if place != f"{i}_waiting":
-                    given.append(f"{i}_release")
-                elif self.usage.sharing.serves(self.usage.producer[k]):
-                    given += [f"{i}_free", f"{i}_unused"]
-                else:
-                    given.append(f"{i}_free")
-            yield places, given
-
-    def evaluate_again(self) -> None:
-        """A product is given back while another is held: evaluate every alternative again."""
-        for back, held in permutations(self.life.again, 2):
-            self._draw(
-                "again",
-                [*self.runs, *self._answers(()), f"{back}_free"],
-                [*self._releases(), self.life.start, f"{back}_available"],
-                back,
-                held,
-                read=[f"{held}_answer"],
-            )
+    def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str], list[str]]]:
+        """How far its requests may be, not all answered: places that say so, places that give all back."""
+        for stages in product(*(self._stages(k) for k in self.consumes)):
+            if "waiting" in stages:
+                both = list(zip(self.consumes, stages, strict=True))
+                given = [self.of(k, "free" if stage == "waiting" else "release") for k, stage in both]
+                asked = [k for k, stage in both if stage == "waiting"]
+                serving = [k for k in asked if self.usage.sharing.serves(self.usage.producer[k])]
+                given += [self.of(k, "unused") for k in serving]
+                yield stages, [self.of(k, stage) for k, stage in both], given
 
     def _stages(self, resource: str) -> Iterator[str]:
-        """Places that say how far the request of a resource has come."""
-        i = self.at[resource]
-        yield f"{i}_answer"
+        """How far the request of a resource may have come."""
+        yield "answer"
         if self.usage.can_fail(resource):
-            yield f"{i}_error"
+            yield "error"
         if resource not in self.hardware and self.usage.may_wait(self.usage.producer[resource]):
-            yield f"{i}_waiting"
+            yield "waiting"
 
     def _answers(self, errors: tuple[str, ...]) -> list[str]:
-        return [f"{i}_error" if k in errors else f"{i}_answer" for k, i in self.at.items()]
+        return [self.of(k, "error" if k in errors else "answer") for k in self.consumes]
 
     def _releases(self) -> list[str]:
-        return [f"{i}_release" for i in self.at.values()]
+        return [self.of(k, "release") for k in self.consumes]
 
-    def _end(self, verb: str, consume: list[str], produce: list[str]) -> None:
-        name = f"{verb}{self.number}" if verb in ("stop", "cancel") else f"{verb}_{self.number}"
+    def of(self, resource: str, part: str) -> str:
+        """The name of a place of the interface by which the activity uses a resource."""
+        return self.canvas.resource(resource, part, self.usage.sharing.owner(resource, self.activity.name))
+
+    def _end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
         ending = self.life.ending
-        self.pen.transition(
-            f"{self.prefix}_{name}",
-            [*consume, *ending.consume],
-            [*produce, *ending.produce],
-            read=ending.read,
-        )
+        self._draw(verb, [*consume, *ending.consume], [*produce, *ending.produce], *stages, read=ending.read)
 
     def _draw(
         self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
     ) -> None:
-        name = "_".join([f"{self.prefix}_{verb}{self.number}", *of])
-        self.pen.transition(name, consume, produce, read=read)
+        self.pen.transition((f"{verb}{self.number}", *of), consume, produce, read=read)
+
+
+def _initials(stages: tuple[str, ...]) -> str:
+    return "".join(stage[0] for stage in stages)
 
 
 def _subsets(items: list[str] | tuple[str, ...]) -> Iterator[tuple[str, ...]]:

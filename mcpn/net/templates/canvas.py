@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.model import Activity, Alternative
 from mcpn.mission.usage import Usage
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
+from mcpn.net.templates.names import names_of
 
 Role: TypeAlias = tuple[
     Literal["active", "wait", "refused", "oos", "objective", "pending", "done", "success", "failure"], str
@@ -25,11 +27,6 @@ Role: TypeAlias = tuple[
 """
 
 
-def interface(resource: str, owner: str | None) -> str:
-    """What the places of an interface are called, before ``_take`` and the like."""
-    return resource if owner is None else f"{resource}_for_{owner}"
-
-
 class Canvas(NetBuilder):
     """A net builder that knows the mission and notes the roles of places.
 
@@ -44,22 +41,44 @@ class Canvas(NetBuilder):
         super().__init__(name, priorities=True)
         self.usage = usage
         self.left_out = left_out
+        self.names = names_of(usage)
         self.roles: dict[str, Role] = {}
 
-    def interfaces(self, resource: str) -> list[tuple[str, str | None]]:
-        """The interfaces of a resource that are drawn: what their places are called, and whose they are."""
+    def owners(self, resource: str) -> list[str | None]:
+        """Whose interfaces of a resource are drawn (``None``: it has one for all)."""
         owners = self.usage.sharing.owners(resource)
-        drawn = [o for o in owners if o is None or ("activity", o) not in self.left_out]
-        return [(interface(resource, owner), owner) for owner in drawn]
+        return [o for o in owners if o is None or ("activity", o) not in self.left_out]
 
     def role(self, place: str, role: Role) -> str:
         """Notes what the place says when it is marked, and returns the place."""
         self.roles[place] = role
         return place
 
+    def place_of(self, kind: str, element: str, *part: str) -> str:
+        """The name of a place of an element, drawn already or not."""
+        return self.names.of(kind, element, *part)
+
+    def resource(self, name: str, part: str, owner: str | None = None) -> str:
+        """The name of a place of a resource, hardware or software, or of one owner's interface of it."""
+        kind = "hardware" if name in self.usage.hardware else "software"
+        return self.names.of(kind, name, part, *([] if owner is None else [owner]))
+
     def of(self, kind: str, name: str, source: Source | None) -> Pen:
         """A pen that draws for one element of the mission."""
-        return Pen(self, Provenance(kind, name, source))
+        return Pen(self, Provenance(kind, name, source), (kind, name))
+
+    def answer(self, resource: str, owner: str | None) -> str:
+        """The place that says that an interface is held."""
+        return self.resource(resource, "answer", owner)
+
+    def of_interface(self, kind: str, name: str, source: Source | None, owner: str | None) -> Pen:
+        """A pen that draws one owner's interface of a resource."""
+        return Pen(self, Provenance(kind, name, source), (kind, name), () if owner is None else (owner,))
+
+    def of_alternative(self, activity: Activity, alternative: Alternative) -> Pen:
+        """A pen that draws for one alternative; what it draws is called after the activity."""
+        provenance = Provenance("alternative", f"{activity.name}.{alternative.name}", alternative.source)
+        return Pen(self, provenance, ("activity", activity.name))
 
 
 class Pen:
@@ -68,28 +87,41 @@ class Pen:
     Args:
         canvas: Where to draw.
         provenance: The element.
+        called: Kind and name of the element after which places and transitions are called.
+        owner: What is added to the part: whose interface it is.
     """
 
-    def __init__(self, canvas: Canvas, provenance: Provenance) -> None:
+    def __init__(
+        self, canvas: Canvas, provenance: Provenance, called: tuple[str, str], owner: tuple[str, ...] = ()
+    ) -> None:
         self.canvas = canvas
         self.provenance = provenance
+        self.called = called
+        self.owner = owner
 
-    def place(self, name: str, *, initial: int = 0) -> str:
-        """Draws a place and returns its name."""
+    def place(self, *part: str, initial: int = 0, of: tuple[str, str] | None = None) -> str:
+        """Draws a place and returns its name.
+
+        Args:
+            *part: Which place of its element; nothing for the element's own.
+            initial: Tokens of the initial marking.
+            of: Kind and name of the element, where it is another than the pen's.
+        """
+        name = self.canvas.place_of(*(of or self.called), *part, *self.owner)
         return self.canvas.place(name, initial=initial, provenance=self.provenance)
 
     def transition(
         self,
-        name: str,
+        part: str | tuple[str, ...],
         consume: list[str],
         produce: list[str],
         *,
         read: list[str] | None = None,
         event: Event | None = None,
     ) -> None:
-        """Draws a transition, internal unless an event is given."""
+        """Draws a transition, internal unless an event is given; its part is a word, or one with names."""
         self.canvas.transition(
-            name,
+            self.canvas.names.of(*self.called, *((part,) if isinstance(part, str) else part), *self.owner),
             consume=consume,
             produce=produce,
             read=read or [],

@@ -16,29 +16,23 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     """
     r = resource.name
     pen = canvas.of("hardware", r, resource.source)
-    free, busy = pen.place(f"{r}_free", initial=1), pen.place(f"{r}_busy")
-    oos, failing = f"{r}_OOS", f"{r}_failing"
+    free, busy = pen.place("free", initial=1), pen.place("busy")
     if resource.faulty:
-        canvas.role(pen.place(oos), ("oos", r))
-        pen.place(failing)
-    available, take = pen.place(f"{r}_available", initial=1), pen.place(f"{r}_take")
-    answer, release = pen.place(f"{r}_answer"), pen.place(f"{r}_release")
+        oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+    available, take = pen.place("available", initial=1), pen.place("take")
+    answer, release = pen.place("answer"), pen.place("release")
     if resource.faulty:
-        error = pen.place(f"{r}_error")
+        error = pen.place("error")
         fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
-        pen.transition(f"{fails}_f", [free], [failing], event=fails)
-        pen.transition(f"{fails}_b", [busy, answer], [failing, error], event=fails)
-        pen.transition(f"{r}_3", [failing, available], [oos])
-        pen.transition(f"{r}_4", [failing, release], [oos])
-        pen.transition(f"{returns}", [oos], [free, available], event=returns)
-    pen.transition(f"{r}_8", [busy, release], [free, available])
-    pen.transition(f"{r}_9", [free, take], [busy, answer])
-    canvas.unit([free, busy, oos, failing] if resource.faulty else [free, busy])
-    canvas.unit(
-        [available, take, answer, release, f"{r}_error"]
-        if resource.faulty
-        else [available, take, answer, release]
-    )
+        pen.transition("EV_OOS_f", [free], [failing], event=fails)
+        pen.transition("EV_OOS_b", [busy, answer], [failing, error], event=fails)
+        pen.transition("3", [failing, available], [oos])
+        pen.transition("4", [failing, release], [oos])
+        pen.transition("EV_RD", [oos], [free, available], event=returns)
+    pen.transition("8", [busy, release], [free, available])
+    pen.transition("9", [free, take], [busy, answer])
+    canvas.unit([free, busy, *([oos, failing] if resource.faulty else [])])
+    canvas.unit([available, take, answer, release, *([error] if resource.faulty else [])])
 
 
 def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
@@ -58,23 +52,23 @@ def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> Non
     """
     s, a = resource.name, producer.name
     pen = canvas.of("software", s, resource.source)
-    free, busy = pen.place(f"{s}_free"), pen.place(f"{s}_busy")
-    not_available, waiting = pen.place(f"{s}_notAvailable", initial=1), pen.place(f"{s}_waiting")
-    activation, deactivation = pen.place(f"{s}_activation"), pen.place(f"{s}_deactivation")
-    available, take = pen.place(f"{s}_available", initial=1), pen.place(f"{s}_take")
-    answer, release, error = pen.place(f"{s}_answer"), pen.place(f"{s}_release"), pen.place(f"{s}_error")
-    pen.transition(f"{s}_1", [take, not_available], [waiting, f"{a}_StartByRes"])
-    quiet = [pen.place(f"{s}_quiet", initial=1)] if canvas.usage.released_unasked(s) else []
-    pen.transition(f"{s}_2", [waiting, activation], [busy, answer, *quiet])
-    failed = pen.place(f"{s}_failed") if quiet else deactivation
-    pen.transition(f"{s}_3", [waiting, deactivation], [failed, error])
-    pen.transition(f"{s}_6", [busy, answer, deactivation], [failed, error])
-    pen.transition(f"{s}_8", [failed, release], [not_available, available])
-    pen.transition(f"{s}_4", [busy, release], [free])
-    pen.transition(f"{s}_5", [free, deactivation], [not_available, available])
-    pen.transition(f"{s}_7", [busy, activation], [busy, *quiet])
+    free, busy = pen.place("free"), pen.place("busy")
+    not_available, waiting = pen.place("notAvailable", initial=1), pen.place("waiting")
+    activation, deactivation = pen.place("activation"), pen.place("deactivation")
+    available, take = pen.place("available", initial=1), pen.place("take")
+    answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
+    pen.transition("1", [take, not_available], [waiting, canvas.place_of("activity", a, "StartByRes")])
+    quiet = [pen.place("quiet", initial=1)] if canvas.usage.released_unasked(s) else []
+    pen.transition("2", [waiting, activation], [busy, answer, *quiet])
+    failed = pen.place("failed") if quiet else deactivation
+    pen.transition("3", [waiting, deactivation], [failed, error])
+    pen.transition("6", [busy, answer, deactivation], [failed, error])
+    pen.transition("8", [failed, release], [not_available, available])
+    pen.transition("4", [busy, release], [free])
+    pen.transition("5", [free, deactivation], [not_available, available])
+    pen.transition("7", [busy, activation], [busy, *quiet])
     if quiet:
-        pen.transition(f"{s}_10", [free, activation], [free, *quiet])
+        pen.transition("10", [free, activation], [free, *quiet])
     canvas.unit([not_available, waiting, free, busy, *([failed] if quiet else [])])
     canvas.unit([available, take, answer, release, error])
 
@@ -98,33 +92,33 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
         producer: The activity that produces it.
     """
     s, a = resource.name, producer.name
-    pen = canvas.of("software", s, resource.source)
-    running = f"{a}_active1" if len(producer.alternatives) == 1 else f"{a}_running"
-    every = [i for product in producer.produces for i, _ in canvas.interfaces(product)]
-    for i, _ in canvas.interfaces(s):
-        free, busy = pen.place(f"{i}_free"), pen.place(f"{i}_busy")
-        waiting, unused = pen.place(f"{i}_waiting"), pen.place(f"{i}_unused", initial=1)
-        available, take = pen.place(f"{i}_available", initial=1), pen.place(f"{i}_take")
-        answer, release = pen.place(f"{i}_answer"), pen.place(f"{i}_release")
-        pen.transition(f"{i}_1", [take, unused], [waiting])
-        pen.transition(f"{i}_2", [waiting], [busy, answer], read=[running])
-        pen.transition(f"{i}_4", [busy, release], [free, unused])
-        pen.transition(f"{i}_10", [free], [available], read=[f"{a}_idle"])
-        if not canvas.usage.sharing.evaluated_on_release(a):
-            for other in every:
-                if other != i:
-                    pen.transition(f"{i}_9_{other}", [free], [available], read=[f"{other}_answer"])
+    running = canvas.place_of("activity", a, "active1" if len(producer.alternatives) == 1 else "running")
+    idle, refusing = (canvas.place_of("activity", a, part) for part in ("idle", "refusing"))
+    every = [(product, owner) for product in producer.produces for owner in canvas.owners(product)]
+    goes_on = not canvas.usage.sharing.evaluated_on_release(a)
+    for owner in canvas.owners(s):
+        pen = canvas.of_interface("software", s, resource.source, owner)
+        free, busy = pen.place("free"), pen.place("busy")
+        waiting, unused = pen.place("waiting"), pen.place("unused", initial=1)
+        available, take = pen.place("available", initial=1), pen.place("take")
+        answer, release = pen.place("answer"), pen.place("release")
+        pen.transition("1", [take, unused], [waiting])
+        pen.transition("2", [waiting], [busy, answer], read=[running])
+        pen.transition("4", [busy, release], [free, unused])
+        pen.transition("10", [free], [available], read=[idle])
+        for number, other in enumerate(every):
+            if goes_on and other != (s, owner):
+                pen.transition(f"9.{number}", [free], [available], read=[canvas.answer(*other)])
+        interface = [available, take, waiting, answer, release, free]
         if canvas.usage.refusable(a):
-            refusing, error = f"{a}_refusing", pen.place(f"{i}_error")
-            deactivation = pen.place(f"{i}_deactivation")
-            pen.transition(f"{i}_3", [waiting], [deactivation, error, unused], read=[refusing])
-            pen.transition(f"{i}_6", [busy, answer], [deactivation, error, unused], read=[refusing])
-            pen.transition(f"{i}_5", [free], [available], read=[refusing])
-            pen.transition(f"{i}_8", [deactivation, release], [available])
-            canvas.unit([available, take, waiting, answer, release, error, free])
-        else:
-            canvas.unit([available, take, waiting, answer, release, free])
-        canvas.unit([unused, waiting, busy])
+            error, deactivation = pen.place("error"), pen.place("deactivation")
+            pen.transition("3", [waiting], [deactivation, error, unused], read=[refusing])
+            pen.transition("6", [busy, answer], [deactivation, error, unused], read=[refusing])
+            pen.transition("5", [free], [available], read=[refusing])
+            pen.transition("8", [deactivation, release], [available])
+            interface.append(error)
+        canvas.unit(interface)
+        canvas.unit([unused, busy])
 
 
 def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
@@ -139,25 +133,26 @@ def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
     """
     r = resource.name
     pen = canvas.of("hardware", r, resource.source)
-    free, oos, failing = pen.place(f"{r}_free", initial=1), f"{r}_OOS", f"{r}_failing"
-    interfaces = [i for i, _ in canvas.interfaces(r)]
-    for i in interfaces:
-        available, take = pen.place(f"{i}_available", initial=1), pen.place(f"{i}_take")
-        answer, release, error = pen.place(f"{i}_answer"), pen.place(f"{i}_release"), f"{i}_error"
-        pen.transition(f"{i}_7", [take], [answer], read=[free])
-        pen.transition(f"{i}_8", [release], [available])
+    free = pen.place("free", initial=1)
+    if resource.faulty:
+        oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+    every = []
+    for owner in canvas.owners(r):
+        its = canvas.of_interface("hardware", r, resource.source, owner)
+        available, take = its.place("available", initial=1), its.place("take")
+        answer, release = its.place("answer"), its.place("release")
+        its.transition("7", [take], [answer], read=[free])
+        its.transition("8", [release], [available])
+        every.append(available)
+        interface = [available, take, answer, release]
         if resource.faulty:
-            pen.place(error)
-            pen.transition(f"{i}_6", [answer], [error], read=[failing])
-    if not resource.faulty:
-        return
-    canvas.role(pen.place(oos), ("oos", r))
-    pen.place(failing)
-    every = [f"{i}_available" for i in interfaces]
-    fails, recovers = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
-    pen.transition(f"{fails}", [free], [failing], event=fails)
-    pen.transition(f"{r}_3", [failing, *every], [oos])
-    pen.transition(f"{recovers}", [oos], [free, *every], event=recovers)
-    canvas.unit([free, failing, oos])
-    for i in interfaces:
-        canvas.unit([f"{i}_available", f"{i}_take", f"{i}_answer", f"{i}_release", f"{i}_error", oos])
+            error = its.place("error")
+            its.transition("6", [answer], [error], read=[failing])
+            interface.append(error)
+        canvas.unit(interface)
+    if resource.faulty:
+        fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
+        pen.transition("EV_OOS", [free], [failing], event=fails)
+        pen.transition("3", [failing, *every], [oos])
+        pen.transition("EV_RD", [oos], [free, *every], event=returns)
+        canvas.unit([free, failing, oos])

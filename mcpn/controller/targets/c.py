@@ -1,0 +1,160 @@
+"""The controller in C99, for the embedded computer: one header, one source, an example.
+
+Constant tables, no allocation, no recursion, no pointers to functions. The time of an event is bounded: two
+searches by halving, one pass over the events of a state, and at most as many actions as the header says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mcpn.controller.hierarchy import Controller
+from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.controller.targets.numbers import Numbers
+from mcpn.controller.targets.render import render, rows
+from mcpn.net.compose import MissionNet
+
+LONGEST_PREFIX = 20
+
+
+@dataclass(frozen=True)
+class Array:
+    """A constant table.
+
+    Args:
+        name: Its name, without the mission's.
+        values: Numbers that are not negative.
+        meaning: What it says, for the comment.
+    """
+
+    name: str
+    values: list[int]
+    meaning: str
+
+    @property
+    def bytes_each(self) -> int:
+        """Bytes of one number."""
+        most = max(self.values, default=0)
+        return 1 if most <= 0xFF else 2 if most <= 0xFFFF else 4
+
+    @property
+    def type(self) -> str:
+        """Its type in C."""
+        return f"uint{8 * self.bytes_each}_t"
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the whole."""
+        return self.bytes_each * self.length
+
+    @property
+    def length(self) -> int:
+        """How many numbers there are; C has no empty tables."""
+        return max(1, len(self.values))
+
+    @property
+    def text(self) -> str:
+        """The numbers, each unsigned."""
+        return rows([f"{value}U" for value in self.values or [0]])
+
+
+def write_c(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
+    """The files by name: header, source, example.
+
+    Args:
+        controller: The controller.
+        mission_net: The mission's net, for the parameters.
+    """
+    numbers = Numbers(controller, mission_net)
+    prefix = identifiers([controller.mission], keywords=C_KEYWORDS, longest=LONGEST_PREFIX)[
+        controller.mission
+    ]
+    lower, upper = prefix.lower(), prefix.upper()
+    arrays = _arrays(numbers)
+    kinds = {
+        "event": numbers.events,
+        "activity": numbers.activities,
+        "alternative": numbers.alternatives,
+        "objective": numbers.objectives,
+        "hardware": numbers.hardware,
+        "section": numbers.sections,
+    }
+    enums = {
+        kind: [
+            (identifier, number, comment(name))
+            for number, (name, identifier) in enumerate(
+                identifiers(names, prefix=f"{upper}_{kind.upper()}_", longest=C_SIGNIFICANT).items()
+            )
+        ]
+        for kind, names in kinds.items()
+    }
+    values = {
+        "p": lower,
+        "P": upper,
+        "mission": comment(controller.mission),
+        "controller": controller,
+        "numbers": numbers,
+        "enums": enums,
+        "strings": {kind: [c_string(name) for name in names] for kind, names in kinds.items()},
+        "arrays": arrays,
+        "table_bytes": sum(array.bytes for array in arrays),
+        "name_bytes": sum(len(name.encode()) + 1 for names in kinds.values() for name in names),
+        "oos_bytes": max(1, (len(numbers.faulty) + 7) // 8),
+        "longest_name": max(len(name.encode()) for name in numbers.events),
+        "number": f"uint{8 if numbers.none == 0xFF else 16 if numbers.none == 0xFFFF else 32}_t",
+        "event_type": "uint16_t" if len(numbers.events) < 0xFFFF else "uint32_t",
+        "c_string": c_string,
+    }
+    return {
+        f"{lower}.h": render("controller.h.jinja", **values),
+        f"{lower}.c": render("controller.c.jinja", **values),
+        f"{lower}_main.c": render("main.c.jinja", **values),
+    }
+
+
+def _arrays(n: Numbers) -> list[Array]:
+    none = n.none
+    change = {e: 2 * i for i, e in enumerate(n.failures)} | {e: 2 * i + 1 for i, e in enumerate(n.repairs)}
+    nothing = 2 * len(n.faulty)
+    events = [change.get(e, nothing) for e in range(len(n.events))]
+    columns = list(zip(*n.action_rows, strict=True)) or [(), (), (), ()]
+    meaning = f"2 i: hardware i fails; 2 i + 1: it is ready again; {nothing}: neither"
+    arrays = [
+        *([Array("event_change", events, meaning)] if n.faulty else []),
+        Array("section_type", n.section_type, "type of each section"),
+        Array("section_success", [r[0] for r in n.routes], "section entered after success, or the outcome"),
+        Array("section_failure", [r[1] for r in n.routes], "the same after failure"),
+        Array("section_events", n.event_start, "first of the section's events in event_mission"),
+        Array("section_event_count", n.event_count, "how many they are"),
+        Array("event_mission", [pair[0] for pair in n.section_events], "event of the mission, ascending"),
+        Array("event_local", [pair[1] for pair in n.section_events], "its number in the type"),
+        Array("section_faulty", n.slices["faulty"], "the section's hardware that can fail, in pool"),
+        Array("section_hardware", n.slices["hardware"], "the type's hardware, in pool"),
+        Array("section_objectives", n.slices["objectives"], "its objectives"),
+        Array("section_activities", n.slices["activities"], "its activities"),
+        Array("section_alternatives", n.slices["alternatives"], "its alternatives"),
+        Array("pool", n.pool, "numbers of elements of the mission"),
+        Array("type_states", n.type_states, "first of the type's states in move_start"),
+        Array("type_state_count", [len(m.states) for m in n.controller.types], "how many they are"),
+        Array("type_entries", n.type_entries, "first of its entries"),
+        Array("type_hardware", n.type_hardware, "bits of the number of an entry"),
+        Array("entry_target", n.entry_target, f"first state inside, {none} where the mission cannot come"),
+        Array("entry_list", n.entry_list, "list of actions"),
+        Array("move_start", n.move_start, "first move of a state; the next row ends it"),
+        Array("move_event", n.move_event, "event of the type"),
+        Array("move_target", n.move_target, "state, or the outcome that leaves the section"),
+        Array("move_list", n.move_list, "list of actions"),
+        Array("list_start", n.list_start, "first action of a list; the next row ends it"),
+        Array("action_verb", list(columns[0]), "0 stop, 1 release, 2 select, 3 start"),
+        Array("action_subject", list(columns[1]), "activity of the type; hardware to release"),
+        Array("action_alternative", list(columns[2]), f"alternative of the type, or {none}"),
+        Array("action_objective", list(columns[3]), f"objective of the type, or {none}"),
+        Array("mode_start", n.mode_start, "first pair of a state's mode"),
+        Array("mode_length", n.mode_length, "how many pairs"),
+        Array("mode_activity", [pair[0] for pair in n.modes], "activity of the type that runs"),
+        Array("mode_alternative", [pair[1] for pair in n.modes], "in which alternative"),
+    ]
+    for kind, law in n.law.items():
+        arrays.append(Array(f"{kind}_law", [first for first, _ in law], f"first parameter of {kind}"))
+        arrays.append(Array(f"{kind}_law_count", [count for _, count in law], "how many"))
+    return arrays

@@ -1,0 +1,277 @@
+"""A controller as numbers: what targets with constant tables print.
+
+Every element of the mission has a number, events in the order of their texts' bytes, so that a name is found
+by halving. A section's machine speaks of its own elements by position; each section says, by slices of one
+pool, which elements of the mission these are. Equal slices and equal lists of actions are kept once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from mcpn.controller.actions import VERBS, Action
+from mcpn.controller.hierarchy import KINDS, Controller, SectionMachine
+from mcpn.mission.model import FAIL, SUCCEED, Parameter
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
+
+Item = TypeVar("Item", bound=Hashable)
+
+
+class Pool(Generic[Item]):
+    """Sequences one after the other, equal ones once."""
+
+    def __init__(self) -> None:
+        self.items: list[Item] = []
+        self._known: dict[tuple[Item, ...], int] = {}
+
+    def add(self, sequence: Iterable[Item]) -> int:
+        """Where a sequence begins."""
+        key = tuple(sequence)
+        if key not in self._known:
+            self._known[key] = len(self.items)
+            self.items.extend(key)
+        return self._known[key]
+
+
+@dataclass
+class Numbers:
+    """Tables of a controller; ``none`` stands for no element.
+
+    Args:
+        controller: The controller.
+        mission_net: The mission's net, for the parameters.
+    """
+
+    controller: Controller
+    mission_net: MissionNet
+    none: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        controller, mission = self.controller, self.mission_net.mission
+        self.hardware = [h.name for h in mission.hardware]
+        self.faulty = list(controller.hardware)
+        self.activities = [a.name for a in mission.activities if a.name in self.mission_net.usage.started]
+        running = [a for a in mission.activities if a.name in set(self.activities)]
+        self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]
+        self.objectives = [section.name for section in self.mission_net.graph.walk()]
+        self.sections = [section.name for section in controller.sections]
+        texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}
+        for name in self.faulty:
+            texts |= {str(Event(What.OUT_OF_SERVICE, name)), str(Event(What.REPAIRED, name))}
+        self.events = sorted(texts, key=lambda text: text.encode("utf-8", "surrogatepass"))
+        self._event = {text: number for number, text in enumerate(self.events)}
+        self.start = self._event[str(START)]
+        self._number = {
+            kind: {name: number for number, name in enumerate(names)}
+            for kind, names in (
+                ("hardware", self.hardware),
+                ("objectives", self.objectives),
+                ("activities", self.activities),
+                ("alternatives", self.alternatives),
+            )
+        }
+        self._tables()
+        self._parameters()
+
+    # --- events of hardware ---
+
+    @property
+    def failures(self) -> list[int]:
+        """The event of each faulty hardware resource's failure."""
+        return [self._event[str(Event(What.OUT_OF_SERVICE, name))] for name in self.faulty]
+
+    @property
+    def repairs(self) -> list[int]:
+        """The event of its repair."""
+        return [self._event[str(Event(What.REPAIRED, name))] for name in self.faulty]
+
+    # --- tables ---
+
+    def _tables(self) -> None:
+        controller = self.controller
+        self.initial = self.sections.index(controller.initial)
+        self.list_start: list[int] = []
+        self.action_rows: list[tuple[int, int, int, int]] = []  # verb, subject, alternative, objective
+        self.type_states: list[int] = []  # the first row of a type in move_start and mode_start
+        self.type_entries: list[int] = []
+        self.type_hardware: list[int] = []
+        self.entry_target: list[int] = []
+        self.entry_list: list[int] = []
+        self.move_start: list[int] = []
+        self.move_event: list[int] = []
+        self.move_target: list[int] = []
+        self.move_list: list[int] = []
+        self.mode_start: list[int] = []
+        modes: Pool[tuple[int, int]] = Pool()
+        self.mode_length: list[int] = []
+        self._lists: dict[tuple[tuple[int, int, int, int], ...], int] = {}
+        largest = max(
+            *(len(names) for names in self._number.values()),
+            max(len(machine.states) for machine in controller.types),
+            len(self.sections),
+        )
+        self.none = 0xFF if largest < 0xFD else 0xFFFF if largest < 0xFFFD else 0xFFFFFFFF
+        self.success, self.failure = self.none - 1, self.none - 2
+        self._own = [_positions(machine) for machine in controller.types]
+        for machine, own in zip(controller.types, self._own, strict=True):
+            self.type_states.append(len(self.move_start))
+            self.type_entries.append(len(self.entry_target))
+            self.type_hardware.append(len(machine.hardware))
+            for entry in machine.entries:
+                self.entry_target.append(self.none if entry is None else entry.target)
+                self.entry_list.append(0 if entry is None else self._list(entry.actions, own))
+            moves = iter(machine.moves)
+            move = next(moves, None)
+            for number, state in enumerate(machine.states):
+                self.move_start.append(len(self.move_event))
+                while move is not None and move.source == number:
+                    self.move_event.append(move.event)
+                    ends = {"success": self.success, "failure": self.failure}
+                    self.move_target.append(
+                        move.target if isinstance(move.target, int) else ends[move.target]
+                    )
+                    self.move_list.append(self._list(move.actions, own))
+                    move = next(moves, None)
+                pairs = [
+                    (own["activities"][a], own["alternatives"][f"{a}.{w}"]) for a, w in state.mode.items()
+                ]
+                self.mode_start.append(modes.add(pairs))
+                self.mode_length.append(len(pairs))
+            # One row more, so that the moves of the last state end where the next row begins.
+            self.move_start.append(len(self.move_event))
+            self.mode_start.append(0)
+            self.mode_length.append(0)
+        self.list_start.append(len(self.action_rows))
+        self.modes = modes.items
+        self._place_sections()
+
+    def _list(self, actions: tuple[Action, ...], own: Mapping[str, Mapping[str, int]]) -> int:
+        rows = tuple(
+            (
+                VERBS.index(action.verb),
+                own["activities"][action.activity]
+                if action.activity
+                else own["hardware"][action.hardware or ""],
+                own["alternatives"][f"{action.activity}.{action.alternative}"]
+                if action.alternative
+                else self.none,
+                own["objectives"][action.objective] if action.objective else self.none,
+            )
+            for action in actions
+        )
+        if rows not in self._lists:
+            self._lists[rows] = len(self.list_start)
+            self.list_start.append(len(self.action_rows))
+            self.action_rows.extend(rows)
+        return self._lists[rows]
+
+    def _place_sections(self) -> None:
+        """Routes of sections, and which elements of the mission their types' elements are."""
+        controller = self.controller
+        pool: Pool[int] = Pool()
+        self.section_type = [section.type for section in controller.sections]
+        ends = {SUCCEED: self.success, FAIL: self.failure}
+        number = {name: i for i, name in enumerate(self.sections)}
+        self.routes = [
+            [
+                ends.get(section.routes[outcome], number.get(section.routes[outcome], -1))
+                for outcome in OUTCOMES
+            ]
+            for section in controller.sections
+        ]
+        self.slices: dict[str, list[int]] = {kind: [] for kind in (*KINDS, "faulty")}
+        events: Pool[tuple[int, int]] = Pool()
+        self.event_start, self.event_count = list[int](), list[int]()
+        faulty = {name: i for i, name in enumerate(self.faulty)}
+        for section in controller.sections:
+            own = self._own[section.type]
+            for kind in KINDS:
+                names = section.names[kind]
+                mine = [self._number[kind].get(names.get(old, old), self.none) for old in own[kind]]
+                self.slices[kind].append(pool.add(mine))
+            machine = controller.types[section.type]
+            names = section.names["hardware"]
+            self.slices["faulty"].append(pool.add(faulty[names.get(h, h)] for h in machine.hardware))
+            pairs = sorted((self._event[str(e)], i) for i, e in enumerate(section.events))
+            self.event_start.append(events.add(pairs))
+            self.event_count.append(len(pairs))
+        self.pool, self.section_events = pool.items, events.items
+
+    @property
+    def longest(self) -> int:
+        """The most actions of one event."""
+        length = [b - a for a, b in zip(self.list_start, self.list_start[1:], strict=False)]
+        entries = [
+            max((length[entry] for entry in self._entries(section.type)), default=0)
+            for section in self.controller.sections
+        ]
+        best = entries[self.initial]
+        for section, routes in zip(self.controller.sections, self.routes, strict=True):
+            first, last = self._moves(section.type)
+            for target, actions in zip(self.move_target[first:last], self.move_list[first:last], strict=True):
+                follows = 0
+                if target in (self.success, self.failure):
+                    route = routes[0 if target == self.success else 1]
+                    follows = 0 if route in (self.success, self.failure) else entries[route]
+                best = max(best, length[actions] + follows)
+        return best
+
+    @property
+    def most_moves(self) -> int:
+        """The most events that are possible in one state."""
+        return max(b - a for a, b in zip(self.move_start, self.move_start[1:], strict=False))
+
+    def _entries(self, kind: int) -> list[int]:
+        first = self.type_entries[kind]
+        return self.entry_list[first : first + (1 << self.type_hardware[kind])]
+
+    def _moves(self, kind: int) -> tuple[int, int]:
+        first = self.type_states[kind]
+        last = first + len(self.controller.types[kind].states)
+        return self.move_start[first], self.move_start[last]
+
+    # --- parameters ---
+
+    def _parameters(self) -> None:
+        """Parameters of objectives, activities and alternatives: the first and how many, by number."""
+        self.parameters: list[Parameter] = []
+        self.law: dict[str, list[tuple[int, int]]] = {}
+        objectives = {section.name: section.parameters for section in self.mission_net.graph.walk()}
+        running = {a.name: a for a in self.mission_net.mission.activities}
+        ways = {f"{a.name}.{w.name}": w.parameters for a in running.values() for w in a.alternatives}
+        for kind, of in (
+            ("objectives", [objectives[name] for name in self.objectives]),
+            ("activities", [running[name].parameters for name in self.activities]),
+            ("alternatives", [ways[name] for name in self.alternatives]),
+        ):
+            self.law[kind] = []
+            for parameters in of:
+                self.law[kind].append((len(self.parameters), len(parameters)))
+                self.parameters.extend(parameters)
+
+
+OUTCOMES = ("success", "failure")
+
+
+def _positions(machine: SectionMachine) -> dict[str, dict[str, int]]:
+    """The elements that a machine speaks of, by position; in the order in which it does."""
+    found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS}
+    lists = [e.actions for e in machine.entries if e] + [m.actions for m in machine.moves]
+    for actions in lists:
+        for action in actions:
+            for kind, name in (
+                ("hardware", action.hardware),
+                ("objectives", action.objective),
+                ("activities", action.activity),
+                ("alternatives", f"{action.activity}.{action.alternative}" if action.alternative else None),
+            ):
+                if name is not None:
+                    found[kind][name] = None
+    for state in machine.states:
+        for activity, alternative in state.mode.items():
+            found["activities"][activity] = None
+            found["alternatives"][f"{activity}.{alternative}"] = None
+    return {kind: {name: i for i, name in enumerate(names)} for kind, names in found.items()}

@@ -1,0 +1,102 @@
+"""What places and transitions are called, by their element and their part of it.
+
+A name is the paper's: the element's, with a prefix for objectives (``OBJ_``) and parallel blocks (``PAR_``),
+and the part (``GPS_sensor_take``). Elements have names that are unique in their kind only, so that these may
+coincide. Where they could, one of the two is written with its kind instead: ``activity:camera:error``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from weakref import WeakKeyDictionary
+
+from mcpn.mission.flatten import ParallelSection
+from mcpn.mission.usage import Usage
+
+_PREFIXES = {"objective": "OBJ_", "parallel": "PAR_"}
+
+
+class Names:
+    """Names for all elements of a mission, the same in its net and in the nets of its parts.
+
+    Args:
+        elements: Kind and name of each element; where two of them are called alike in nets, the first has
+            the paper's names.
+    """
+
+    def __init__(self, elements: Iterable[tuple[str, str]]) -> None:
+        self._owners: dict[str, tuple[str, str]] = {}
+        self._resources: set[str] = set()
+        for kind, name in elements:
+            self._owners.setdefault(_stem(kind, name), (kind, name))
+            if kind in ("hardware", "software"):
+                self._resources.add(name)
+
+    def of(self, kind: str, element: str, *part: str) -> str:
+        """The name of a part of an element, different from that of any other part of any element.
+
+        Args:
+            kind: The element's kind.
+            element: Its name.
+            *part: A word, and names of resources where one word would not tell parts apart; nothing for the
+                element's own place.
+
+        Returns:
+            ``stem_part``, unless the stem is another element's, or text of this form may be another
+            element's name with a part, or other resources would give the same text.
+        """
+        stem = _stem(kind, element)
+        plain = "_".join((stem, *part))
+        longer = (plain[:end] for end in _boundaries(plain) if end > len(stem))
+        if (
+            self._owners.get(stem, (kind, element)) != (kind, element)
+            or any(text in self._owners for text in longer)
+            or self._ways_to_read(part[1:]) > 1
+        ):
+            return ":".join((kind, element, *part))
+        return plain
+
+    def _ways_to_read(self, names: tuple[str, ...]) -> int:
+        """In how many ways a text is a series of names."""
+        if not names:
+            return 1
+        text, known = "_".join(names), self._resources.union(names)
+        ways = {0: 1}  # by where the next name begins
+        for end in _boundaries(text):
+            ways[end + 1] = sum(n for start, n in ways.items() if text[start:end] in known)
+        return ways[len(text) + 1]
+
+
+def _stem(kind: str, element: str) -> str:
+    return "MISSION" if kind == "mission" else f"{_PREFIXES.get(kind, '')}{element}"
+
+
+def _boundaries(text: str) -> Iterator[int]:
+    """Where words of a text end."""
+    yield from (at for at, letter in enumerate(text) if letter == "_")
+    yield len(text)
+
+
+_KNOWN: WeakKeyDictionary[Usage, Names] = WeakKeyDictionary()
+
+
+def names_of(usage: Usage) -> Names:
+    """The names of a mission, made once."""
+    if usage not in _KNOWN:
+        _KNOWN[usage] = Names(_elements(usage))
+    return _KNOWN[usage]
+
+
+def _elements(usage: Usage) -> Iterator[tuple[str, str]]:
+    mission = usage.mission
+    yield "mission", mission.name
+    yield from (("hardware", h.name) for h in mission.hardware)
+    yield from (("software", s.name) for s in mission.software)
+    yield from (("activity", a.name) for a in mission.activities)
+    for graph in usage.graphs():
+        for section in graph.sections:
+            if isinstance(section, ParallelSection):
+                yield "parallel", section.name
+                yield from (("objective", branch.name) for branch in section.branches)
+            else:
+                yield "objective", section.name

@@ -1,0 +1,272 @@
+"""The C target: compiles without a warning, does what the runtime does, and survives any input."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from mcpn.controller.generate import generate
+from mcpn.controller.targets import files
+from mcpn.controller.targets.c import Array
+from mcpn.controller.targets.json import document
+from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.testing import missions
+from tests.controller.traces import Traced, random_events, sorted_mode, tour
+
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+COMPILERS = {
+    "gcc": ["gcc"] if shutil.which("gcc") else None,
+    "clang": ["clang"]
+    if shutil.which("clang")
+    else [sys.executable, "-m", "ziglang", "cc"]
+    if find_spec("ziglang")
+    else None,
+}
+
+
+def build(texts: dict[str, str], folder: Path, *options: str, compiler: str = "gcc") -> Path:
+    command = COMPILERS[compiler]
+    if command is None:
+        pytest.skip(f"needs {compiler}")
+    folder.mkdir(exist_ok=True)
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    program = folder / "program"
+    sources = [str(folder / name) for name in texts if name.endswith(".c")]
+    run = subprocess.run(
+        [*command, *STRICT, *options, "-o", str(program), *sources], capture_output=True, text=True
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stderr == ""
+    return program
+
+
+def run_lines(program: Path, events: list[str]) -> list[str]:
+    run = subprocess.run(
+        [str(program), "all"], input="\n".join(events) + "\n", capture_output=True, text=True
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+    return [sorted_mode(line) for line in run.stdout.splitlines()]
+
+
+@pytest.fixture(scope="module", params=["flat", "hierarchical"])
+def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[str, str], dict[str, Any]]:
+    controller = generate(ulysse_net, request.param)
+    return files(controller, ulysse_net, "c"), document(controller, ulysse_net)
+
+
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.long)])
+def test_every_edge_of_ulysse(
+    made: tuple[dict[str, str], dict[str, Any]], compiler: str, tmp_path: Path
+) -> None:
+    texts, said = made
+    traced = Traced(said)
+    events, edges = tour(traced)
+    assert len(edges) == 1332
+    # Edges inside sections, all of them taken: by type, state and event of the type.
+    taken = {(place[0], place[1], event) for place, event in edges if place[0] is not None}
+    inside = {
+        (section.type, state, section.number[event])
+        for name, state, event in taken
+        if event in (section := traced.tables.sections[str(name)]).number
+    }
+    assert len(inside) == sum(len(row["edges"]) for row in said["types"])
+    program = build(texts, tmp_path, compiler=compiler)
+    traced.restart()
+    assert run_lines(program, events) == traced.lines(events)
+
+
+def test_random_events_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path) -> None:
+    traced = Traced(made[1])
+    program = build(made[0], tmp_path, *SANITIZE)
+    events = random_events(traced, random.Random(1), 5000)
+    traced.restart()
+    assert run_lines(program, events) == traced.lines(events)
+
+
+def test_any_bytes_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path) -> None:
+    rng = random.Random(2)
+    program = build(made[0], tmp_path, *SANITIZE)
+    known = sorted(Traced(made[1]).tables.known)
+    longest = max(map(len, known))
+    lines: list[bytes] = []
+    for _ in range(3000):
+        name = rng.choice(known).encode()
+        lines.append(
+            rng.choice(
+                [
+                    name,
+                    name[: rng.randrange(len(name))],
+                    name + b"+" + rng.randbytes(rng.randrange(300)).replace(b"\n", b""),
+                    name + b"\0",
+                    b"\0" + name,
+                    rng.randbytes(rng.randrange(200)).replace(b"\n", b" "),
+                    b"A" * (longest + rng.randrange(-1, 3)),
+                    b"\xff" * 100_000,
+                ]
+            )
+        )
+    for end in (b"\n", b"", b"\0"):
+        run = subprocess.run([program], input=b"\n".join(lines) + end, capture_output=True)
+        assert (run.returncode, run.stderr) == (0, b"")
+        statuses = [line.split(b":")[0] for line in run.stdout.splitlines()]
+        expected = [line for line in [*lines[:-1], lines[-1] + end.strip()] if line]
+        assert len(statuses) == len(expected)
+        wanted = [line.decode("latin-1") in known for line in expected]
+        assert [status != b"unknown" for status in statuses] == wanted
+
+
+HARNESS = """
+#include <stdio.h>
+#include "ulysse.h"
+/* Any bytes as a controller, then every event: no number is believed. */
+int main(void)
+{
+    ulysse_controller controller;
+    ulysse_action actions[ULYSSE_MAX_ACTIONS];
+    size_t count;
+    unsigned valid = 0;
+    while (fread(&controller, sizeof controller, 1, stdin) == 1) {
+        unsigned event;
+        valid += (unsigned)ulysse_valid(&controller);
+        for (event = 0; event <= ULYSSE_COUNT_EVENT + 1U; event++) {
+            ulysse_controller copy = controller;
+            if (ulysse_handle(&copy, (ulysse_event)event, actions, &count) == ULYSSE_TAKEN) {
+                size_t i;
+                for (i = 0; i < count; i++) {
+                    if (ulysse_activity_name(actions[i].subject)[0] == 0) { return 1; }
+                }
+                if ((ulysse_valid(&controller) == 1) && (ulysse_valid(&copy) == 0)) { return 2; }
+            }
+            (void)ulysse_running(&controller, (ulysse_number)event);
+            (void)ulysse_possible(&controller, (ulysse_event)event);
+        }
+    }
+    printf("%u\\n", valid);
+    return 0;
+}
+"""
+
+
+def test_a_broken_snapshot_is_seen_and_harms_nothing(
+    made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path
+) -> None:
+    texts = {name: text for name, text in made[0].items() if not name.endswith("_main.c")}
+    program = build(texts | {"harness.c": HARNESS}, tmp_path, *SANITIZE)
+    run = subprocess.run([program], input=random.Random(3).randbytes(30_000), capture_output=True, text=False)
+    assert (run.returncode, run.stderr) == (0, b"")
+    assert 0 <= int(run.stdout) < 5000
+
+
+def test_sizes_in_the_header_are_those_of_the_compiler(
+    made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path
+) -> None:
+    header = made[0]["ulysse.h"]
+    build(made[0], tmp_path)
+    code = made[0]["ulysse.c"]
+    source = tmp_path / "ulysse.c"
+    names = [
+        line.split("[")[0].split()[-1] for line in code.splitlines() if line.startswith("static const uint")
+    ]
+    source.write_text(
+        code
+        + '\n#include <stdio.h>\nint main(void) { (void)printf("%zu", '
+        + " + ".join(f"sizeof {name}" for name in names)
+        + "); return 0; }\n"
+    )
+    subprocess.run(["gcc", "-o", tmp_path / "sizes", source], check=True, cwd=tmp_path)
+    size = subprocess.run([tmp_path / "sizes"], capture_output=True, text=True, check=True).stdout
+    assert f" {size} bytes of constant tables" in header
+
+
+@pytest.mark.long
+@settings(
+    max_examples=10,
+    suppress_health_check=list(HealthCheck),
+    deadline=None,
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),  # each example is compiled: shrinking takes minutes
+)
+@given(missions(max_objectives=3, max_depth=1, text=True), st.integers(0, 2**32), st.booleans())
+def test_any_mission(
+    tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool
+) -> None:
+    mission_net = compose(mission)
+    try:
+        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=2000)
+    except (SemanticsError, LimitError):
+        return
+    program = build(files(controller, mission_net, "c"), tmp_path_factory.mktemp("c"))
+    traced = Traced(document(controller, mission_net))
+    events = random_events(traced, random.Random(seed), 300)
+    traced.restart()
+    assert run_lines(program, events) == traced.lines(events)
+
+
+# --- names ---
+
+
+@given(st.lists(st.text(max_size=80), unique=True), st.integers(6, 70))
+def test_identifiers_are_such_and_differ(names: list[str], longest: int) -> None:
+    found = identifiers(names, keywords=C_KEYWORDS, longest=longest, taken=["X_Y"])
+    assert list(found) == names
+    assert len({text.lower() for text in found.values()}) == len(names)
+    for text in found.values():
+        assert text.isascii()
+        assert text.isidentifier()
+        assert len(text) <= longest
+        assert text not in C_KEYWORDS
+        assert text.lower() != "x_y"
+    assert identifiers(names, keywords=C_KEYWORDS, longest=longest, taken=["X_Y"]) == found
+
+
+def test_collisions_and_keywords() -> None:
+    assert identifiers(["a.b", "a_b", "A_B", "int", "1", ""], keywords=C_KEYWORDS) == {
+        "a.b": "a_b",
+        "a_b": "a_b_2",
+        "A_B": "A_B_3",
+        "int": "int_2",
+        "1": "x_1",
+        "": "x_",
+    }
+    long = ["x" * 200 + "a", "x" * 200 + "b"]
+    assert len(set(identifiers(long, longest=C_SIGNIFICANT).values())) == 2
+
+
+@given(st.text(max_size=40))
+def test_strings_end_where_they_should(text: str) -> None:
+    literal = c_string(text)
+    assert literal.isascii()
+    assert literal[0] == literal[-1] == '"'
+    inner = literal[1:-1]
+    assert '"' not in inner
+    assert "?" not in inner
+    read = json.loads('"' + inner.replace("\\", "\\\\") + '"') if inner.isascii() else ""
+    out, i = bytearray(), 0
+    while i < len(read):
+        if read[i] == "\\":
+            out.append(int(read[i + 1 : i + 4], 8))
+            i += 4
+        else:
+            out += read[i].encode()
+            i += 1
+    assert bytes(out) == text.encode("utf-8", "replace")
+    assert "*/" not in comment(text)
+    assert "\n" not in comment(text)
+
+
+def test_arrays_are_as_small_as_their_numbers() -> None:
+    assert [Array("a", v, "").bytes for v in ([], [255, 0], [256], [65536])] == [1, 2, 2, 4]
