@@ -210,7 +210,9 @@ class _Drawing:
     def activity(self, name: str, island: _Island, produces: tuple[str, ...]) -> Activity:
         ways = []
         for i in range(self.number(1, self.shape.alternatives)):
-            consumes = self.consumed(island)
+            # Fallbacks mostly use something else than what has failed.
+            before = {k for way in ways for k in way.consumes} if self.number(0, 3) else set()
+            consumes = self.consumed(island, before)
             ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
@@ -222,10 +224,11 @@ class _Drawing:
             description=self.description(),
         )
 
-    def consumed(self, island: _Island) -> tuple[str, ...]:
+    def consumed(self, island: _Island, avoided: set[str]) -> tuple[str, ...]:
         chosen: list[str] = []
         for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            left = [k for k in left if k not in avoided] or left
             # What a supplier of this very alternative may take too, itself or through others.
             under = frozenset[str]().union(*(island.below[k] for k in chosen))
             near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]

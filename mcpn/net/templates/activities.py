@@ -244,13 +244,13 @@ class _AlternativeDrawing:
     def evaluate_again(self) -> None:
         """A product is given back while another is held: evaluate every alternative again."""
         of = self.canvas.resource
-        for i, (product, owner) in enumerate(self.life.again):
+        for i, (resource, owner) in enumerate(self.life.again):
             for j, held in enumerate(self.life.again):
                 if i != j:
                     self._draw(
                         "again",
-                        [*self.runs, *self._answers(()), of(product, "free", owner)],
-                        [*self._releases(), self.life.start, of(product, "available", owner)],
+                        [*self.runs, *self._answers(()), of(resource, "free", owner)],
+                        [*self._releases(), self.life.start, of(resource, "available", owner)],
                         f"{i}.{j}",
                         read=[self.canvas.answer(*held)],
                     )
