@@ -57,6 +57,8 @@ class Shape:
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
             contends.
+        own_hardware: Whether hardware that one activity consumes is consumed by no other, and all software is
+            shared; with ``shared_activities`` off as well nothing contends, whatever runs together.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and
@@ -77,6 +79,7 @@ class Shape:
     rounds: bool = True
     shared_activities: bool = True
     disjoint_branches: bool = False
+    own_hardware: bool = False
     text: bool = False
     numbers: bool = False
     awkward_names: bool = False
@@ -117,6 +120,9 @@ class _Drawing:
         # Each protocol with the islands that it needs and how many elementary objectives it has.
         self.protocols: list[tuple[Protocol, list[_Island], int]] = []
         self.unused: list[str] = []
+        # Hardware, and which activity uses it, where only one may.
+        self.hardware_names: set[str] = set()
+        self.users: dict[str, str] = {}
 
     def number(self, low: int, high: int) -> int:
         return self.draw(st.integers(low, high))
@@ -168,6 +174,7 @@ class _Drawing:
 
     def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
         hardware = tuple(self.hardware(f"h{i}") for i in range(self.number(1, self.shape.hardware)))
+        self.hardware_names = {h.name for h in hardware}
         islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
         self.islands = [_Island(i) for i in range(islands)]
         for i, h in enumerate(hardware):
@@ -181,14 +188,16 @@ class _Drawing:
             producer = self.activity(f"producer{i}", island, produced)
             self.activities.append(producer)
             software += [
-                Software(name=s, description=self.description(), exclusive=self.number(0, 3) == 0)
-                for s in produced
+                Software(name=s, description=self.description(), exclusive=self.exclusive()) for s in produced
             ]
             needs = [island.below[k] for a in producer.alternatives for k in a.consumes]
             for s in produced:
                 island.below[s] = frozenset(produced).union(*needs)
                 island.groups[s] = produced
         return hardware, tuple(software)
+
+    def exclusive(self) -> bool:
+        return not self.shape.own_hardware and self.number(0, 3) == 0
 
     def hardware(self, name: str) -> Hardware:
         faulty = self.number(0, 4) > 0
@@ -208,11 +217,11 @@ class _Drawing:
         island.startable.append(name)
 
     def activity(self, name: str, island: _Island, produces: tuple[str, ...]) -> Activity:
-        ways = []
+        ways: list[Alternative] = []
         for i in range(self.number(1, self.shape.alternatives)):
             # Fallbacks mostly use something else than what has failed.
             before = {k for way in ways for k in way.consumes} if self.number(0, 3) else set()
-            consumes = self.consumed(island, before)
+            consumes = self.consumed(name, island, before)
             ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
@@ -224,10 +233,12 @@ class _Drawing:
             description=self.description(),
         )
 
-    def consumed(self, island: _Island, avoided: set[str]) -> tuple[str, ...]:
+    def consumed(self, activity: str, island: _Island, avoided: set[str]) -> tuple[str, ...]:
         chosen: list[str] = []
         for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            if self.shape.own_hardware:
+                left = [k for k in left if self.users.get(k, activity) == activity]
             left = [k for k in left if k not in avoided] or left
             # What a supplier of this very alternative may take too, itself or through others.
             under = frozenset[str]().union(*(island.below[k] for k in chosen))
@@ -240,6 +251,7 @@ class _Drawing:
                 left = made
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
+        self.users |= {k: activity for k in chosen if k in self.hardware_names}
         return tuple(chosen)
 
     def may_join(self, island: _Island, resource: str, chosen: list[str]) -> bool:
