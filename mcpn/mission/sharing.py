@@ -57,24 +57,28 @@ class Sharing:
         A producer that serves goes on if another consumer asks before the last one releases, and is started
         anew if it asks after. Both may come of one failure, in either order, and make a difference where the
         producer, or one that serves it, has several alternatives: the one that goes on keeps its alternative.
-        There, and only there, it evaluates them again, so that both orders end alike.
+        There, and only there, it evaluates them again, so that both orders end alike. Errs on that side.
         """
         usage = self.usage
         if not self.serves(activity):
             return False
         if all(len(usage.activities[a].alternatives) == 1 for a in usage.closure(activity)):
             return False
-        produces = set(usage.activities[activity].produces)
-        consumers = [a for a in usage.started if usage.resources_of({a}) & produces]
-        if any(self.serves(a) for a in consumers):
+        # By interface, the activities that ask and release by it.
+        asking = [
+            tuple(a for a in usage.started if product in usage.resources_of({a}) and owner in (None, a))
+            for product in usage.activities[activity].produces
+            for owner in self.owners(product)
+        ]
+        if any(self.serves(a) for consumers in asking for a in consumers):
             return True
-        affected = [self._affecting(a, activity) for a in consumers]
+        affected = [self._affecting(consumers, activity) for consumers in asking]
         return any(not one.isdisjoint(other) for one, other in combinations(affected, 2))
 
-    def _affecting(self, consumer: str, producer: str) -> frozenset[str]:
-        """Hardware whose failure may make a consumer ask or release, without the producer's own failure."""
+    def _affecting(self, consumers: tuple[str, ...], producer: str) -> frozenset[str]:
+        """Hardware whose failure may make some activities ask or release, the producer's failure aside."""
         usage = self.usage
-        above = [a for a in usage.started if consumer in usage.closure(a)]
+        above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
         return frozenset[str]().union(*(self._under_all(a, producer) for a in above))
 
     def _under_all(self, activity: str, without: str) -> frozenset[str]:
