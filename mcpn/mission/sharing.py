@@ -57,7 +57,7 @@ class Sharing:
         A producer that serves goes on if another consumer asks before the last one releases, and is started
         anew if it asks after. Both may come of one failure, in either order, and make a difference where the
         producer, or one that serves it, has several alternatives: the one that goes on keeps its alternative.
-        There, and only there, it evaluates them again, so that both orders end alike. Errs on that side.
+        There, and only there, it evaluates them again, so that both orders end alike.
         """
         usage = self.usage
         if not self.serves(activity):
