@@ -14,7 +14,7 @@ from functools import cached_property, partial
 from mcpn_kernel import Zdd
 
 from mcpn.net.petri import Marking
-from mcpn.space.algebra import Edge
+from mcpn.space.algebra import Edge, Guards
 from mcpn.space.encoding import distinct
 from mcpn.space.images import ImageStore
 from mcpn.space.symbolic import SymbolicSpace, chained, elements
@@ -76,6 +76,19 @@ class _Diagrams:
         conditions = [self.encoding.condition([place]) for place in places]
         return self.everything - self.everything.without([c for c in conditions if c is not None])
 
+    def restricted(self, states: Zdd, marked: Collection[int], unmarked: Collection[int]) -> Zdd:
+        """Those of some states that mark all of some places, and none of others."""
+        condition = self.encoding.condition(marked, unmarked)
+        return self.nothing if condition is None else states - states.without([condition])
+
+    def varying(self, states: Zdd) -> Collection[int]:
+        """All places."""
+        return range(len(self.net.places))
+
+    def pieces(self, states: Zdd) -> Iterator[Zdd]:
+        """One piece, unless there is none."""
+        return iter((states,) if states else ())
+
     def at_most(self, weights: Mapping[int, int], bound: int) -> Zdd:
         """States whose weighted sum of tokens is at most a bound."""
         levels, constant = self.encoding.weigh(weights)
@@ -111,27 +124,57 @@ class _Diagrams:
 
     # --- helpers ---
 
-    def _grouped(self, events: Mapping[int, int], transitions: Collection[int] | None) -> list[list[int]]:
-        """Events of waiting transitions, by the element of the mission that they are of."""
+    def _grouped(
+        self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
+    ) -> list[list[int]]:
+        """Events of waiting transitions without a guard, by the element of the mission that they are of."""
         wanted = set(self._waiting) if transitions is None else set(self._waiting).intersection(transitions)
+        wanted.difference_update(guards or ())
         groups = (distinct(events[t] for t in of if t in wanted) for of in elements(self.encoding))
         return [group for group in groups if group]
 
     def _of(
-        self, events: Mapping[int, int], group: Sequence[int], transitions: Collection[int] | None
+        self,
+        events: Mapping[int, int],
+        group: Sequence[int],
+        transitions: Collection[int] | None,
+        guards: Guards[Zdd] = None,
     ) -> list[int]:
-        """Events of the store for those transitions of a group that are asked for."""
+        """Events of the store for those transitions of a group that are asked for and have no guard."""
         wanted = None if transitions is None else set(transitions)
-        return distinct(events[t] for t in group if wanted is None or t in wanted)
+        return distinct(
+            events[t]
+            for t in group
+            if (wanted is None or t in wanted) and (guards is None or t not in guards)
+        )
+
+    def _guarded(
+        self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
+    ) -> list[tuple[int, Zdd]]:
+        """Events of the store for transitions with a guard that are asked for, with where they may fire."""
+        found = []
+        for t, states in (guards or {}).items():
+            if t in events and (transitions is None or t in transitions):
+                found.append((events[t], states & (self.stable if t in self._waits else self.everything)))
+        return found
+
+    @cached_property
+    def _waits(self) -> frozenset[int]:
+        return frozenset(self._waiting)
 
     def _shortest(
-        self, begin: Sequence[int], goal: Zdd, along: Zdd | None, transitions: Collection[int] | None
+        self,
+        begin: Sequence[int],
+        goal: Zdd,
+        along: Zdd | None,
+        transitions: Collection[int] | None,
+        guards: Guards[Zdd],
     ) -> list[Zdd] | None:
         """Layers back from a goal until one holds a state: by the length of shortest runs from there."""
         start = self.single(begin)
         layers, seen = [goal], goal
         while not layers[-1] & start:
-            earlier = self.before(layers[-1], transitions) - seen
+            earlier = self.before(layers[-1], transitions, guards) - seen
             if along is not None:
                 earlier &= along
             if not earlier:
@@ -146,9 +189,10 @@ class _Diagrams:
         goal: Zdd,
         along: Zdd | None = None,
         transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
     ) -> list[Edge] | None:
         """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
-        layers = self._shortest(begin, goal, along, transitions)
+        layers = self._shortest(begin, goal, along, transitions, guards)
         if layers is None:
             return None
         run, state = list[Edge](), begin
@@ -157,15 +201,27 @@ class _Diagrams:
             edge = next(
                 e
                 for e in self.edges(state)
-                if (wanted is None or e.transition in wanted) and self.single(e.target) & layer
+                if (wanted is None or e.transition in wanted)
+                and self.single(e.target) & layer
+                and (not guards or e.transition not in guards or self.single(state) & guards[e.transition])
             )
             run.append(edge)
             state = edge.target
         return run
 
-    def before(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+    def before(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
         """States with an edge into some states."""
         raise NotImplementedError
+
+    def crossing(self, among: Zdd, into: Zdd) -> Iterator[tuple[int, Zdd]]:
+        """Transitions with edges from some states into others, each with the states before it."""
+        candidates = self.before(into) & among
+        for t in sorted(self.firings(candidates)) if candidates else ():
+            states = self.before(into, [t]) & candidates
+            if states:
+                yield t, states
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state."""
@@ -199,54 +255,73 @@ class DiagramMarkings(_Diagrams):
     def __init__(self, space: SymbolicSpace) -> None:
         super().__init__(space, space.reachable, space.encoding.initial())
 
-    def before(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+    def before(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
         """States with an edge into some states."""
         undoing = self.encoding.undoing
-        found = states.images(self._of(undoing, self._free, transitions), within=self.everything)
+        found = states.images(self._of(undoing, self._free, transitions, guards), within=self.everything)
         if self._waiting:
-            found |= states.images(self._of(undoing, self._waiting, transitions), within=self.stable)
+            waiting = self._of(undoing, self._waiting, transitions, guards)
+            found |= states.images(waiting, within=self.stable)
+        for event, where in self._guarded(undoing, transitions, guards):
+            found |= states.images([event], within=where)
         return found
 
-    def after(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+    def after(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
         """States that an edge leads to from some states."""
         events = self.encoding.events
-        found = states.images(self._of(events, self._free, transitions))
+        found = states.images(self._of(events, self._free, transitions, guards))
         if self._waiting:
-            found |= (states & self.stable).images(self._of(events, self._waiting, transitions))
+            found |= (states & self.stable).images(self._of(events, self._waiting, transitions, guards))
+        for event, where in self._guarded(events, transitions, guards):
+            found |= (states & where).images([event])
         return found
 
     def reaching(
-        self, goal: Zdd, along: Zdd | None = None, transitions: Collection[int] | None = None
+        self,
+        goal: Zdd,
+        along: Zdd | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
     ) -> Zdd:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = self.everything if along is None else along | goal
-        free = self._of(self.encoding.undoing, self._free, transitions)
+        free = self._of(self.encoding.undoing, self._free, transitions, guards)
         found = goal.saturate(free, within=within)
-        if not self._waiting:
-            return found
         settled = within & self.stable
 
-        def back(states: Zdd, events: list[int]) -> Zdd:
-            return states.images(events, within=settled).saturate(free, within=within)
+        def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return states.images(events, within=where).saturate(free, within=within)
 
-        groups = self._grouped(self.encoding.undoing, transitions)
-        return chained(found, [partial(back, events=events) for events in groups])
+        groups = self._grouped(self.encoding.undoing, transitions, guards)
+        steps = [partial(back, events=events, where=settled) for events in groups]
+        for event, where in self._guarded(self.encoding.undoing, transitions, guards):
+            steps.append(partial(back, events=[event], where=where & within))
+        return chained(found, steps)
 
     def reached(
-        self, begin: Zdd, along: Zdd | None = None, transitions: Collection[int] | None = None
+        self,
+        begin: Zdd,
+        along: Zdd | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
     ) -> Zdd:
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
-        free = self._of(self.encoding.events, self._free, transitions)
+        free = self._of(self.encoding.events, self._free, transitions, guards)
         found = (begin & within).saturate(free, within=within)
-        if not self._waiting:
-            return found
 
-        def ahead(states: Zdd, events: list[int]) -> Zdd:
-            return ((states & self.stable).images(events) & within).saturate(free, within=within)
+        def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return ((states & where).images(events) & within).saturate(free, within=within)
 
-        groups = self._grouped(self.encoding.events, transitions)
-        return chained(found, [partial(ahead, events=events) for events in groups])
+        groups = self._grouped(self.encoding.events, transitions, guards)
+        steps = [partial(ahead, events=events, where=self.stable) for events in groups]
+        for event, where in self._guarded(self.encoding.events, transitions, guards):
+            steps.append(partial(ahead, events=[event], where=where))
+        return chained(found, steps)
 
     def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
         """Those of some states that have no edge into a set; cheaper than all states before it."""
@@ -288,38 +363,63 @@ class DiagramAlternatives(_Diagrams):
         """Markings from which internal evolution ends in a goal."""
         return goal.saturate(self.encoding.internal_back, within=self.space.reachable)
 
-    def before(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+    def before(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
         """States with an edge into some states."""
-        events = self._of(self.encoding.undoing, self._waiting, transitions)
-        return self._ending(states).images(events, within=self.everything)
+        ending, undoing = self._ending(states), self.encoding.undoing
+        found = ending.images(self._of(undoing, self._waiting, transitions, guards), within=self.everything)
+        for event, where in self._guarded(undoing, transitions, guards):
+            found |= ending.images([event], within=where)
+        return found
 
-    def after(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+    def after(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
         """States that an edge leads to from some states."""
-        return self._settled(states.images(self._of(self.encoding.events, self._waiting, transitions)))
+        events = self.encoding.events
+        begun = states.images(self._of(events, self._waiting, transitions, guards))
+        for event, where in self._guarded(events, transitions, guards):
+            begun |= (states & where).images([event])
+        return self._settled(begun)
 
     def reaching(
-        self, goal: Zdd, along: Zdd | None = None, transitions: Collection[int] | None = None
+        self,
+        goal: Zdd,
+        along: Zdd | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
     ) -> Zdd:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = self.everything if along is None else along
 
-        def back(states: Zdd, events: list[int]) -> Zdd:
-            return self._ending(states).images(events, within=within)
+        def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return self._ending(states).images(events, within=where)
 
-        groups = self._grouped(self.encoding.undoing, transitions)
-        return chained(goal, [partial(back, events=events) for events in groups])
+        groups = self._grouped(self.encoding.undoing, transitions, guards)
+        steps = [partial(back, events=events, where=within) for events in groups]
+        for event, where in self._guarded(self.encoding.undoing, transitions, guards):
+            steps.append(partial(back, events=[event], where=where & within))
+        return chained(goal, steps)
 
     def reached(
-        self, begin: Zdd, along: Zdd | None = None, transitions: Collection[int] | None = None
+        self,
+        begin: Zdd,
+        along: Zdd | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
     ) -> Zdd:
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
 
-        def ahead(states: Zdd, events: list[int]) -> Zdd:
-            return self._settled(states.images(events)) & within
+        def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return self._settled((states & where).images(events)) & within
 
-        groups = self._grouped(self.encoding.events, transitions)
-        return chained(begin & within, [partial(ahead, events=events) for events in groups])
+        groups = self._grouped(self.encoding.events, transitions, guards)
+        steps = [partial(ahead, events=events, where=self.everything) for events in groups]
+        for event, where in self._guarded(self.encoding.events, transitions, guards):
+            steps.append(partial(ahead, events=[event], where=where))
+        return chained(begin & within, steps)
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state, each with one interleaving of the internal transitions behind it."""

@@ -50,10 +50,12 @@ class Allowed:
     Args:
         local: Event transitions of the local net; ``None`` for all.
         beside: Events of hardware beside the section, as pairs (resource, kind); ``None`` for all.
+        guards: Event transitions of the local net that may be taken from some states only, with these.
     """
 
     local: frozenset[int] | None = None
     beside: frozenset[tuple[str, str]] | None = None
+    guards: tuple[tuple[int, Zdd], ...] = ()
 
 
 ALL = Allowed()
@@ -165,13 +167,17 @@ class SectionType:
     def _every(self) -> list[int]:
         return [t for of in self._by_element for t in of]
 
-    def _local(self, events: Mapping[int, int], allowed: Allowed) -> list[list[int]]:
-        """Events of the store for the local transitions that are allowed, element by element."""
-        groups = (
-            distinct(events[t] for t in of if allowed.local is None or t in allowed.local)
-            for of in self._by_element
-        )
-        return [group for group in groups if group]
+    def _local(self, events: Mapping[int, int], allowed: Allowed) -> list[tuple[list[int], Zdd]]:
+        """Events of the store for local transitions that are allowed, with the states to take them from."""
+        guarded = dict(allowed.guards)
+        found: list[tuple[list[int], Zdd]] = []
+        for of in self._by_element:
+            wanted = [t for t in of if allowed.local is None or t in allowed.local]
+            free = distinct(events[t] for t in wanted if t not in guarded)
+            if free:
+                found.append((free, self.inside))
+            found += [([events[t]], guarded[t]) for t in wanted if t in guarded]
+        return found
 
     def _beside(self, allowed: Allowed, *, undone: bool) -> list[int]:
         """Events of the store for what hardware beside the section does, or what undoes it."""
@@ -215,8 +221,10 @@ class SectionType:
         """States, inside or at the ends, one event of the section after some states inside."""
 
         def compute() -> Zdd:
-            events = [e for group in self._local(self.encoding.events, allowed) for e in group]
-            return self.settled(states.images(events))
+            begun = self.layout.store.empty()
+            for events, where in self._local(self.encoding.events, allowed):
+                begun |= (states & where).images(events)
+            return self.settled(begun)
 
         return self.remembered(("after", states, allowed), compute)
 
@@ -224,19 +232,30 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
 
         def compute() -> Zdd:
-            events = [e for group in self._local(self.encoding.undoing, allowed) for e in group]
-            return self.ending(goal).images(events, within=self.inside)
+            ending, found = self.ending(goal), self.layout.store.empty()
+            for events, where in self._local(self.encoding.undoing, allowed):
+                found |= ending.images(events, within=where)
+            return found & self.inside
 
         return self.remembered(("before", goal, allowed), compute)
+
+    def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
+        """Event transitions that lead from some states inside to a goal, each with the states before."""
+        ending, undoing = self.ending(goal), self.encoding.undoing
+        ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self._every))
+        return [(t, states) for t, states in ways if states]
 
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
 
-        def ahead(states: Zdd, events: list[int]) -> Zdd:
-            return self.settled(states.images(events)) & along
+        def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return self.settled((states & where).images(events)) & along
 
         def compute() -> Zdd:
-            steps = [partial(ahead, events=group) for group in self._local(self.encoding.events, allowed)]
+            steps = [
+                partial(ahead, events=events, where=where)
+                for events, where in self._local(self.encoding.events, allowed)
+            ]
             toggles = self._beside(allowed, undone=False)
             return chained(begin & along, [*steps, lambda states: states.saturate(toggles, within=along)])
 
@@ -244,16 +263,18 @@ class SectionType:
 
     def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
+        within = along | goal
 
-        def back(states: Zdd, events: list[int]) -> Zdd:
-            return self.ending(states).images(events, within=along)
+        def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
+            return self.ending(states).images(events, within=where & along)
 
         def compute() -> Zdd:
-            steps = [partial(back, events=group) for group in self._local(self.encoding.undoing, allowed)]
+            steps = [
+                partial(back, events=events, where=where)
+                for events, where in self._local(self.encoding.undoing, allowed)
+            ]
             toggles = self._beside(allowed, undone=True)
-            return chained(
-                goal, [*steps, lambda states: states.saturate(toggles, within=along | goal) & (along | goal)]
-            )
+            return chained(goal, [*steps, lambda states: states.saturate(toggles, within=within) & within])
 
         return self.remembered(("reaching", goal, along, allowed), compute)
 
