@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from mcpn_kernel import MemoryLimit, StateLimit
 
+from mcpn._kernel import MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, PetriNet

@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from functools import cached_property
 
 import numpy as np
-from mcpn_kernel import Zdd
 
+from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.algebra import Guards
@@ -295,23 +295,22 @@ class Glued:
                         found.setdefault(self.toggles[hardware][kind], {})[name] = before
             goal = inside
             for route, exit_ in self.exits(name):
-                hardware_states = self.entries(route, into.parts[route]) if route in into.parts else None
-                if hardware_states and placed is not None:
-                    goal |= (
-                        placed.type.from_slots(hardware_states, placed.faulty, exit_)
-                        & placed.type.ended[exit_]
-                    )
-                elif hardware_states and hardware_states & part:
-                    found.setdefault(self.mission_net.start, {})[name] = hardware_states & part
-            for t, before in () if placed is None else placed.type.crossing(part, goal):
-                found.setdefault(placed.transitions[t], {})[name] = before
+                onward = self.entries(route, into.parts[route]) if route in into.parts else None
+                if onward and placed is not None:
+                    ended = placed.type.from_slots(onward, placed.faulty, exit_)
+                    goal |= ended & placed.type.ended[exit_]
+                elif onward and onward & part:
+                    found.setdefault(self.mission_net.start, {})[name] = onward & part
+            if placed is not None:
+                for t, before in placed.type.crossing(part, goal):
+                    found.setdefault(placed.transitions[t], {})[name] = before
         return ((t, CompositeSet(self, found[t])) for t in sorted(found))
 
     def pieces(self, states: CompositeSet) -> Iterator[CompositeSet]:
         """The states, section by section."""
         return (CompositeSet(self, {name: part}) for name, part in states.parts.items())
 
-    def staying(self, along: CompositeSet) -> CompositeSet:
+    def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
         found = dict((along & self.everything).parts)
         ends = self.dead.parts
