@@ -17,7 +17,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.section_type import ALL, Allowed, Exit, beside
+from mcpn.space.local.local_states import ALL, Allowed, Exit, beside
 from mcpn.space.local.sections import BEGIN, ENDS, PlacedSection
 from mcpn.space.local.sets import CompositeSet, Waiting
 

@@ -8,7 +8,7 @@ from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, Guards
 from mcpn.space.local.glued import Glued
-from mcpn.space.local.section_type import ALL, Allowed
+from mcpn.space.local.local_states import ALL, Allowed
 from mcpn.space.local.sections import BEGIN, PlacedSection
 from mcpn.space.local.sets import CompositeSet, Member
 
