@@ -6,9 +6,10 @@ from typing import Any, Literal, TypeAlias
 
 from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.alternatives import by_reduction
+from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.confluence import prove_confluent
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
@@ -58,6 +59,29 @@ def space_of(
         return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit)
     return markings if on == "markings" else alternatives_by(markings, limit)[0]
+
+
+def mortal_space(
+    mission_net: MissionNet, *, engine: Engine = "auto", max_states: int | None = None
+) -> Space[Any]:
+    """The alternatives graph of a mission whose hardware may die (:mod:`mcpn.net.mortal`).
+
+    Args:
+        mission_net: The mission's net, whose internal evolution is confluent and ends.
+        engine: Arrays, diagrams or composition.
+        max_states: Limit on states that are listed one by one.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    if engine == "local":
+        return composite_space(mission_net, Options(max_states=limit, mortal=True))
+    net = mortal(mission_net).net
+    # Dying changes nothing but what may be repaired: what was confluent still is.
+    if engine == "explicit":
+        return ArraySpace(direct(net, proof=False, max_states=limit))
+    return DiagramAlternatives(reach(net))
 
 
 def markings_by(
