@@ -13,17 +13,19 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from mcpn.check.causes import Causes, GoalCauses
-from mcpn.check.conditions import enumeration, sentence
-from mcpn.check.cutsets import CutSet
-from mcpn.check.fmeca import Row, Severity
-from mcpn.check.losing import CriticalEvent
-from mcpn.check.risk import Risk
-from mcpn.check.runs import Step
+from mcpn.check.causes.conditions import enumeration, sentence
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.find import Causes, GoalCauses
+from mcpn.check.causes.fmeca import Row, Severity
+from mcpn.check.causes.prospects import CriticalEvent
+from mcpn.check.causes.risk import Risk
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
+from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.report.terminal import terminal
+from mcpn.report.words import in_words
+from mcpn.space.run import Run
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
@@ -48,8 +50,12 @@ COLUMNS = (
 # --- objects -------------------------------------------------------------------------------------------
 
 
-def causes_object(causes: Causes) -> dict[str, Any]:
+def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
     """Failure causes as what JSON holds.
+
+    Args:
+        causes: Failure causes of a mission.
+        runs: Whether runs are looked for and told; without them their keys are left out.
 
     Returns:
         ``objectives``, by qualified name, and ``mission``, each with ``cut_sets`` (sorted lists of hardware
@@ -57,22 +63,26 @@ def causes_object(causes: Causes) -> dict[str, Any]:
         what stands behind them; ``survival``, the start first, then each section.
     """
     return {
-        "mission": _goal(causes.mission),
-        "objectives": {name: _goal(goal) for name, goal in causes.objectives.items()},
+        "mission": _goal(causes.mission, runs),
+        "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
         "survival": [
             {
                 "section": found.section,
                 "cut_sets": _lists(found.cut_sets),
                 "always": found.always,
                 "at_most": found.at_most,
-                "run": None if found.run is None else [str(step.event) for step in found.run],
+                **({"run": _events(found.run)} if runs else {}),
             }
             for found in causes.survival
         ],
     }
 
 
-def _goal(goal: GoalCauses) -> dict[str, Any]:
+def _events(run: Run | None) -> list[str] | None:
+    return None if run is None else [str(event) for event in run.events]
+
+
+def _goal(goal: GoalCauses, runs: bool) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
@@ -82,20 +92,21 @@ def _goal(goal: GoalCauses) -> dict[str, Any]:
             "without_repairs": _all_critical(goal.critical),
             "with_repairs": _all_critical(goal.critical_with_repairs),
         },
-        "runs": [
-            {"cut_set": list(names), "events": None if run is None else [str(step.event) for step in run]}
-            for names, run in goal.runs.items()
-        ],
+        **({"runs": _runs(goal)} if runs else {}),
         "monotone": goal.nonmonotone is None,
     }
 
 
-def _texts(events: Sequence[Event] | None) -> list[str] | None:
-    return None if events is None else [str(event) for event in events]
+def _runs(goal: GoalCauses) -> list[dict[str, Any]]:
+    return [{"cut_set": list(names), "events": _events(run)} for names, run in goal.runs.items()]
 
 
-def _all_critical(found: Sequence[CriticalEvent] | None) -> list[dict[str, Any]] | None:
-    return None if found is None else [_critical(critical) for critical in found]
+def _texts(events: Sequence[Event]) -> list[str]:
+    return [str(event) for event in events]
+
+
+def _all_critical(found: Sequence[CriticalEvent]) -> list[dict[str, Any]]:
+    return [_critical(critical) for critical in found]
 
 
 def _critical(critical: CriticalEvent) -> dict[str, Any]:
@@ -185,8 +196,9 @@ def print_causes(causes: Causes) -> None:
     console.print(table)
     for names, run in causes.mission.runs.items():
         what = f"by {enumeration(names)}" if names else "without any loss of hardware"
-        _print_run(console, f"failure {what}", run)
-    _print_run(console, "success in spite of the most failures", causes.survival[0].run)
+        _print_run(console, causes.mission_net, f"failure {what}", run)
+    most = causes.survival[0].run
+    _print_run(console, causes.mission_net, "success in spite of the most failures", most)
     _print_critical(console, causes.mission)
     for goal in (causes.mission, *causes.objectives.values()):
         if goal.nonmonotone is not None:
@@ -196,17 +208,17 @@ def print_causes(causes: Causes) -> None:
             console.print(f"not monotone: {told}", style="yellow")
 
 
-def _print_run(console: Console, what: str, run: Sequence[Step] | None) -> None:
+def _print_run(console: Console, mission_net: MissionNet, what: str, run: Run | None) -> None:
     if run is None:
         return
     console.print(f"\n{what}:")
-    for step in run:
-        console.print(f"    {step.event!s:34} {step.words}")
+    for event, words in in_words(mission_net, run):
+        console.print(f"    {event!s:34} {words}")
 
 
 def _print_critical(console: Console, goal: GoalCauses) -> None:
     during: dict[str, dict[str, None]] = {}
-    for critical in goal.critical or ():
+    for critical in goal.critical:
         during.setdefault(str(critical.event), {}).update(
             dict.fromkeys(critical.objectives or ("no objective",))
         )

@@ -15,12 +15,13 @@ from typing import Any
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.check.causes.scenarios import Scenarios
-from mcpn.check.spaces import Engine, mortal_space, space_of
+from mcpn.check.spaces import Engine, mortal_space, stable_space
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
+from mcpn.space.explicit import Progress
 from mcpn.space.run import Run
 
 
@@ -115,7 +116,11 @@ class Causes:
 
 
 def find_causes(
-    mission_net: MissionNet, *, engine: Engine = "symbolic", max_states: int | None = None
+    mission_net: MissionNet,
+    *,
+    engine: Engine = "local",
+    max_states: int | None = None,
+    progress: Progress | None = None,
 ) -> Causes:
     """The failure causes of a mission.
 
@@ -124,6 +129,7 @@ def find_causes(
         engine: Who makes the spaces: arrays, diagrams or composition. All give the same answers; runs are
             shortest but for composition, where they pass as few sections as can be.
         max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges that are listed.
 
     Returns:
         Everything but the tables and numbers of :mod:`mcpn.check.causes.fmeca` and
@@ -133,8 +139,9 @@ def find_causes(
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit: on states, memory or minimal cut sets.
     """
-    space = space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
-    prospects = Prospects(mission_net, space)
+    prospects = Prospects(
+        mission_net, stable_space(mission_net, engine=engine, max_states=max_states, progress=progress)
+    )
     dying = mortal_space(mission_net, engine=engine, max_states=max_states)
     return _Finding(prospects, CutSets(Prospects(mortal(mission_net), dying))).causes()
 

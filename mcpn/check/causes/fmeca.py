@@ -1,8 +1,8 @@
 """Failure modes, effects and criticality: a row for each hardware resource and objective that it touches.
 
 Every entry is read from a space of states: the edges at which the resource goes out of service while the
-objective runs, in runs without repairs in which objectives fail only where they must. A row tells what the failure does
-when all other hardware is in service, and with which other failures it does worse.
+objective runs, in runs without repairs in which objectives fail only where they must. A row says what the
+failure does when all other hardware is in service, and with which other failures it does worse.
 
 Source: the columns are those of IEC 60812 (FMEA and FMECA), reduced to what a mission says.
 """

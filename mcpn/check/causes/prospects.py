@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, Literal
+from typing import Generic, Literal, TypeAlias
 
 from mcpn.check.modes import Mode
 from mcpn.mission.flatten import ElementarySection, Section
@@ -19,6 +19,8 @@ from mcpn.mission.handover import entries
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space, partition
+
+Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +119,9 @@ class Prospects(Generic[S]):
 
     # --- goals -------------------------------------------------------------------------------------------
 
-    def places(self, kind: str, names: Iterable[str]) -> list[int]:
+    def places(self, kind: Kind, names: Iterable[str]) -> list[int]:
         """Places that say something of some elements."""
-        return [p for name in names for p in self.mission_net.by_role.get((kind, name), ())]  # type: ignore[call-overload]
+        return [p for name in names for p in self.mission_net.by_role.get((kind, name), ())]
 
     @cached_property
     def mission(self) -> Goal[S]:
@@ -155,7 +157,8 @@ class Prospects(Generic[S]):
             again = self.carrying(What.SUCCESS, section.name) | self.carrying(What.FAILURE, section.name)
         else:
             names = [n for b in section.branches for n in (b.name, *(s.name for s in b.graph.walk()))]
-            places = [p for kind in ("objective", "pending", "done") for p in self.places(kind, names)]
+            kinds: tuple[Kind, ...] = ("objective", "pending", "done")
+            places = [p for kind in kinds for p in self.places(kind, names)]
             running = running | space.marked(places)
         before = space.before(inside, self.everything)
         entry = space.after(before - running, self.everything) & inside

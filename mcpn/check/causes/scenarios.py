@@ -106,5 +106,3 @@ class Scenarios(Generic[S]):
         most = images.sized(space.image(ends, oos, images))
         widest = ends & space.at_most(dict.fromkeys(oos, -1), -most)
         return space.run(begin, widest, goal.running, transitions, guards)
-
-

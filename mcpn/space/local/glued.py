@@ -107,9 +107,10 @@ class Glued:
             local = frozenset(own for own, t in enumerate(placed.transitions) if t in wanted)
         found: list[tuple[int, Zdd]] = []
         if placed is not None:
-            for own, t in enumerate(placed.transitions) if guards else ():
-                if t in guards:
-                    found.append((own, guards[t].parts.get(name, self.layout.store.empty())))
+            limits = guards or {}
+            for own, t in enumerate(placed.transitions):
+                if t in limits:
+                    found.append((own, limits[t].parts.get(name, self.layout.store.empty())))
         return Allowed(local, pairs, tuple(found))
 
     def filtered(
