@@ -9,11 +9,14 @@ from rich.table import Table
 
 from mcpn.check.logic.questions import Answer
 from mcpn.check.modes import Mode
-from mcpn.check.properties import MissionCheck, Verdict
+from mcpn.check.verdicts.mission import MissionCheck, Verdict
 from mcpn.errors import Problem
+from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.report.terminal import terminal
+from mcpn.report.words import in_words
 from mcpn.space.compare import Measurement
+from mcpn.space.local.composite_space import CompositeSpace
 
 
 def print_counts(counts: Mapping[str, object]) -> None:
@@ -44,26 +47,23 @@ def print_comparison(found: Sequence[Measurement]) -> None:
             console.print(f"{m.engine}: {m.reason}")
 
 
-def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
+def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: MissionNet | None = None) -> None:
     """Prints answers to formulas with the runs that show them."""
     console = terminal()
     for answer in answers:
         colour, word = ("green", "holds") if answer.holds else ("red", "fails")
         console.print(f"{word}  {answer.formula}", style=colour)
         witness = answer.witness
-        if witness is None:
-            continue
-        if answer.told:
-            for step in answer.told:
-                console.print(f"    {step.event!s:34} {step.words}")
+        if mission_net is not None:
+            for event, words in in_words(mission_net, witness.run):
+                console.print(f"    {event!s:34} {words}")
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
                     console.print("    from here on for ever:")
                 console.print(f"    {net.transitions[t].name}")
-        if answer.told and witness.cycle is not None:
-            repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
-            events = [str(e) for t in repeated if (e := net.transitions[t].event)]
+        if mission_net is not None and witness.cycle is not None:
+            events = [str(e) for t in witness.repeated if (e := net.transitions[t].event)]
             console.print(f"    for ever: {' '.join(events) or 'internal firings'}")
         for note in witness.notes:
             console.print(f"    {note}")
@@ -86,19 +86,18 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
         sizes.append(f"{states} stable states, {edges} event edges")
-    if check.composite is not None:
-        types = len({id(placed.local) for placed in check.composite.sections})
-        local = f"{check.composite.local_states} local states"
-        sizes.append(f"{len(check.composite.sections)} sections of {types} types, {local}")
+    if isinstance(check.alternatives, CompositeSpace):
+        sections = check.alternatives.sections.values()
+        sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
     console.print(
         f"mission {check.mission_net.mission.name}: {'; '.join(sizes)}; {seconds:.2f} s", style="bold"
     )
     console.print()
     for verdict in check.verdicts.values():
-        _print_verdict(console, verdict)
+        _print_verdict(console, check.mission_net, verdict)
     console.print()
     _print_modes(console, check.modes)
-    contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
+    contentions = check.mission_net.usage.contentions
     warnings = [*warnings, *check.unselectable, *(Problem(c.source, f"{c}") for c in contentions)]
     for problem in dict.fromkeys(warnings):
         console.print(f"warning: {problem}", style="yellow")
@@ -108,15 +107,15 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
         console.print("verdicts fail", style="red")
 
 
-def _print_verdict(console: Console, verdict: Verdict) -> None:
+def _print_verdict(console: Console, mission_net: MissionNet, verdict: Verdict) -> None:
     answer = {True: "yes", False: "no", None: "not known"}[verdict.holds]
     colour = "dim" if not verdict.required else "green" if verdict.holds else "red"
     console.print(f"{verdict.name:18} {answer:10} {verdict.explanation}", style=colour)
     for number, run in enumerate(verdict.runs, 1):
         if len(verdict.runs) > 1:
             console.print(f"    run {number}")
-        for step in run:
-            console.print(f"    {step.event!s:34} {step.words}")
+        for event, words in in_words(mission_net, run):
+            console.print(f"    {event!s:34} {words}")
 
 
 def _print_modes(console: Console, modes: Mapping[str, list[Mode]]) -> None:

@@ -12,6 +12,7 @@ from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
+from mcpn.space.local.composing import refuse_interruptions
 from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import Undecided
 from mcpn.space.local.graph import LocalGraph
@@ -77,6 +78,7 @@ def judged_everywhere(
 
 
 def _put_together(usage: Usage, graph: ObjectivesGraph, making: Making) -> Composite:
+    refuse_interruptions(graph)
     placed = local_graphs(usage, graph, making)
     junctions = open_junctions(usage, graph, placed, making)
     return Composite(usage, graph, tuple(placed), tuple(junctions))
@@ -118,7 +120,7 @@ def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) ->
     if tear.here.event == START and name != composite.graph.entry:
         text = text.replace(f"after {START}", "at its entry")
     usage = composite.usage
-    found = (*usage.contentions, *usage.exchanges) if isinstance(error, ConfluenceError) else ()
+    found = usage.contentions if isinstance(error, ConfluenceError) else ()
     reason = f" ({'; '.join(map(str, found))})" if found else ""
     return type(error)(f"in {where}: {text}{reason}", error.runs)
 

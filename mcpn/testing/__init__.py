@@ -20,7 +20,9 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    DeclaredEvent,
     Each,
+    Handler,
     Hardware,
     Mission,
     Objective,
@@ -32,55 +34,8 @@ from mcpn.mission.model import (
     Software,
     Use,
 )
-from mcpn.mission.renaming import renamed
-
-
-@dataclass(frozen=True)
-class Shape:
-    """Bounds on generated missions.
-
-    Args:
-        hardware: Most hardware resources.
-        producers: Most activities that produce; later ones may consume what earlier ones produce.
-        alternatives: Most alternatives of an activity.
-        outputs: Most resources that one activity produces.
-        activities: Most activities that objectives start, unless ``shared_activities`` asks for more.
-        sections: Most elementary objectives in all, uses expanded.
-        objectives: Most blocks in a series.
-        depth: How deep blocks nest.
-        parallel: Whether parallel blocks are drawn.
-        protocols: Whether protocols are drawn and used.
-        loops: Whether routes may go back.
-        rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
-            may be shared.
-        shared_activities: Whether two objectives may start the same activity.
-        disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
-            objective, the chain under one activity) shares no resource and no activity, so that nothing
-            contends.
-        text: Whether descriptions and parameters are drawn.
-        numbers: Whether rates, durations and probabilities are drawn, each or none.
-        awkward_names: Whether names are drawn that look like parts of one another and of what nets and
-            events are called, the same one for elements of different kinds.
-    """
-
-    hardware: int = 3
-    producers: int = 3
-    alternatives: int = 3
-    outputs: int = 2
-    activities: int = 4
-    sections: int = 16
-    objectives: int = 3
-    depth: int = 2
-    parallel: bool = True
-    protocols: bool = True
-    loops: bool = True
-    rounds: bool = True
-    shared_activities: bool = True
-    disjoint_branches: bool = False
-    text: bool = False
-    numbers: bool = False
-    awkward_names: bool = False
-
+from mcpn.testing.names import awkwardly_named
+from mcpn.testing.shape import Shape as Shape
 
 TEXTS = st.text(
     st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")) | st.sampled_from("\t\n\r"),
@@ -117,6 +72,10 @@ class _Drawing:
         # Each protocol with the islands that it needs and how many elementary objectives it has.
         self.protocols: list[tuple[Protocol, list[_Island], int]] = []
         self.unused: list[str] = []
+        # Hardware, and which activity uses it, where only one may.
+        self.hardware_names: set[str] = set()
+        self.users: dict[str, str] = {}
+        self.events: tuple[str, ...] = ()
 
     def number(self, low: int, high: int) -> int:
         return self.draw(st.integers(low, high))
@@ -144,6 +103,7 @@ class _Drawing:
         hardware, software = self.resources()
         for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
             self.startable(self.islands[i] if i < len(self.islands) else self.island())
+        self.events = tuple(f"e{i}" for i in range(self.number(0, self.shape.events)))
         budget = self.shape.sections
         if self.shape.protocols and self.chance():
             blocks, size = self.series(1, self.islands, self.number(1, budget))
@@ -156,9 +116,30 @@ class _Drawing:
             description=self.description(),
             blocks=blocks,
             robots=(
-                Robot(name="robot", hardware=hardware, software=software, activities=tuple(self.activities)),
+                Robot(
+                    name="robot",
+                    hardware=hardware,
+                    software=software,
+                    activities=tuple(self.activities),
+                    events=tuple(DeclaredEvent(name=e, description=self.description()) for e in self.events),
+                ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
+            handlers=self.handlers([b.name for b in blocks]),
+        )
+
+    def handlers(self, siblings: list[str]) -> tuple[Handler, ...]:
+        """What a block that stands among some siblings does on events."""
+        targets = st.sampled_from([SUCCEED, FAIL, *siblings])
+        return tuple(
+            Handler(
+                event=event,
+                goto=self.draw(targets),
+                once=self.number(0, 3) == 0,
+                description=self.description(),
+            )
+            for event in self.events
+            if self.number(0, 2) == 0
         )
 
     # --- the robot -------------------------------------------------------------------------------------
@@ -168,6 +149,7 @@ class _Drawing:
 
     def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
         hardware = tuple(self.hardware(f"h{i}") for i in range(self.number(1, self.shape.hardware)))
+        self.hardware_names = {h.name for h in hardware}
         islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
         self.islands = [_Island(i) for i in range(islands)]
         for i, h in enumerate(hardware):
@@ -180,12 +162,17 @@ class _Drawing:
             island = self.island()
             producer = self.activity(f"producer{i}", island, produced)
             self.activities.append(producer)
-            software += [Software(name=s, description=self.description()) for s in produced]
+            software += [
+                Software(name=s, description=self.description(), exclusive=self.exclusive()) for s in produced
+            ]
             needs = [island.below[k] for a in producer.alternatives for k in a.consumes]
             for s in produced:
                 island.below[s] = frozenset(produced).union(*needs)
                 island.groups[s] = produced
         return hardware, tuple(software)
+
+    def exclusive(self) -> bool:
+        return not self.shape.own_hardware and self.number(0, 3) == 0
 
     def hardware(self, name: str) -> Hardware:
         faulty = self.number(0, 4) > 0
@@ -193,6 +180,7 @@ class _Drawing:
         return Hardware(
             name=name,
             faulty=faulty,
+            shared=self.number(0, 3) == 0,
             description=self.description(),
             failure_rate=rates[0],
             repair_rate=rates[1],
@@ -204,9 +192,11 @@ class _Drawing:
         island.startable.append(name)
 
     def activity(self, name: str, island: _Island, produces: tuple[str, ...]) -> Activity:
-        ways = []
+        ways: list[Alternative] = []
         for i in range(self.number(1, self.shape.alternatives)):
-            consumes = self.consumed(island)
+            # Fallbacks mostly use something else than what has failed.
+            before = {k for way in ways for k in way.consumes} if self.number(0, 3) else set()
+            consumes = self.consumed(name, island, before)
             ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
@@ -218,17 +208,25 @@ class _Drawing:
             description=self.description(),
         )
 
-    def consumed(self, island: _Island) -> tuple[str, ...]:
+    def consumed(self, activity: str, island: _Island, avoided: set[str]) -> tuple[str, ...]:
         chosen: list[str] = []
         for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            if self.shape.own_hardware:
+                left = [k for k in left if self.users.get(k, activity) == activity]
+            left = [k for k in left if k not in avoided] or left
             # What a supplier of this very alternative may take too, itself or through others.
             under = frozenset[str]().union(*(island.below[k] for k in chosen))
             near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
             if near and self.chance():
                 left = near
+            # Chains of activities come of software alone.
+            made = [k for k in left if k.startswith("s")]
+            if made and self.chance():
+                left = made
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
+        self.users |= {k: activity for k in chosen if k in self.hardware_names}
         return tuple(chosen)
 
     def may_join(self, island: _Island, resource: str, chosen: list[str]) -> bool:
@@ -254,7 +252,9 @@ class _Drawing:
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         targets = [None, SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else index + 1 :])]
         route = st.sampled_from(targets)
-        return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
+        success, failure = self.draw(st.none() | route), self.draw(route)
+        handlers = self.handlers([b.name for b in blocks])
+        return replace(block, success=success, failure=failure, handlers=handlers)
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
         if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
@@ -343,7 +343,8 @@ class _Drawing:
             child, size = self.block(depth, share, budget - taken - (number - 1 - i))
             if isinstance(child, Parallel):
                 child = Recursive(name=self.name("rec"), blocks=(child,))
-            children.append(replace(child, mandatory=i == 0 or self.chance()))
+            mandatory = i == 0 or self.chance()
+            children.append(replace(child, mandatory=mandatory, handlers=self.handlers([])))
             taken += size
         return tuple(children), taken
 
@@ -366,40 +367,5 @@ def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrat
     def drawn(draw: st.DrawFn) -> Mission:
         mission = _Drawing(draw, chosen).mission()
         return draw(awkwardly_named(mission)) if chosen.awkward_names else mission
-
-    return drawn()
-
-
-_AWKWARD = (
-    *("a", "a_EV", "a_EV_OK", "a_EV_OOS", "a_EV_b", "a_ok", "a_fail", "a_enter", "a_begin", "a_b", "a_free"),
-    *("a_idle", "a_error", "a_wait1", "a_start", "OBJ_a", "OBJ_a_ok", "PAR_a", "PAR_a_exit_0", "MISSION"),
-    *("MISSION_success", "EV", "OK", "b", "sel1", "start", "b_sel1", "answer"),
-)
-
-
-def awkwardly_named(mission: Mission) -> st.SearchStrategy[Mission]:
-    """The mission with other names: like parts of one another, and alike in different kinds.
-
-    Args:
-        mission: A valid mission.
-
-    Returns:
-        Missions that say the same.
-    """
-
-    @st.composite
-    def drawn(draw: st.DrawFn) -> Mission:
-        given: dict[tuple[str, str], str] = {}
-        taken: dict[str, set[str]] = {}
-
-        def rename(kind: str, name: str) -> str:
-            if (kind, name) not in given:
-                known = taken.setdefault(kind, set())
-                left = [new for new in _AWKWARD if new not in known] or [f"a_{len(known)}"]
-                given[kind, name] = draw(st.sampled_from(left))
-                known.add(given[kind, name])
-            return given[kind, name]
-
-        return renamed(mission, rename)
 
     return drawn()
