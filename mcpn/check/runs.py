@@ -60,11 +60,11 @@ def replay(mission_net: MissionNet, firings: Sequence[str]) -> list[Step]:
         if transition.event is not None:
             marking = stabilise(net, marking)
             if pending:
-                steps.append(_step(mission, *pending, situation(mission_net, marking)))
+                steps.append(step_in_words(mission, *pending, situation(mission_net, marking)))
             pending = transition.event, situation(mission_net, marking)
         marking = net.fire(marking, net.transition_index[name])
     if pending:
-        steps.append(_step(mission, *pending, situation(mission_net, stabilise(net, marking))))
+        steps.append(step_in_words(mission, *pending, situation(mission_net, stabilise(net, marking))))
     return steps
 
 
@@ -84,7 +84,15 @@ def stabilise(net: PetriNet, marking: Sequence[int]) -> tuple[int, ...]:
     return at
 
 
-def _step(mission: str, event: Event, before: Situation, after: Situation) -> Step:
+def step_in_words(mission: str, event: Event, before: Situation, after: Situation) -> Step:
+    """An event with what it changes.
+
+    Args:
+        mission: The mission's name.
+        event: The event.
+        before: What the robot did before it.
+        after: What it does afterwards.
+    """
     words = what_happens(event, mission)
     changes = _changes(before, after)
     return Step(event, f"{words}: {', '.join(changes)}" if changes else words)
@@ -110,6 +118,8 @@ def what_happens(event: Event, mission: str) -> str:
             return f"objective {name} fails"
         case What.OUT_OF_SERVICE:
             return f"{name} fails"
+        case What.LOST:
+            return f"{event.element} is lost for good"
         case What.REPAIRED:
             return f"{name} works again"
         case What.DECLARED:

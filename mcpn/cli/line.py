@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from mcpn import __version__
-from mcpn.cli import causes, check, ctl, outputs, spaces
+from mcpn.cli import causes, check, ctl, outputs, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import InputError, McpnError, SemanticsError
 from mcpn.report.terminal import plain
@@ -51,6 +51,7 @@ for command in (
     ctl.ctl,
     outputs.controller,
     outputs.convert,
+    simulate.simulate,
     spaces.compare,
 ):
     command_line.add_command(command)

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from mcpn_kernel import MemoryLimit, StateLimit
 
+from mcpn._kernel import MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.firing import MaskedNet
 from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
@@ -275,6 +275,27 @@ class _Proving:
             marking, t = origin
             run.append(self.net.transitions[t].name)
         return run[::-1]
+
+
+def outcome(net: PetriNet, marking: Marking, transition: int) -> Marking:
+    """The one stable marking after an event, every interleaving of what follows it explored.
+
+    Args:
+        net: A net with priorities.
+        marking: A stable marking, as tokens by place.
+        transition: An event transition that it enables.
+
+    Raises:
+        ConfluenceError: There is more than one; both runs from the marking are given.
+        DivergenceError: Internal evolution need not end.
+        UnsafeError: A firing would put a second token in a place.
+    """
+    walk = _Proving(net)
+    begin = sum(1 << place for place, tokens in enumerate(marking) if tokens)
+    walk.parents[begin] = None
+    after = walk.step(begin, transition)
+    end = walk.stabilise(after, walk.masked.covered(after), (begin, transition))
+    return tuple(end >> place & 1 for place in range(len(net.places)))
 
 
 def direct(

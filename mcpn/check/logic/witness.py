@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.check.ctl import Evaluation
 from mcpn.check.logic.formulas import (
     AF,

@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.check.ctl import SymbolicMarkings
 from mcpn.space.symbolic import SymbolicSpace
 
