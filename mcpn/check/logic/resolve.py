@@ -176,13 +176,23 @@ class _Resolver:
                 return marked(mission_net.by_role[word.kind, mission_net.mission.name])
             case "objective" | "pending":
                 graph = mission_net.graph
-                objectives = [s.name for s in (*graph.walk(), *graph.never_entered())]
-                return self.said(word.kind, [self.element(name, objectives, "objective", word)])
+                objectives = [*graph.walk(), *graph.never_entered()]
+                # Copies of an objective, for what comes after a handler that happens once, are the same to
+                # who asks for it as it is written.
+                written = {s.name: [s.name] for s in objectives}
+                for section in objectives:
+                    if section.name not in (named := written.setdefault(section.written, [])):
+                        named.append(section.name)
+                return self.said(word.kind, written[self.element(name, written, "objective", word)])
             case "oos" | "available":
                 return self.resource(mission_net, word, name)
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
-                event = Event.parse(self.element(name, texts, "event", word))
+                declared = Event(What.DECLARED, name)
+                if str(declared) in texts or name in {e.name for e in mission_net.mission.events}:
+                    event = declared
+                else:
+                    event = Event.parse(self.element(name, texts, "event", word))
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
         return self.activity(word, name)
 
