@@ -94,8 +94,8 @@ def step_in_words(mission: str, event: Event, before: Situation, after: Situatio
         after: What it does afterwards.
     """
     words = what_happens(event, mission)
-    changes = _changes(before, after)
-    return Step(event, f"{words}: {', '.join(changes)}" if changes else words)
+    changed = changes(before, after)
+    return Step(event, f"{words}: {', '.join(changed)}" if changed else words)
 
 
 def what_happens(event: Event, mission: str) -> str:
@@ -128,16 +128,17 @@ def what_happens(event: Event, mission: str) -> str:
             return name
 
 
-def _changes(before: Situation, after: Situation) -> list[str]:
-    changes = [f"{name} begins" for name in after.objectives if name not in before.objectives]
+def changes(before: Situation, after: Situation) -> list[str]:
+    """What changes from one stable marking to the next, in mission words."""
+    found = [f"{name} begins" for name in after.objectives if name not in before.objectives]
     for activity, alternative in after.mode.items():
         was = before.mode.get(activity)
         if was is not None and was != alternative:
-            changes.append(f"{activity} changes from {was} to {alternative}")
+            found.append(f"{activity} changes from {was} to {alternative}")
         elif was is None and alternative != activity:
-            changes.append(f"{activity} runs as {alternative}")
-    changes += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
-    changes += [f"{name} waits" for name in after.waiting if name not in before.waiting]
+            found.append(f"{activity} runs as {alternative}")
+    found += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
+    found += [f"{name} waits" for name in after.waiting if name not in before.waiting]
     if after.outcome and not before.outcome:
-        changes.append(f"the mission ends in {after.outcome}")
-    return changes
+        found.append(f"the mission ends in {after.outcome}")
+    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -28,6 +28,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
+    from mcpn.check.spaces import Engine
     from mcpn.net.petri import PetriNet
 
 
@@ -56,23 +57,20 @@ def check(
     if structure or is_net(file):
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return
-    from mcpn.check.by_diagrams import check_by_diagrams
-    from mcpn.check.composition import check_by_composition
-    from mcpn.check.properties import check_mission
+    from mcpn.check.verdicts.mission import check as check_mission
     from mcpn.mission.warnings import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)
-    with progress_line(as_json, SECTIONS if engine == "local" else STATES_AND_EDGES) as progress:
-        if engine == "local":
-            with executor_of(jobs, scheduler) as executor:
-                found = check_by_composition(
-                    mission_net, executor=executor, max_states=max_states, progress=progress
-                )
-        elif engine == "symbolic":
-            found = check_by_diagrams(mission_net, max_states=max_states)
-        else:
-            found = check_mission(mission_net, max_states=max_states, progress=progress)
+    told = SECTIONS if engine == "local" else STATES_AND_EDGES
+    with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
+        found = check_mission(
+            mission_net,
+            engine=cast("Engine", engine),
+            max_states=max_states,
+            progress=progress,
+            executor=executor,
+        )
     seconds = time.perf_counter() - started
     if as_json:
         emit_json(_check_object(found, engine, seconds))
@@ -106,7 +104,7 @@ def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {
-            name: [[str(step.event) for step in run] for run in verdict.runs]
+            name: [[*map(str, run.events), *run.tail] for run in verdict.runs]
             for name, verdict in found.verdicts.items()
             if verdict.runs
         },

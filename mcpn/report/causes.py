@@ -234,7 +234,7 @@ def _print_run(terminal: Terminal, what: str, run: Sequence[Step] | None) -> Non
         return
     terminal.print()
     terminal.print(what, style="bold")
-    print_steps(terminal, run, indent=2)
+    print_steps(terminal, ((step.event, step.words) for step in run), indent=2)
 
 
 def _print_critical(terminal: Terminal, causes: Causes) -> None:

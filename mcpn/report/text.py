@@ -6,13 +6,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
+from mcpn.report.words import in_words
+from mcpn.space.local.composite_space import CompositeSpace
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
     from mcpn.check.modes import Mode
-    from mcpn.check.properties import MissionCheck, Verdict
-    from mcpn.check.runs import Step
+    from mcpn.check.verdicts.mission import MissionCheck, Verdict
     from mcpn.errors import Problem
+    from mcpn.net.compose import MissionNet
+    from mcpn.net.events import Event
     from mcpn.net.petri import PetriNet
     from mcpn.space.compare import Measurement
 
@@ -91,38 +94,38 @@ def print_comparison(found: Sequence[Measurement]) -> None:
             terminal.print(f"{m.engine}: {m.reason}")
 
 
-def print_steps(terminal: Terminal, steps: Iterable[Step], *, indent: int, identifiers: bool = False) -> None:
+def print_steps(
+    terminal: Terminal, steps: Iterable[tuple[Event | str, str]], *, indent: int, identifiers: bool = False
+) -> None:
     """Prints a run, one event a line, numbered.
 
     Args:
         terminal: Where.
-        steps: The run.
+        steps: The events of a run and what happens at each.
         indent: Spaces before it.
         identifiers: Whether each event is followed by its identifier, as formulas and controllers write it.
     """
-    for number, step in enumerate(steps, 1):
-        identifier = f"  [{step.event}]" if identifiers else ""
-        terminal.print(f"{number}. {step.words}{identifier}", indent=indent, hang=3)
+    for number, (event, words) in enumerate(steps, 1):
+        identifier = f"  [{event}]" if identifiers else ""
+        terminal.print(f"{number}. {words}{identifier}", indent=indent, hang=3)
 
 
-def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
+def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: MissionNet | None = None) -> None:
     """Prints answers to formulas with the runs that show them."""
     terminal = Terminal()
     for answer in answers:
         colour, word = ("green", "holds") if answer.holds else ("red", "fails")
         terminal.print(f"{word}  {answer.formula}", style=colour, hang=7)
         witness = answer.witness
-        if witness is None:
-            continue
-        print_steps(terminal, answer.told, indent=4, identifiers=True)
-        if not answer.told:
+        if mission_net is not None:
+            print_steps(terminal, in_words(mission_net, witness.run), indent=4, identifiers=True)
+        else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
                     terminal.print("from here on for ever:", indent=4)
                 terminal.print(net.transitions[t].name, indent=4)
-        elif witness.cycle is not None:
-            repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
-            events = [str(e) for t in repeated if (e := net.transitions[t].event)]
+        if mission_net is not None and witness.cycle is not None:
+            events = [str(e) for t in witness.repeated if (e := net.transitions[t].event)]
             terminal.print(f"for ever: {' '.join(events) or 'internal firings'}", indent=4)
         for note in witness.notes:
             terminal.print(note, indent=4)
@@ -141,7 +144,7 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     terminal.print()
     for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
         if name in check.verdicts:
-            _print_verdict(terminal, check.verdicts[name])
+            _print_verdict(terminal, check.mission_net, check.verdicts[name])
     if check.modes:
         terminal.print()
         _print_modes(terminal, check.modes)
@@ -167,14 +170,13 @@ def _sizes(check: MissionCheck, seconds: float) -> str:
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
         sizes.append(f"{states} stable states, {edges} event edges")
-    if check.composite is not None:
-        types = len({id(placed.local) for placed in check.composite.sections})
-        local = f"{check.composite.local_states} local states"
-        sizes.append(f"{len(check.composite.sections)} sections of {types} types, {local}")
+    if isinstance(check.alternatives, CompositeSpace):
+        sections = check.alternatives.sections.values()
+        sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
     return "; ".join([*sizes, f"{seconds:.2f} s"])
 
 
-def _print_verdict(terminal: Terminal, verdict: Verdict) -> None:
+def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict) -> None:
     """A sentence and the verdict's name; why, where it is not as it should be; the runs that show it."""
     sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
     sentence = sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
@@ -190,7 +192,7 @@ def _print_verdict(terminal: Terminal, verdict: Verdict) -> None:
     for number, run in enumerate(verdict.runs, 1):
         if len(verdict.runs) > 1:
             terminal.print(f"run {number}", indent=7)
-        print_steps(terminal, run, indent=9)
+        print_steps(terminal, in_words(mission_net, run), indent=9)
 
 
 def _print_modes(terminal: Terminal, modes: Mapping[str, list[Mode]]) -> None:

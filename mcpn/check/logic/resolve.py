@@ -38,6 +38,7 @@ from mcpn.check.logic.formulas import (
     Sum,
     TokenBound,
     Word,
+    negation,
     operands,
 )
 from mcpn.errors import InputError, LimitError
@@ -76,16 +77,6 @@ def _size(formula: Formula) -> int:
     if isinstance(formula, Iff):
         return 5 + 2 * sum(sizes)
     return 7 + sizes[0] + 3 * sizes[1] if isinstance(formula, AU) else 3 + sum(sizes)
-
-
-def negation(formula: Core) -> Core:
-    """The negation, without doubling one."""
-    match formula:
-        case Not(operand):
-            return operand
-        case Const(value):
-            return Const(not value)
-    return Not(formula)
 
 
 class _Resolver:
