@@ -233,7 +233,7 @@ def _print_run(terminal: Terminal, what: str, run: Sequence[Step] | None) -> Non
     if run is None:
         return
     terminal.print()
-    terminal.print(what, style="bold")
+    terminal.print(f"{what}:", style="bold")
     print_steps(terminal, ((step.event, step.words) for step in run), indent=2)
 
 

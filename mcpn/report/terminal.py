@@ -42,7 +42,8 @@ class Terminal:
     def __init__(self) -> None:
         enough_digits()
         self.colour = _decorated()
-        bounded = "COLUMNS" in os.environ or (sys.stdout is not None and sys.stdout.isatty())
+        self.watched = sys.stdout is not None and sys.stdout.isatty()
+        bounded = self.watched or "COLUMNS" in os.environ
         self.width = max(LEAST_WIDTH, shutil.get_terminal_size().columns) if bounded else None
 
     def print(self, text: str = "", *, style: str | None = None, indent: int = 0, hang: int = 2) -> None:

@@ -99,14 +99,17 @@ def print_steps(
 ) -> None:
     """Prints a run, one event a line, numbered.
 
+    In a pipe or a file each event is followed by its identifier in brackets, as formulas, controllers and
+    ``mcpn simulate --events`` write and read it.
+
     Args:
         terminal: Where.
         steps: The events of a run and what happens at each.
         indent: Spaces before it.
-        identifiers: Whether each event is followed by its identifier, as formulas and controllers write it.
+        identifiers: Whether to say identifiers on a terminal, too.
     """
     for number, (event, words) in enumerate(steps, 1):
-        identifier = f"  [{event}]" if identifiers else ""
+        identifier = f"  [{event}]" if identifiers or not terminal.watched else ""
         terminal.print(f"{number}. {words}{identifier}", indent=indent, hang=3)
 
 
