@@ -152,7 +152,7 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
         terminal.print()
         _print_modes(terminal, check.modes)
     terminal.print()
-    contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
+    contentions = check.mission_net.usage.contentions
     warned = [*map(str, (*warnings, *check.unselectable)), *(f"{c.source}: {c}" for c in contentions)]
     for problem in dict.fromkeys(warned):
         terminal.print(f"warning: {problem}", style="yellow")

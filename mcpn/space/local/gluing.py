@@ -12,6 +12,7 @@ from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
+from mcpn.space.local.composing import refuse_interruptions
 from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import Undecided
 from mcpn.space.local.graph import LocalGraph
@@ -47,21 +48,6 @@ def glue(
     if tear is not None and strict:
         raise error_of(composite, tear, making.templates)
     return composite
-
-
-def refuse_interruptions(graph: ObjectivesGraph) -> None:
-    """Refuses missions whose sections may be left by more than success and failure.
-
-    Raises:
-        LimitError: An event may interrupt a section.
-    """
-    for section in graph.all_sections():
-        for interruption in section.interruptions:
-            where = f"{interruption.source}: " if interruption.source else ""
-            raise LimitError(
-                f"{where}the event {interruption.event} may interrupt {section.name}, which composition does "
-                "not take yet: use --engine explicit or symbolic, and controller --flat"
-            )
 
 
 def judged_everywhere(
@@ -134,7 +120,7 @@ def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) ->
     if tear.here.event == START and name != composite.graph.entry:
         text = text.replace(f"after {START}", "at its entry")
     usage = composite.usage
-    found = (*usage.contentions, *usage.exchanges) if isinstance(error, ConfluenceError) else ()
+    found = usage.contentions if isinstance(error, ConfluenceError) else ()
     reason = f" ({'; '.join(map(str, found))})" if found else ""
     return type(error)(f"in {where}: {text}{reason}", error.runs)
 
