@@ -120,7 +120,7 @@ def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) ->
     if tear.here.event == START and name != composite.graph.entry:
         text = text.replace(f"after {START}", "at its entry")
     usage = composite.usage
-    found = (*usage.contentions, *usage.exchanges) if isinstance(error, ConfluenceError) else ()
+    found = usage.contentions if isinstance(error, ConfluenceError) else ()
     reason = f" ({'; '.join(map(str, found))})" if found else ""
     return type(error)(f"in {where}: {text}{reason}", error.runs)
 
