@@ -4,7 +4,8 @@ Run: python experiments/mcc.py FOLDER [--seconds 60] [--gigabytes 4] [NET...]
 
 FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its own; a line says whether
 states, edges, deadlock and most tokens are exactly the contest's, the seconds of the clock and of the
-processors from the parsed net to all counts, the process's peak memory, the nodes of the final diagram and the order of places that won the race.
+processors from the parsed net to all counts, the process's peak memory, the nodes of the final diagram and
+the order of places that won the race.
 """
 
 from __future__ import annotations
