@@ -81,12 +81,19 @@ class LocalPart:
                 ),
                 activity.name in usage.handover.with_idle,
                 usage.may_wait(activity.name),
+                usage.sharing.evaluated_on_release(activity.name),
             )
             for activity in parts.activities
         )
-        software = tuple(usage.released_unasked(s.name) for s in parts.software)
+
+        def shared(resource: str) -> tuple[int, ...] | None:
+            if resource not in usage.sharing.consumers:
+                return None
+            return tuple(task[a] for a in usage.sharing.consumers[resource] if a in task)
+
+        software = tuple((usage.released_unasked(s.name), shared(s.name)) for s in parts.software)
         return (
-            tuple(h.faulty for h in parts.hardware),
+            tuple((h.faulty, shared(h.name)) for h in parts.hardware),
             software,
             activities,
             self._shape(self.graph, number, task),
@@ -102,20 +109,30 @@ class LocalPart:
             if awaited is not None:  # what is not of the part is idle while the part runs
                 waits = (
                     tuple(task[a] for a in awaited.activities if a in task),
-                    tuple(number[s] for s in awaited.software if s in number),
+                    tuple(
+                        (number[s], None if owner is None else task[owner])
+                        for s, owner in awaited.interfaces
+                        if s in number and (owner is None or owner in task)
+                    ),
                 )
             if isinstance(section, ElementarySection):
                 inside = tuple(task[a] for a in section.activities)
             else:
                 inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
             routes = (places.get(r, r) for r in (section.success, section.failure))
-            shapes.append((isinstance(section, ParallelSection), waits, inside, *routes))
+            events = tuple((i.event, places.get(i.target, i.target)) for i in section.interruptions)
+            shapes.append((isinstance(section, ParallelSection), waits, inside, events, *routes))
         return places[graph.entry], tuple(shapes)
+
+
+def exit_on(event: str) -> str:
+    """What the exit of a part is called that an event leads to; no section can be called so."""
+    return f"on {event}"
 
 
 def section_part(usage: Usage, section: Section) -> LocalPart:
     """A section alone."""
-    alone = replace(section, success=SUCCEED, failure=FAIL)
+    alone = _routed(section, set())
     return LocalPart(usage, ObjectivesGraph((alone,), section.name))
 
 
@@ -131,7 +148,10 @@ def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
 def _routed(section: Section, kept: set[str]) -> Section:
     success = section.success if section.success in kept else SUCCEED
     failure = section.failure if section.failure in kept else FAIL
-    return replace(section, success=success, failure=failure)
+    interruptions = tuple(
+        i if i.target in kept else replace(i, target=exit_on(i.event)) for i in section.interruptions
+    )
+    return replace(section, success=success, failure=failure, interruptions=interruptions)
 
 
 class Renaming:

@@ -43,7 +43,15 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     begin = pen.place("begin", initial=1)
     success = canvas.role(pen.place("success"), ("success", mission.name))
     failure = canvas.role(pen.place("failure"), ("failure", mission.name))
-    control = _Control(canvas, graph, {SUCCEED: [success], FAIL: [failure]})
+    exits = {SUCCEED: [success], FAIL: [failure]}
+    known = {*exits, *(section.name for section in graph.sections)}
+    for section in graph.sections:  # a part of a mission may be left in other ways
+        for target in section.routes:
+            if target not in known:
+                known.add(target)
+                place = canvas.of("exit", target, section.source).place("left")
+                exits[target] = [canvas.role(place, ("exit", target))]
+    control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
 
@@ -166,8 +174,11 @@ class _Control:
             self.canvas.role(gate, ("pending", section.name))
             own = tuple(a for a in section.activities if a in handover.with_idle)
         others = [a for a in awaited.activities if a not in own and ("activity", a) not in left_out]
-        software = [s for s in awaited.software if ("software", s) not in left_out]
-        back = [self.canvas.resource(s, "available") for s in software]
+        back = [
+            self.canvas.resource(s, "available", owner)
+            for s, owner in awaited.interfaces
+            if ("software", s) not in left_out and ("activity", owner) not in left_out
+        ]
         taken, idle = self.of_activities(own, "idle"), self.of_activities(others, "idle")
         read = [*idle, *back, *self.around.running]
         pen.transition("begin", [gate, *taken], self.begin(section), read=read)

@@ -59,7 +59,7 @@ def refuse_interruptions(graph: ObjectivesGraph) -> None:
         for interruption in section.interruptions:
             where = f"{interruption.source}: " if interruption.source else ""
             raise LimitError(
-                f"{where}the event {interruption.event} may interrupt {section.name}, which composition does "
+                f"{where}the event {interruption.event} may interrupt {section.name}, which this does "
                 "not take yet: use --engine explicit or symbolic, and controller --flat"
             )
 
@@ -134,7 +134,7 @@ def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) ->
     if tear.here.event == START and name != composite.graph.entry:
         text = text.replace(f"after {START}", "at its entry")
     usage = composite.usage
-    found = (*usage.contentions, *usage.exchanges) if isinstance(error, ConfluenceError) else ()
+    found = usage.contentions if isinstance(error, ConfluenceError) else ()
     reason = f" ({'; '.join(map(str, found))})" if found else ""
     return type(error)(f"in {where}: {text}{reason}", error.runs)
 

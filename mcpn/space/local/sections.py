@@ -10,13 +10,17 @@ from mcpn.mission.flatten import Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Provenance
-from mcpn.net.sections import LocalPart, Renaming
+from mcpn.net.sections import LocalPart, Renaming, exit_on
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.section_type import Exit, SectionType
+from mcpn.space.local.local_states import Exit
+from mcpn.space.local.section_type import SectionType
 
 BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""
+
+NOWHERE = -1
+"""The place of the whole net for a place of a local net that says by which event the section was left."""
 
 ENDS = (SUCCEED, FAIL)
 """What stands for a section after the mission: the routes to its ends."""
@@ -82,7 +86,8 @@ class PlacedSection:
     @property
     def routes(self) -> Mapping[Exit, str]:
         """By exit, the section that it leads to, or an end of the mission."""
-        return {"success": self.section.success, "failure": self.section.failure}
+        events = {exit_on(i.event): i.target for i in self.section.interruptions}
+        return {"success": self.section.success, "failure": self.section.failure, **events}
 
     @cached_property
     def renaming(self) -> Renaming:
@@ -91,7 +96,7 @@ class PlacedSection:
 
     @cached_property
     def places(self) -> list[int]:
-        """By place of the local net, the place of the whole net."""
+        """By place of the local net, the place of the whole net, or :data:`NOWHERE`."""
         return self._placed([place.provenance for place in self.type.net.net.places], self.elements.places)
 
     @cached_property
@@ -109,6 +114,9 @@ class PlacedSection:
         found = []
         for origin in origins:
             assert origin is not None, "what templates draw has a provenance"
+            if origin.kind == "exit":
+                found.append(NOWHERE)
+                continue
             key = origin.kind, origin.name
             mine = key if key == ("mission", mission) else (origin.kind, own[key])
             found.append(whole[mine][taken.setdefault(mine, 0)])
@@ -120,7 +128,7 @@ class PlacedSection:
 
     @cached_property
     def _local_places(self) -> Mapping[int, int]:
-        return {place: local for local, place in enumerate(self.places)}
+        return {place: local for local, place in enumerate(self.places) if place != NOWHERE}
 
     def local_place(self, place: int) -> int | None:
         """The place of the local net that is a place of the whole, if it has one."""
