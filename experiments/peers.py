@@ -3,9 +3,9 @@
 Usage: ``python experiments/peers.py FOLDER [NET...] --verifypn PATH --lola PATH --pnmc PATH --ltsmin PATH``
 with a folder that holds ``formulas.tsv`` and ``NAME/model.pnml``. Peers whose path is not given are left out;
 how a peer is asked can be changed by ``--command TOOL:QUESTION=COMMAND``, where the command holds ``{tool}``,
-``{net}``, ``{lola}`` (the net for LoLA), ``{file}`` (of properties), ``{queries}`` (1,2,...) or ``{deadlock}``
-(a file that asks for one). Each run is a process of its own, one after the other, with the same limits on time
-and memory for all tools. CPU seconds and the peak of memory are as the system counts them.
+``{net}``, ``{lola}`` (the net for LoLA), ``{file}`` (of properties), ``{queries}`` (1,2,...) or
+``{deadlock}`` (a file that asks for one). Each run is a process of its own, one after the other, with the
+same limits on time and memory for all tools. CPU seconds and the peak of memory are as the system counts them.
 """
 
 from __future__ import annotations
