@@ -5,7 +5,7 @@ with a folder that holds ``formulas.tsv`` and ``NAME/model.pnml``. Peers whose p
 how a peer is asked can be changed by ``--command TOOL:QUESTION=COMMAND``, where the command holds ``{tool}``,
 ``{net}``, ``{lola}`` (the net for LoLA), ``{file}`` (of properties), ``{queries}`` (1,2,...) or
 ``{deadlock}`` (a file that asks for one). Each run is a process of its own, one after the other, with the
-same limits on time and memory for all tools. CPU seconds and the peak of memory are as the system counts them.
+same limits on time and memory for all tools. CPU seconds and the peak of memory are the system's count.
 """
 
 from __future__ import annotations
