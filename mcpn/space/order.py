@@ -7,7 +7,7 @@ Saturation works from the bottom, so each order is tried in both directions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -148,16 +148,49 @@ def by_units(net: PetriNet) -> Order:
 
 
 def cuthill_mckee(net: PetriNet) -> Order:
-    """Reverse Cuthill-McKee on the bipartite graph of places and transitions (Cuthill, McKee 1969)."""
-    import networkx
-    from networkx.utils import reverse_cuthill_mckee_ordering
+    """Reverse Cuthill-McKee on the bipartite graph of places and transitions (Cuthill, McKee 1969).
 
+    Each component is walked breadth first, nodes of low degree first, from a node that is far from others.
+    Written here, for a library of graphs takes longer to load than most nets take to be counted.
+    """
     count = len(net.places)
-    graph: networkx.Graph[int] = networkx.Graph()
-    graph.add_nodes_from(range(count))
-    for number, places in enumerate(_touched(net)):
-        graph.add_edges_from((count + number, place) for place in places)
-    return tuple(node for node in reverse_cuthill_mckee_ordering(graph) if node < count)
+    touched = _touched(net)
+    near: list[list[int]] = [[] for _ in range(count + len(touched))]
+    for number, places in enumerate(touched, count):
+        for place in dict.fromkeys(places):
+            near[place].append(number)
+            near[number].append(place)
+    order: list[int] = []
+    placed: set[int] = set()
+    for node in range(len(near)):
+        if node in placed:
+            continue
+        walk = [_peripheral(near, node)]
+        placed.add(walk[0])
+        for parent in walk:  # grows while it is walked
+            children = sorted(set(near[parent]) - placed, key=lambda n: len(near[n]))
+            placed.update(children)
+            walk += children
+        order += walk
+    return tuple(node for node in reversed(order) if node < count)
+
+
+def _peripheral(near: Sequence[Sequence[int]], node: int) -> int:
+    """A node that is as far from another as walks from ``node`` on find (George, Liu 1979)."""
+    eccentricity = 0
+    while True:
+        distance = {node: 0}
+        queue = [node]
+        for parent in queue:  # grows while it is walked
+            for child in near[parent]:
+                if child not in distance:
+                    distance[child] = distance[parent] + 1
+                    queue.append(child)
+        most = distance[queue[-1]]
+        if most <= eccentricity:
+            return node
+        eccentricity = most
+        node = min((n for n in queue if distance[n] == most), key=lambda n: len(near[n]))
 
 
 def force(net: PetriNet, start: Order) -> Order:
