@@ -7,7 +7,7 @@ Saturation works from the bottom, so each order is tried in both directions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -39,15 +39,10 @@ def candidates(net: PetriNet, seed: int | None = None) -> Iterator[tuple[str, Or
         Pairs of name and order, without repeats; the same for the same net and seed.
     """
     seen: set[Order] = set()
-    # What composes missions declares resources first and sections in sequence last: read backwards, the
-    # sections stand on top in sequence, over the activities that they start and the resources under these.
-    named = _of_missions(net) if net.priorities else _named(net)
-    for name, order in chain(_drawn(net, seed), named):
-        ways = (("", order), ("-reversed", order[::-1]))
-        for suffix, way in reversed(ways) if net.priorities else ways:
-            if way not in seen:
-                seen.add(way)
-                yield name + suffix, way
+    for name, order in chain(_drawn(net, seed), _of_missions(net) if net.priorities else _named(net)):
+        if order not in seen:
+            seen.add(order)
+            yield name, order
 
 
 def read_order(path: Path, net: PetriNet) -> Order:
@@ -114,23 +109,36 @@ def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
 
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
+    # What composes missions declares resources first and sections in sequence last: read backwards, the
+    # sections stand on top in sequence, over the activities that they start and the resources under these.
     file = tuple(range(len(net.places)))
-    yield "force", force(net, file)
-    yield "file", file
-    yield "force-rcm", force(net, cuthill_mckee(net))
-    yield "units", by_units(net)
+    for name, order in (
+        ("force", force(net, file)),
+        ("file", file),
+        ("force-rcm", force(net, cuthill_mckee(net))),
+        ("units", by_units(net)),
+    ):
+        yield f"{name}-reversed", order[::-1]
+        yield name, order
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
     file = tuple(range(len(net.places)))
-    yield "force-rcm", force(net, cuthill_mckee(net))
-    yield "file", file
-    yield "force", force(net, file)
-    if net.units:
-        yield "units", by_units(net)
+    seeded = force(net, cuthill_mckee(net))
+    yield "force-rcm-reversed", seeded[::-1]
+    yield "force-rcm", seeded
+    grouped = [("units", by_units(net))] if net.units else []
     components = state_machine_units(net)
     if components:
-        yield "components", by_units(replace(net, units=components))
+        grouped.append(("components", by_units(replace(net, units=components))))
+    yield from grouped
+    yield "file", file
+    yield "file-reversed", file[::-1]
+    forced = force(net, file)
+    yield "force-reversed", forced[::-1]
+    yield "force", forced
+    for name, order in grouped:
+        yield f"{name}-reversed", order[::-1]
 
 
 def _touched(net: PetriNet) -> list[list[int]]:
@@ -150,47 +158,41 @@ def by_units(net: PetriNet) -> Order:
 def cuthill_mckee(net: PetriNet) -> Order:
     """Reverse Cuthill-McKee on the bipartite graph of places and transitions (Cuthill, McKee 1969).
 
-    Each component is walked breadth first, nodes of low degree first, from a node that is far from others.
-    Written here, for a library of graphs takes longer to load than most nets take to be counted.
+    Each component is walked breadth first, neighbours of low degree first, from a node at its rim, found by
+    walking to a farthest node of low degree until no farther one is found (George, Liu 1979).
     """
     count = len(net.places)
     touched = _touched(net)
-    near: list[list[int]] = [[] for _ in range(count + len(touched))]
-    for number, places in enumerate(touched, count):
-        for place in dict.fromkeys(places):
-            near[place].append(number)
-            near[number].append(place)
+    near: list[list[int]] = [[] for _ in range(count)]
+    for number, places in enumerate(touched):
+        for place in places:
+            near[place].append(count + number)
+    near += touched
+
+    def walk(start: int) -> tuple[list[int], list[int]]:
+        """Nodes as they are come to, and their distances."""
+        seen, found, distances = {start}, [start], [0]
+        for at, node in enumerate(found):  # grows while it is walked
+            fresh = sorted((n for n in near[node] if n not in seen), key=lambda n: (len(near[n]), n))
+            seen.update(fresh)
+            found += fresh
+            distances += [distances[at] + 1] * len(fresh)
+        return found, distances
+
     order: list[int] = []
     placed: set[int] = set()
-    for node in range(len(near)):
+    for node in range(count):
         if node in placed:
             continue
-        walk = [_peripheral(near, node)]
-        placed.add(walk[0])
-        for parent in walk:  # grows while it is walked
-            children = sorted(set(near[parent]) - placed, key=lambda n: len(near[n]))
-            placed.update(children)
-            walk += children
-        order += walk
+        found, distances = walk(node)
+        far = 0
+        while distances[-1] > far:
+            far = distances[-1]
+            rim = [n for n, distance in zip(found, distances, strict=True) if distance == far]
+            found, distances = walk(min(rim, key=lambda n: (len(near[n]), n)))
+        placed.update(found)
+        order += found
     return tuple(node for node in reversed(order) if node < count)
-
-
-def _peripheral(near: Sequence[Sequence[int]], node: int) -> int:
-    """A node that is as far from another as walks from ``node`` on find (George, Liu 1979)."""
-    eccentricity = 0
-    while True:
-        distance = {node: 0}
-        queue = [node]
-        for parent in queue:  # grows while it is walked
-            for child in near[parent]:
-                if child not in distance:
-                    distance[child] = distance[parent] + 1
-                    queue.append(child)
-        most = distance[queue[-1]]
-        if most <= eccentricity:
-            return node
-        eccentricity = most
-        node = min((n for n in queue if distance[n] == most), key=lambda n: len(near[n]))
 
 
 def force(net: PetriNet, start: Order) -> Order:
