@@ -8,14 +8,13 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.conditions import enumeration, sentence
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.check.causes.find import Causes, GoalCauses, Survival
 from mcpn.check.causes.fmeca import Row, Severity
 from mcpn.check.causes.prospects import CriticalEvent
-from mcpn.check.causes.risk import Risk
 from mcpn.check.runs import what_happens
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
@@ -25,6 +24,9 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import in_words
 from mcpn.space.run import Run
+
+if TYPE_CHECKING:
+    from mcpn.check.causes.risk import Risk
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
