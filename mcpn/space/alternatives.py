@@ -8,7 +8,7 @@ every transient marking behind an event is explored once, and its one stable end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -21,6 +21,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.firing import MaskedNet
 from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
+from mcpn.space.parting import parting_runs
 
 DEFAULT_MAX_STATES = 5_000_000
 
@@ -159,12 +160,13 @@ def confluence_error(net: PetriNet, runs: list[list[str]]) -> ConfluenceError:
     of = {transition.name: transition for transition in net.transitions}
     origins = [of[run[parted]].provenance for run in runs]
     where = " and ".join(dict.fromkeys(str(o) for o in origins if o))
-    event = next((e for name in reversed(first[:parted]) if (e := of[name].event)), None)
-    after = f"after {event}" if event else "at the start"
+    events = [str(e) for name in first[:parted] if (e := of[name].event)]
+    after = f"after {events[-1]}" if events else "at the start"
     return ConfluenceError(
         f"not confluent: {after} the outcome depends on the interleaving of "
         f"{where or f'{first[parted]} and {second[parted]}'}",
         runs,
+        events,
     )
 
 
@@ -251,23 +253,18 @@ class _Proving:
             raise self.two_ends(marking)
 
     def two_ends(self, marking: int) -> ConfluenceError:
-        """Shows two runs by a search of its own: markings are parted by their ends at one firing."""
-        prefix = self.run(marking)
-        tails: dict[int, list[str]] = {}
-        queue: list[tuple[int, list[str]]] = [(marking, [])]
-        seen = {marking}
-        for at, tail in queue:
-            covered = self.masked.covered(at) & self.masked.internal
-            if not covered:
-                tails[at] = tail
-                if len(tails) == 2:
-                    break
-            for t in self.masked.allowed(covered) if covered else ():
-                after = self.step(at, t)
-                if after not in seen:
-                    seen.add(after)
-                    queue.append((after, [*tail, self.net.transitions[t].name]))
-        return confluence_error(self.net, [[*prefix, *tail] for tail in tails.values()])
+        """Shows two runs that part at two transitions each of which decides the end."""
+        while (origin := self.parents[marking]) is not None and self.net.transitions[origin[1]].internal:
+            marking = origin[0]
+        after: dict[int, dict[int, int]] = {}
+        queue = [marking]
+        for at in queue:
+            if at not in after:
+                covered = self.masked.covered(at) & self.masked.internal
+                after[at] = {t: self.step(at, t) for t in self.masked.allowed(covered)}
+                queue.extend(after[at].values())
+        names = ([self.net.transitions[t].name for t in run] for run in parting_runs(after, marking))
+        return confluence_error(self.net, [[*self.run(marking), *tail] for tail in names])
 
     def run(self, marking: int) -> list[str]:
         run = []
@@ -275,6 +272,30 @@ class _Proving:
             marking, t = origin
             run.append(self.net.transitions[t].name)
         return run[::-1]
+
+
+def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError:
+    """The error of a run of events, of which the last has not one stable end.
+
+    Args:
+        net: A net with priorities.
+        events: The run from the initial marking; in each marking one transition carries the next event.
+    """
+    walk = _Proving(net)
+    masked = walk.masked
+    at = masked.initial()
+    covered, origin = masked.covered(at), None
+    try:
+        for event in (None, *events):
+            if event is not None:
+                (t,) = [t for t in masked.allowed(covered) if net.transitions[t].event == event]
+                origin, at = (at, t), walk.step(at, t)
+                covered = masked.covered(at)
+            at = walk.stabilise(at, covered, origin)
+            covered = masked.covered(at)
+    except SemanticsError as error:
+        return error
+    raise AssertionError("asked for where the last event has not one stable end")
 
 
 def direct(
