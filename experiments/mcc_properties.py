@@ -1,8 +1,7 @@
 """Answers the properties of Model Checking Contest nets, and compares with the contest's verdicts.
 
 Usage: ``python experiments/mcc_properties.py FOLDER [NET...]`` with a folder that holds ``formulas.tsv``,
-``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and 4 GiB of its own. Its
-properties are tried under growing limits of time, so that one hard formula does not cost the easy ones.
+``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and 4 GiB of its own.
 """
 
 from __future__ import annotations
@@ -27,6 +26,7 @@ FILES = (
     "ReachabilityCardinality",
     "UpperBounds",
 )
+REACHABILITY = ("ReachabilityFireability", "ReachabilityCardinality")
 EXAMINATIONS = {
     "ReachabilityDeadlock": "deadlock_exists",
     "QuasiLiveness": "quasi_live",
@@ -36,50 +36,31 @@ EXAMINATIONS = {
 }
 
 
-class TooLong(Exception):
-    """A property has had its time."""
-
-
-def answer_file(folder: Path, model: str, file: str, answers: multiprocessing.SimpleQueue) -> None:
-    """Answers one file, or the examinations; puts pairs of name and answer as they come."""
+def answer_questions(folder: Path, model: str, file: str, answers: multiprocessing.SimpleQueue) -> None:
+    """Answers one file, or the examinations; puts verdicts as they come."""
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.questions import Questions
-    from mcpn.errors import McpnError, UnsafeError
+    from mcpn.check.logic.verdicts import answer_examination, answer_file
+    from mcpn.errors import McpnError
     from mcpn.net.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
     questions = Questions(read_net(folder / model / "model.pnml"))
-    if file == "examinations":
-        for name in EXAMINATIONS:
-            with suppress(UnsafeError):
-                answers.put((name, questions.examination(name)))
-        return
-    try:
-        store = questions.space.encoding.store
-    except McpnError:
-        return
-    waiting, limit = read_properties(folder / model / f"{file}.xml"), 1.5
-    while waiting:
-        later = []
-        for asked in waiting:
-            until = time.monotonic() + limit
-
-            def watch(_: int, until: float = until) -> None:
-                if time.monotonic() > until:
-                    raise TooLong
-
-            store.progress = watch
-            try:
-                answers.put((asked.name, questions.property(asked)))
-            except (TooLong, MemoryError):
-                later.append(asked)
-        waiting, limit = later, limit * 4
+    with suppress(McpnError, MemoryError):
+        if file != "examinations":
+            for verdict in answer_file(questions, read_properties(folder / model / f"{file}.xml")):
+                answers.put((verdict.name, verdict.value, verdict.techniques))
+            return
+    for name in EXAMINATIONS if file == "examinations" else ():
+        with suppress(McpnError, MemoryError):
+            verdict = answer_examination(questions, name)
+            answers.put((name, verdict.value, verdict.techniques))
 
 
-def run(folder: Path, model: str, file: str) -> dict[str, str]:
-    """The answers that one process gives in its time."""
+def run(folder: Path, model: str, file: str, used: Counter[str]) -> dict[str, str]:
+    """The answers that one process gives in its time; counts the techniques that they were had by."""
     answers: multiprocessing.SimpleQueue = multiprocessing.SimpleQueue()
-    process = multiprocessing.Process(target=answer_file, args=(folder, model, file, answers))
+    process = multiprocessing.Process(target=answer_questions, args=(folder, model, file, answers))
     process.start()
     process.join(SECONDS)
     if process.is_alive():
@@ -87,9 +68,16 @@ def run(folder: Path, model: str, file: str) -> dict[str, str]:
         process.join()
     found = {}
     while not answers.empty():
-        name, answer = answers.get()
-        found[name] = answer
+        name, value, techniques = answers.get()
+        found[name] = value
+        used.update(["+".join(techniques)])
     return found
+
+
+def cpu_of_children() -> float:
+    """CPU seconds of the processes that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def examined(row: dict[str, str]) -> dict[str, str]:
@@ -104,6 +92,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("nets", nargs="*")
+    parser.add_argument("--file", action="append", help="only this file, or 'examinations'; may be repeated")
+    parser.add_argument("--all", action="store_true", help="a row for every file")
     arguments = parser.parse_args()
     folder: Path = arguments.folder
     with (folder / "oracles.tsv").open(newline="") as file:
@@ -116,24 +106,28 @@ def main() -> None:
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
     print(f"{machine}; {SECONDS} s and {GIB} GiB a file")
     totals: Counter[str] = Counter()
+    used: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):
-        for kind in (*FILES, "examinations"):
+        for kind in arguments.file or (*FILES, "examinations"):
             if kind == "examinations":
                 wanted = examined(oracles[model])
             else:
-                wanted = expected.get((model, kind), {}) if oracles[model]["safe"] == "1-safe" else {}
+                asked = oracles[model]["safe"] == "1-safe" or kind in REACHABILITY
+                wanted = expected.get((model, kind), {}) if asked else {}
             if not wanted:
                 continue
-            started = time.perf_counter()
-            found = run(folder, model, kind)
-            seconds = time.perf_counter() - started
+            started, before = time.perf_counter(), cpu_of_children()
+            found = run(folder, model, kind, used)
+            seconds, cpu = time.perf_counter() - started, cpu_of_children() - before
             wrong = [name for name in wanted if name in found and found[name] != wanted[name]]
             missing = [name for name in wanted if name not in found]
             totals.update(asked=len(wanted), wrong=len(wrong), missing=len(missing))
-            if wrong or missing or seconds > 10:
+            if wrong or missing or seconds > 10 or arguments.all:
                 told = f"  wrong: {' '.join(wrong)}" if wrong else ""
                 told += f"  not answered: {' '.join(missing)}" if missing else ""
-                print(f"{model:30} {kind:24} {seconds:6.1f} s{told}", flush=True)
+                print(f"{model:30} {kind:24} {seconds:6.1f} s {cpu:6.2f} s CPU{told}", flush=True)
+    for technique, count in used.most_common():
+        print(f"{count:5} by {technique}")
     answered = totals["asked"] - totals["missing"]
     share = 100 * answered / totals["asked"]
     print(f"{answered} of {totals['asked']} answered ({share:.1f} %), {totals['wrong']} wrong")

@@ -6,6 +6,8 @@ import csv
 import os
 import random
 import signal
+from collections.abc import Generator
+from functools import wraps
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.explicit import explore
 from mcpn.space.graph import StateGraph
+from tests import shares
 
 ROOT = Path(__file__).resolve().parents[1]
 ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
@@ -54,6 +57,35 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None]:
+    """Fails a property that returned early for too large a share of its examples (see tests/shares.py)."""
+    handle = getattr(getattr(item, "obj", None), "hypothesis", None)
+    if handle is None:
+        return (yield)
+    examples = 0
+    inner = handle.inner_test
+
+    @wraps(inner)
+    def counted(*args: object, **kwargs: object) -> object:
+        nonlocal examples
+        examples += 1
+        return inner(*args, **kwargs)
+
+    shares.left.clear()
+    handle.inner_test = counted
+    try:
+        result = yield
+    finally:
+        handle.inner_test = inner
+    marker = item.get_closest_marker("may_leave")
+    ceiling = marker.args[0] if marker else shares.CEILING
+    if examples >= shares.ENOUGH and shares.left.total() > ceiling * examples:
+        told = ", ".join(f"{count} {reason}" for reason, count in shares.left.most_common())
+        pytest.fail(f"returned early for {shares.left.total()} of {examples} examples: {told}")
+    return result
 
 
 @pytest.fixture(scope="session")

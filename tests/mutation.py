@@ -6,7 +6,6 @@ Each case is drawn from a seed of its own, so that a case that fails can be repe
 from __future__ import annotations
 
 import contextlib
-import io
 import json
 import random
 import shutil
@@ -16,28 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from mcpn.cli.line import run
+from tests.commands import mcpn
 
 CODES = {0, 1, 2}
 SECONDS = 60
 """The longest that a case may take: the inputs are small and every limit on states is low."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What one run of the command line did."""
-
-    code: int
-    out: str
-    err: str
-
-
-def mcpn_here(*arguments: object) -> Outcome:
-    """Runs the command line in this process."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = run([str(argument) for argument in arguments])
-    return Outcome(code, out.getvalue(), err.getvalue())
 
 
 @contextlib.contextmanager
@@ -62,20 +44,20 @@ def complaint(arguments: Sequence[object]) -> str | None:
     Whatever it is given, it ends with a code of its contract, a sentence where it refuses, and one JSON value
     where ``--json`` asks for it and the answer is 0 or 1.
     """
-    found = mcpn_here(*arguments)
-    told = f"{found.code}\n{found.out[-500:]}\n{found.err[-2000:]}"
-    if found.code not in CODES:
+    found = mcpn(*arguments)
+    told = f"{found.returncode}\n{found.stdout[-500:]}\n{found.stderr[-2000:]}"
+    if found.returncode not in CODES:
         return f"exit code {told}"
-    if "Traceback" in found.err + found.out or "internal error" in found.err:
+    if "Traceback" in found.stderr + found.stdout or "internal error" in found.stderr:
         return f"a traceback: {told}"
-    if found.code == 2 and not found.err.strip():
+    if found.returncode == 2 and not found.stderr.strip():
         return f"no sentence: {told}"
     subject = next((a for a in arguments if isinstance(a, Path)), None)
-    if subject is not None and "warning: " in found.out and f"warning: {subject}" not in found.out:
+    if subject is not None and "warning: " in found.stdout and f"warning: {subject}" not in found.stdout:
         return f"a warning that names no file: {told}"
-    if "--json" in map(str, arguments) and "--" not in arguments and found.code != 2:
+    if "--json" in map(str, arguments) and "--" not in arguments and found.returncode != 2:
         try:
-            json.loads(found.out, parse_constant=_refused)
+            json.loads(found.stdout, parse_constant=_refused)
         except ValueError as error:
             return f"no JSON value ({error}): {told}"
     return None

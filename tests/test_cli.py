@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mcpn_kernel import MemoryLimit
 
-from mcpn.cli.line import run as run_here
+from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 from tests.mission.test_broken import BROKEN
 
@@ -21,19 +18,6 @@ CONTENTION = """<mission name="m" xmlns="urn:mcpn:mission:1">
 <robot name="r"><hardware name="H"/><activity name="a" consumes="H"/><activity name="b" consumes="H"/></robot>
 <parallel name="p"><objective name="x" activities="a"/><objective name="y" activities="b"/></parallel>
 </mission>"""
-
-
-def mcpn(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "mcpn.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-
-
-def output(*arguments: object, code: int = 0) -> Any:
-    """The one JSON object of a command."""
-    run = mcpn(*arguments, "--json")
-    assert run.returncode == code, run.stderr
-    assert run.stderr == ""
-    return json.loads(run.stdout)
 
 
 def test_check_passes_on_ulysse() -> None:
@@ -386,15 +370,14 @@ def test_markings_are_counted_beside_local_spaces_where_asked_for() -> None:
     assert mcpn("states", ULYSSE, "--markings").returncode == 2
 
 
-def test_memory_that_runs_out_is_an_error_that_says_so(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_memory_that_runs_out_is_an_error_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def nothing_left(*_: object, **__: object) -> None:
         raise MemoryLimit("the store's memory limit of 1 bytes was hit at 0 nodes")
 
     monkeypatch.setattr("mcpn.space.summary.summarise", nothing_left)
-    assert run_here(["states", str(ULYSSE)]) == 2
-    assert capsys.readouterr().err.startswith("error: out of memory: the store's memory limit of 1 bytes")
+    run = mcpn("states", ULYSSE)
+    assert run.returncode == 2
+    assert run.stderr.startswith("error: out of memory: the store's memory limit of 1 bytes")
 
 
 def test_a_controller_in_two_levels_is_the_default(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ import pytest
 from lxml import etree
 
 from tests.check.test_cutsets import ULYSSE as CUT_SETS
+from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
-from tests.test_cli import mcpn, output
 
 TIMED = """<mission name="m" xmlns="urn:mcpn:mission:1">
 <robot name="r">

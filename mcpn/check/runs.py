@@ -110,6 +110,8 @@ def what_happens(event: Event, mission: str) -> str:
             return f"objective {name} fails"
         case What.OUT_OF_SERVICE:
             return f"{name} goes out of service"
+        case What.LOST:
+            return f"{event.element} is lost for good"
         case What.REPAIRED:
             return f"{name} is ready again"
         case What.DECLARED:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -21,12 +21,12 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.logic.questions import Answer
+    from mcpn.check.logic.questions import Answer, Engine
+    from mcpn.check.logic.verdicts import Verdict
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
-TECHNIQUES = {"symbolic": "DECISION_DIAGRAMS", "explicit": "EXPLICIT"}
 
 
 @click.command()
@@ -43,7 +43,9 @@ TECHNIQUES = {"symbolic": "DECISION_DIAGRAMS", "explicit": "EXPLICIT"}
     help="Evaluate on all markings, or on stable markings and events.",
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
-@click.option("--engine", type=click.Choice(["symbolic", "explicit"]), default="symbolic", show_default=True)
+@click.option(
+    "--engine", type=click.Choice(["auto", "symbolic", "explicit"]), default="auto", show_default=True
+)
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @limit_option
 @import_option
@@ -67,11 +69,12 @@ def ctl(
     """
     if not (formulas or properties or examination):
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
-    if scn and (len(formulas) != 1 or engine != "symbolic"):
-        raise click.UsageError("--scn goes with one FORMULA and the symbolic engine")
+    if scn and (len(formulas) != 1 or engine == "explicit"):
+        raise click.UsageError("--scn goes with one FORMULA, and not with the explicit engine")
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
+    from mcpn.check.logic.verdicts import answer_examination, answer_file
 
     net, mission_net = _subject(file, import_root)
     questions = Questions(
@@ -79,23 +82,18 @@ def ctl(
         mission_net,
         on="alternatives" if graph == "alternatives" else "markings",
         fair=fair,
-        engine="explicit" if engine == "explicit" else "symbolic",
+        engine=cast("Engine", engine),
         max_states=max_states,
     )
     # Everything asked is understood before anything is answered.
     asked = [(text, questions.core(parse(text))) for text in formulas]
-    listed = read_properties(properties) if properties else []
-    for each in listed:
-        questions.look_up(each)
-    contest = {each.name: partial(questions.property, each) for each in listed}
-    if examination:
-        contest[f"{net.name}-{examination}"] = partial(questions.examination, examination)
+    of_file = answer_file(questions, read_properties(properties)) if properties else iter(())
+    of_net = [examination] if examination else []
     objects = []
-    for name, answer_of in contest.items():
-        found = answer_of()
-        objects.append(_contest_object(name, found))
+    for verdict in chain(of_file, (answer_examination(questions, each) for each in of_net)):
+        objects.append(_contest_object(verdict))
         if not as_json:
-            click.echo(f"FORMULA {name} {found} TECHNIQUES {TECHNIQUES[engine]}")
+            click.echo(str(verdict))
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
         _write_scenario(answers[0], net, scn)
@@ -126,11 +124,12 @@ def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
     write_atomically(path, scenario(answer.witness, net))
 
 
-def _contest_object(name: str, found: str) -> dict[str, Any]:
+def _contest_object(verdict: Verdict) -> dict[str, Any]:
     """The answer to a property of the contest: a truth value, or a bound."""
-    truth = {"TRUE": True, "FALSE": False}.get(found)
-    answer: dict[str, Any] = {"formula": name, "holds": truth, "witness": None}
-    return answer if truth is not None else {**answer, "value": int(found)}
+    truth = {"TRUE": True, "FALSE": False}.get(verdict.value)
+    answer: dict[str, Any] = {"formula": verdict.name, "holds": truth, "witness": None}
+    answer["techniques"] = list(verdict.techniques)
+    return answer if truth is not None else {**answer, "value": int(verdict.value)}
 
 
 def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:

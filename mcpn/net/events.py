@@ -26,6 +26,8 @@ class What(StrEnum):
     """A hardware resource fails."""
     REPAIRED = "repaired"
     """A hardware resource is ready again."""
+    LOST = "lost"
+    """A hardware resource that is out of service is given up for good (:mod:`mcpn.net.mortal`)."""
     DECLARED = "declared"
     """An event that the mission declares by name."""
     NAMED = "named"
@@ -37,6 +39,7 @@ _FORMS = {
     What.FAILURE: ("OBJ_", "_EV_FAIL"),
     What.OUT_OF_SERVICE: ("", "_EV_OOS"),
     What.REPAIRED: ("", "_EV_RD"),
+    What.LOST: ("", "_EV_DEATH"),
     What.DECLARED: ("", "_EV"),
 }
 """Text before and after the element; no text ends like two of them."""

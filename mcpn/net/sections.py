@@ -146,6 +146,7 @@ class Renaming:
         activities: The same.
         alternatives: As ``activity.alternative``.
         hardware: By name.
+        elements: By the kind and the name that provenances in the old section have, the name in the new one.
     """
 
     def __init__(self, old: LocalPart, new: LocalPart) -> None:
@@ -160,3 +161,17 @@ class Renaming:
         }
         resources = zip(old.parts.hardware, new.parts.hardware, strict=True)
         self.hardware = {theirs.name: mine.name for theirs, mine in resources}
+        software = zip(old.parts.software, new.parts.software, strict=True)
+        sections = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
+        self.elements = {
+            **{("hardware", name): mine for name, mine in self.hardware.items()},
+            **{("software", theirs.name): mine.name for theirs, mine in software},
+            **{("activity", name): mine for name, mine in self.activities.items()},
+            **{("alternative", name): mine for name, mine in self.alternatives.items()},
+            **{(kind_of(theirs), theirs.name): mine.name for theirs, mine in sections},
+        }
+
+
+def kind_of(section: Section) -> str:
+    """What the provenances of a section's places call it."""
+    return "objective" if isinstance(section, ElementarySection) else "parallel"

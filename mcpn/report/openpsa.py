@@ -5,7 +5,9 @@ of their alternatives, these by resources, down to hardware. Elsewhere each top 
 cut sets. Both have the minimal cut sets that the state space gives; writing refuses a tree that has not.
 
 Names are Open-PSA identifiers, which know no dots: ``transect.diving`` becomes ``objective-transect-diving``.
-Rates become probabilities of being out of service at the ``system-mission-time``.
+Rates become probabilities of being out of service at the ``system-mission-time``. Where some resource has a
+failure rate, one without is taken never to fail, as :mod:`mcpn.check.risk` does, and its basic event says so;
+where none has, the tree is qualitative.
 
 Source: Epstein, Rauzy, *Open-PSA Model Exchange Format*, version 2.0d, sections IV and V.
 """
@@ -69,9 +71,10 @@ class _Tree:
         """The whole tree with its basic events."""
         self.draw()
         data = etree.SubElement(self.root, "model-data")
-        for hardware in self.usage.mission.hardware:
-            if hardware.faulty:
-                _basic_event(data, hardware)
+        faulty = [hardware for hardware in self.usage.mission.hardware if hardware.faulty]
+        quantitative = any(hardware.failure_rate is not None for hardware in faulty)
+        for hardware in faulty:
+            _basic_event(data, hardware, quantitative=quantitative)
         return etree.tostring(self.root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
 
     def draw(self) -> None:
@@ -110,9 +113,13 @@ class _Structured(_Tree):
         if self.text.activity(activity) == NEVER or not ways:
             etree.SubElement(gate, "constant", value="false")
             return
-        holder = etree.SubElement(gate, "and") if len(ways) > 1 else gate
-        for way in ways:
-            _sum(holder, ([self.resource(k)] for k in way.consumes if self.may_fail(k)))
+        # Alternatives that the same resources defeat are one factor: a formula names each argument once.
+        factors = dict.fromkeys(
+            tuple(dict.fromkeys(self.resource(k) for k in way.consumes if self.may_fail(k))) for way in ways
+        )
+        holder = etree.SubElement(gate, "and") if len(factors) > 1 else gate
+        for factor in factors:
+            _sum(holder, ([reference] for reference in factor))
 
     def may_fail(self, resource: str) -> bool:
         return self.text.resource(resource) != NEVER
@@ -162,16 +169,18 @@ def _sum(parent: etree._Element, products: Iterable[Sequence[tuple[str, str]]]) 
             etree.SubElement(inner, kind, name=name)
 
 
-def _basic_event(parent: etree._Element, hardware: Hardware) -> None:
+def _basic_event(parent: etree._Element, hardware: Hardware, *, quantitative: bool) -> None:
     element = etree.SubElement(parent, "define-basic-event", name=hardware.name)
     etree.SubElement(element, "label").text = hardware.description or f"{hardware.name} is out of service"
-    if hardware.failure_rate is None:
+    rate, repair = hardware.failure_rate, hardware.repair_rate
+    if rate is None:
+        attributes = etree.SubElement(element, "attributes")
+        etree.SubElement(attributes, "attribute", name="failure-rate", value="not given")
+    if not rate:
+        if quantitative:
+            etree.SubElement(element, "float", value="0.0")
         return
-    rates: list[float]
-    if hardware.repair_rate:
-        law, rates = etree.SubElement(element, "GLM"), [0.0, hardware.failure_rate, hardware.repair_rate]
-    else:
-        law, rates = etree.SubElement(element, "exponential"), [hardware.failure_rate]
-    for rate in rates:
-        etree.SubElement(law, "float", value=repr(float(rate)))
+    law = etree.SubElement(element, "GLM" if repair else "exponential")
+    for value in (0.0, rate, repair) if repair else (rate,):
+        etree.SubElement(law, "float", value=repr(float(value)))
     etree.SubElement(law, "system-mission-time", unit="hours")

@@ -274,28 +274,30 @@ class _Proving:
         return run[::-1]
 
 
-def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError:
-    """The error of a run of events, of which the last has not one stable end.
+def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None:
+    """The error of a run of events whose last has not one stable end, every interleaving after each explored.
 
     Args:
         net: A net with priorities.
         events: The run from the initial marking; in each marking one transition carries the next event.
+
+    Returns:
+        The error with whole runs from the initial marking, ``None`` where each event has one stable end.
     """
     walk = _Proving(net)
     masked = walk.masked
     at = masked.initial()
-    covered, origin = masked.covered(at), None
+    covered = masked.covered(at)
     try:
-        for event in (None, *events):
-            if event is not None:
-                (t,) = [t for t in masked.allowed(covered) if net.transitions[t].event == event]
-                origin, at = (at, t), walk.step(at, t)
-                covered = masked.covered(at)
-            at = walk.stabilise(at, covered, origin)
+        at = walk.stabilise(at, covered, None)
+        for event in events:
             covered = masked.covered(at)
+            (t,) = [t for t in masked.allowed(covered) if net.transitions[t].event == event]
+            after = walk.step(at, t)
+            at = walk.stabilise(after, masked.covered_after(covered, after, t), (at, t))
     except SemanticsError as error:
         return error
-    raise AssertionError("asked for where the last event has not one stable end")
+    return None
 
 
 def direct(

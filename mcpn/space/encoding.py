@@ -22,9 +22,10 @@ class Encoding:
         net: The net, 1-safe at its initial marking.
         order: Places from the top on.
         memory_limit: Bytes for the store.
+        store: A store that others use too, whose first levels are for the places; a new one by default.
     """
 
-    def __init__(self, net: PetriNet, order: Order, memory_limit: int) -> None:
+    def __init__(self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None) -> None:
         self.net = net
         self.memory_limit = memory_limit
         self.partner: dict[int, int] = {}
@@ -33,7 +34,7 @@ class Encoding:
                 self.partner[dropped] = kept
         self.places = tuple(p for p in order if p not in self.partner)
         self.level = {p: level for level, p in enumerate(self.places)}
-        self.store = Store(len(self.places), memory_limit)
+        self.store = Store(len(self.places), memory_limit) if store is None else store
         live = [(i, t) for i, t in enumerate(net.safe_transitions) if not t.blocked]
         self.transitions = [i for i, _ in live]
         self.enabling = {i: self.condition((*t.consume, *t.read)) for i, t in live}
@@ -109,7 +110,7 @@ class Encoding:
 
     def marking(self, levels: Iterable[int]) -> tuple[int, ...]:
         """The tokens by place of a marking given as its marked levels."""
-        marked = {self.places[level] for level in levels}
+        marked = {self.places[level] for level in levels if level < len(self.places)}
         marked.update(dropped for dropped, kept in self.partner.items() if kept not in marked)
         return tuple(int(p in marked) for p in range(len(self.net.places)))
 

@@ -63,29 +63,31 @@ class ImageStore:
         Returns:
             The family; linear in the size of the diagram's projection on the levels named.
         """
-        levels = sorted({bit[0] for bit in bits if not isinstance(bit, bool)})
-        takes = {level: store.event([level], []) for level in levels}
-        numbers = sorted(range(self.levels), key=lambda i: -1 if isinstance(b := bits[i], bool) else b[0])
+        told: dict[int, tuple[list[int], list[int]]] = {}
+        for number, bit in enumerate(bits):
+            if not isinstance(bit, bool):
+                level, reverse = bit
+                told.setdefault(level, ([], []))[not reverse].append(number)
+        always = self.store.event([], [number for number, bit in enumerate(bits) if bit is True])
+        levels = sorted(told)
+        ways = [
+            (level, store.event([level], []), *(self.store.event([], numbers) for numbers in told[level]))
+            for level in levels
+        ]
         memo: dict[tuple[Zdd, int], Zdd] = {}
 
         def built(part: Zdd, at: int) -> Zdd:
-            if not part:
-                return self.nothing
-            if at == len(numbers):
-                return self.store.singleton([])
+            if not part or at == len(ways):
+                return self.store.singleton([]) if part else self.nothing
             if (part, at) not in memo:
-                number = numbers[at]
-                bit = bits[number]
-                if isinstance(bit, bool):
-                    without, with_it = (part - part, part) if bit else (part, part - part)
-                else:
-                    level, reverse = bit
-                    unmarked, marked = part.subset(unmarked=[level]), part.images([takes[level]])
-                    without, with_it = (marked, unmarked) if reverse else (unmarked, marked)
-                memo[part, at] = built(without, at + 1) | built(with_it, at + 1).images([self._puts[number]])
+                level, take, where_unmarked, where_marked = ways[at]
+                unmarked, marked = part.subset(unmarked=[level]), part.images([take])
+                memo[part, at] = built(unmarked, at + 1).images([where_unmarked]) | built(
+                    marked, at + 1
+                ).images([where_marked])
             return memo[part, at]
 
-        return built(states.onto(levels), 0)
+        return built(states.onto(levels), 0).images([always])
 
     def minimal(self, family: Zdd) -> list[tuple[int, ...]]:
         """The minimal members of a family, those that contain no other member; smaller ones first.

@@ -13,6 +13,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
 from mcpn.space.alternatives import direct
 from tests.check.oracle import Play, fragile_missions
+from tests.shares import returns_early
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +71,8 @@ def test_severities_are_those_of_plain_search(mission: Mission) -> None:
     found = compose(mission)
     try:
         rows = fmeca(Outlook(found, direct(found.net, max_states=500)))
-    except (LimitError, ConfluenceError):
+    except (LimitError, ConfluenceError) as error:
+        returns_early(type(error).__name__)
         return
     play = Play(found)
     dead = frozenset(play.hardware)

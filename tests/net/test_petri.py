@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 
@@ -47,10 +49,13 @@ def test_builders_refuse_what_makes_no_sense() -> None:
         builder.build()
 
 
-@given(nets(max_weight=3))
+def safe_at_first(net: PetriNet) -> PetriNet:
+    """The net with at most one token in each place."""
+    return replace(net, places=tuple(replace(p, initial=min(p.initial, 1)) for p in net.places))
+
+
+@given(nets(max_weight=3).map(safe_at_first))
 def test_the_safe_view_fires_like_the_net_where_it_is_safe(net: PetriNet) -> None:
-    if max(net.initial) > 1:
-        return
     marked = {p for p, tokens in enumerate(net.initial) if tokens}
     for number, safe in enumerate(net.safe_transitions):
         enabled = not safe.blocked and marked >= {*safe.consume, *safe.read}

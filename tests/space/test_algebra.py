@@ -9,9 +9,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.errors import SemanticsError
+from mcpn.errors import ConfluenceError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.mortal import mortal
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.alternatives import by_reduction
@@ -20,6 +21,7 @@ from mcpn.space.confluence import prove_confluent
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.explicit import explore
 from mcpn.space.images import ImageStore
+from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
 
@@ -63,7 +65,11 @@ def alternatives_spaces(mission_net: MissionNet) -> Spaces:
     space = reach(mission_net.net)
     prove_confluent(mission_net.net, space=space)
     graph = by_reduction(explore(mission_net.net))
-    return {"arrays": ArraySpace(graph), "diagrams": DiagramAlternatives(space)}
+    return {
+        "arrays": ArraySpace(graph),
+        "diagrams": DiagramAlternatives(space),
+        "composite": composite_space(mission_net),
+    }
 
 
 class Questions:
@@ -235,3 +241,50 @@ def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> N
     for space in spaces.values():
         assert space.everything.count() == (44299 if kind == "markings" else 260)
         assert sum(space.firings(space.everything).values()) == (124078 if kind == "markings" else 1332)
+
+
+@given(missions(max_hardware=2, max_producers=2, max_sections=4), st.data())
+def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
+    mission_net = compose(mission)
+    try:
+        prove_confluent(mission_net.net)
+    except SemanticsError:
+        assume(False)
+    whole = mortal(mission_net)
+    start, graph = plain_graph(whole.net, stable=True)
+    assume(len(graph) < 2000)
+    spaces: Spaces = {
+        "diagrams": DiagramAlternatives(reach(whole.net)),
+        "composite": composite_space(mission_net, Options(mortal=True)),
+    }
+    Questions(data.draw, start, graph, spaces).ask()
+
+
+@given(missions(max_hardware=3, max_producers=2))
+def test_the_composite_refuses_what_is_not_confluent(mission: Mission) -> None:
+    mission_net = compose(mission)
+    net = mission_net.net
+    try:
+        prove_confluent(net)
+    except SemanticsError as error:
+        kind = type(error)
+    else:
+        composite_space(mission_net)
+        return
+    with pytest.raises(kind) as caught:
+        composite_space(mission_net)
+    ends = {_replayed(net, run) for run in caught.value.runs}
+    assert kind is not ConfluenceError or len(ends) == 2
+
+
+def _replayed(net: PetriNet, run: Iterable[str]) -> Marking:
+    """Where a run leads; internal firings that it leaves out before an event are the only ones there are."""
+    marking = net.initial
+    for name in run:
+        t = net.transition_index[name]
+        while t not in net.enabled(marking):
+            internal = [i for i in net.enabled(marking) if net.transitions[i].internal]
+            assert internal, name
+            marking = net.fire(marking, internal[0])
+        marking = net.fire(marking, t)
+    return marking

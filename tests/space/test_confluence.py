@@ -17,6 +17,7 @@ from mcpn.space.explicit import explore
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
+from tests.shares import returns_early
 
 
 def same(one: AlternativesGraph, other: AlternativesGraph) -> bool:
@@ -46,7 +47,8 @@ def test_missions_have_the_same_graph_with_either_proof(mission: Mission) -> Non
     net = compose(mission).net
     try:
         reduced = by_reduction(explore(net, max_states=20_000))
-    except (LimitError, SemanticsError):
+    except (LimitError, SemanticsError) as error:
+        returns_early(type(error).__name__)
         return
     assert same(direct_with_proof(net), reduced)
 

@@ -13,9 +13,10 @@ from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet
-from mcpn.space.summary import ENGINES, SpaceSummary, summarise
+from mcpn.space.summary import ENGINES, MOST_PLACES_FOR_PYEDA, SpaceSummary, summarise
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
+from tests.shares import returns_early
 from tests.space.test_explicit import ring, switches
 
 # What each engine reaches in a few seconds, by places and by states.
@@ -53,7 +54,8 @@ def test_missions_have_the_same_sizes_by_both_large_engines(mission: Mission) ->
     net = compose(mission).net
     try:
         explicit = summarise(net, "explicit", max_states=20_000)
-    except LimitError:
+    except LimitError as error:
+        returns_early(type(error).__name__)
         return
     assert sizes(summarise(net, "symbolic")) == sizes(explicit)
 
@@ -98,6 +100,6 @@ SLOW = {
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_contest_s_unsafe_nets(engine: str, mcc: Path, mcc_oracles: dict[str, dict[str, str]]) -> None:
     for model, row in mcc_oracles.items():
-        if row["safe"] != "1-safe":
+        if row["safe"] != "1-safe" and (engine != "pyeda" or int(row["places"]) <= MOST_PLACES_FOR_PYEDA):
             with pytest.raises(UnsafeError):
                 summarise(read_net(mcc / model / "model.pnml"), engine)

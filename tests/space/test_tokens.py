@@ -13,6 +13,7 @@ from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.tokens import OMEGA, boundedness, explore_tokens
 from tests.net.nets import nets
+from tests.shares import returns_early
 
 
 def producer_consumer(*, events: bool = False) -> PetriNet:
@@ -72,7 +73,8 @@ def test_with_priorities_it_may_be_left_open() -> None:
 def test_bounds_are_those_of_exploration(net: PetriNet) -> None:
     try:
         found = boundedness(net, max_states=2_000)
-    except LimitError:
+    except LimitError as error:
+        returns_early(type(error).__name__)
         return
     if found.bounded:
         assert explore_tokens(net).bounds == found.bounds

@@ -7,18 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias
 
-import numpy as np
-
 from mcpn.check.arrays import ExplicitEvaluation
 from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
-from mcpn.check.logic.contest import Property
 from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.witness import Witness, explain
-from mcpn.check.nets.behaviour import examine
 from mcpn.check.runs import Step, replay
-from mcpn.errors import InputError, UnsafeError
+from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.space.alternatives import by_reduction
@@ -28,7 +24,7 @@ from mcpn.space.graph import StateGraph
 from mcpn.space.symbolic import SymbolicSpace, reach
 
 On: TypeAlias = Literal["markings", "alternatives"]
-Engine: TypeAlias = Literal["symbolic", "explicit"]
+Engine: TypeAlias = Literal["auto", "symbolic", "explicit"]
 PROGRESS = "progress"
 
 
@@ -57,7 +53,7 @@ class Questions:
         mission_net: The mission that it is of, if any.
         on: The graph that formulas speak of.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
-        engine: Diagrams, or arrays as the second opinion.
+        engine: Diagrams, arrays as the second opinion, or (``auto``) diagrams with a search before them.
         max_states: Limit for the explicit engine.
 
     Raises:
@@ -71,7 +67,7 @@ class Questions:
         *,
         on: On = "markings",
         fair: Sequence[str] = (),
-        engine: Engine = "symbolic",
+        engine: Engine = "auto",
         max_states: int | None = None,
     ) -> None:
         if on == "alternatives" and not net.priorities:
@@ -99,6 +95,11 @@ class Questions:
             InputError: A name is unknown.
         """
         return resolve(formula, self.net, self.mission_net)
+
+    @property
+    def searchable(self) -> bool:
+        """Whether reachability of a marking may be asked of a search: markings, no priorities, all paths."""
+        return self.engine == "auto" and self.on == "markings" and not self.fair and not self.net.priorities
 
     @cached_property
     def space(self) -> SymbolicSpace:
@@ -149,49 +150,3 @@ class Questions:
         names = [self.net.transitions[t].name for t in witness.firings]
         told = replay(self.mission_net, names) if self.mission_net else ()
         return Answer(text, self.symbolic.holds(core), witness, tuple(told))
-
-    def look_up(self, asked: Property) -> Core | dict[int, int]:
-        """What a property of the contest asks, names looked up: a formula, or places with their weights.
-
-        Raises:
-            InputError: A name is unknown.
-        """
-        if asked.formula is not None:
-            try:
-                return self.core(asked.formula)
-            except InputError as error:
-                raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-        weights: dict[int, int] = {}
-        for name in asked.bound:
-            if name not in self.net.place_index:
-                raise InputError.at(asked.source, f"no place is named {name}")
-            place = self.net.place_index[name]
-            weights[place] = weights.get(place, 0) + 1
-        return weights
-
-    def property(self, asked: Property) -> str:
-        """Answers a property of the contest: TRUE, FALSE, or the bound asked for."""
-        meant = self.look_up(asked)
-        if not isinstance(meant, dict):
-            evaluation = self.symbolic if self.engine == "symbolic" else self.explicit
-            return str(evaluation.holds(meant)).upper()
-        return str(self._bound(meant))
-
-    def _bound(self, weights: dict[int, int]) -> int:
-        if self.engine == "symbolic":
-            levels, always = self.space.encoding.weigh(weights)
-            return self.space.reachable.largest(levels) + always
-        graph = self.explicit.graph
-        tokens = np.zeros(graph.states, np.int64)
-        for place, weight in weights.items():
-            tokens += weight * graph.marked(place)
-        return int(tokens.max())
-
-    def examination(self, name: str) -> str:
-        """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`)."""
-        try:
-            return str(examine(name, self.space)).upper()
-        except UnsafeError:
-            if name == "OneSafe":
-                return "FALSE"
-            raise

@@ -57,7 +57,8 @@ def _cluster(node: Place | Transition) -> str:
 def _place(number: int, place: Place) -> str:
     tokens = {0: "", 1: "&#9679;"}.get(place.initial, str(place.initial))
     label = f'label="{tokens}", xlabel={_quote(place.name)}'
-    return f"p{number} [shape=circle, width=0.3, fixedsize=true, {label}];"
+    size = "width=0.3, fixedsize=true" if place.initial < 100 else "width=0.3"  # a long number widens it
+    return f"p{number} [shape=circle, {size}, {label}];"
 
 
 def _transition(number: int, transition: Transition) -> str:

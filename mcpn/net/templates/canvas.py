@@ -12,7 +12,20 @@ from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.templates.names import names_of
 
 Role: TypeAlias = tuple[
-    Literal["active", "wait", "refused", "oos", "objective", "pending", "done", "success", "failure"], str
+    Literal[
+        "active",
+        "wait",
+        "refused",
+        "oos",
+        "objective",
+        "pending",
+        "done",
+        "success",
+        "failure",
+        "alive",
+        "dead",
+    ],
+    str,
 ]
 """What a marked place says, and of which element.
 
@@ -23,7 +36,9 @@ Role: TypeAlias = tuple[
 ``("objective", "diving")``: the objective runs;
 ``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);
-``("success", mission)``, ``("failure", mission)``: the mission has ended so.
+``("success", mission)``, ``("failure", mission)``: the mission has ended so;
+``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
+:mod:`mcpn.net.mortal`).
 """
 
 

@@ -1,0 +1,196 @@
+"""Answers to files and examinations of the Model Checking Contest, as they come, with how they were had.
+
+What asks for one reachable marking goes to a search first; what is left is asked of the space, built once.
+The formulas of a file share it: cheap ones first, each with a time slice that grows round by round, so that
+one hard formula does not cost the easy ones.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from mcpn.check.logic.contest import Property
+from mcpn.check.logic.formulas import Core, walk
+from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.reachability import ReachabilityQuestion, as_reachability
+from mcpn.check.nets.behaviour import examine
+from mcpn.errors import InputError, UnsafeError
+from mcpn.space.search.goal import DEADLOCK
+from mcpn.space.search.portfolio import EXPLICIT, RANDOM_WALK, ROUNDS, Portfolio
+from mcpn.space.search.searches import Searches
+
+DIAGRAMS = "DECISION_DIAGRAMS"
+FIRST_SLICE, GROWTH = 1.5, 4.0
+WALK_STEPS = 50_000
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """An answer to a question of the contest.
+
+    Args:
+        name: The question's.
+        value: ``TRUE``, ``FALSE`` or a number.
+        techniques: How it was had, in the contest's words.
+    """
+
+    name: str
+    value: str
+    techniques: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"FORMULA {self.name} {self.value} TECHNIQUES {' '.join(self.techniques)}"
+
+
+class _SliceSpent(Exception):
+    """A formula has had its time slice."""
+
+
+Meaning: TypeAlias = Core | dict[int, int]
+"""A formula, or places with their weights, where the most tokens that they hold together is asked."""
+
+
+def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterator[Verdict]:
+    """Answers the properties of a file.
+
+    Args:
+        questions: About the net.
+        properties: What is asked.
+
+    Returns:
+        The answers in the order in which they are found. Taking them raises UnsafeError or LimitError where
+        what is left needs the space and the net is not 1-safe, or a limit was hit.
+
+    Raises:
+        InputError: A name is unknown; every name is looked up before anything is answered.
+    """
+    return _answers(questions, properties, {asked.name: look_up(questions, asked) for asked in properties})
+
+
+def look_up(questions: Questions, asked: Property) -> Meaning:
+    """What a property asks, names looked up.
+
+    Raises:
+        InputError: A name is unknown.
+    """
+    if asked.formula is not None:
+        try:
+            return questions.core(asked.formula)
+        except InputError as error:
+            raise InputError.at(asked.source, f"{asked.name}: {error}") from error
+    weights: dict[int, int] = {}
+    for name in asked.bound:
+        if name not in questions.net.place_index:
+            raise InputError.at(asked.source, f"no place is named {name}")
+        place = questions.net.place_index[name]
+        weights[place] = weights.get(place, 0) + 1
+    return weights
+
+
+def _answers(
+    questions: Questions, properties: Sequence[Property], meant: dict[str, Meaning]
+) -> Iterator[Verdict]:
+    answered: set[str] = set()
+    for verdict in _by_search(questions, meant):
+        answered.add(verdict.name)
+        yield verdict
+    waiting = [asked.name for asked in properties if asked.name not in answered]
+    if not waiting:
+        return
+    if questions.engine == "explicit":
+        for name in waiting:
+            yield Verdict(name, _value(questions, meant[name]), (EXPLICIT,))
+        return
+    yield from _by_slices(questions, {name: meant[name] for name in waiting})
+
+
+def _by_search(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
+    if not questions.searchable:
+        return
+    asked: list[tuple[str, ReachabilityQuestion]] = []
+    for name, meaning in meant.items():
+        question = None if isinstance(meaning, dict) else as_reachability(meaning, questions.net)
+        if question is not None:
+            asked.append((name, question))
+    goals = [question.goal for _, question in asked]
+    for index, found in Portfolio(questions.net).decide(goals, ROUNDS[:2]):
+        name, question = asked[index]
+        value = found.reachable == question.if_reachable
+        yield Verdict(name, str(value).upper(), found.techniques)
+
+
+def _by_slices(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
+    store = questions.space.encoding.store
+    before, until = store.progress, 0.0
+
+    def watch(nodes: int) -> None:
+        if before is not None:
+            before(nodes)
+        if time.monotonic() > until:
+            raise _SliceSpent
+
+    left, limit = sorted(meant, key=lambda name: _effort(meant[name])), FIRST_SLICE
+    try:
+        store.progress = watch
+        while left:
+            later = []
+            for name in left:
+                until = time.monotonic() + limit
+                try:
+                    value = _value(questions, meant[name])
+                except _SliceSpent:
+                    later.append(name)
+                    continue
+                yield Verdict(name, value, (DIAGRAMS,))
+            left, limit = later, limit * GROWTH
+    finally:
+        store.progress = before
+
+
+def _effort(meaning: Meaning) -> int:
+    return 0 if isinstance(meaning, dict) else sum(1 for _ in walk(meaning))
+
+
+def _value(questions: Questions, meaning: Meaning) -> str:
+    if not isinstance(meaning, dict):
+        evaluation = questions.explicit if questions.engine == "explicit" else questions.symbolic
+        return str(evaluation.holds(meaning)).upper()
+    if questions.engine != "explicit":
+        levels, always = questions.space.encoding.weigh(meaning)
+        return str(questions.space.reachable.largest(levels) + always)
+    graph = questions.explicit.graph
+    tokens = np.zeros(graph.states, np.int64)
+    for place, weight in meaning.items():
+        tokens += weight * graph.marked(place)
+    return str(tokens.max())
+
+
+def answer_examination(questions: Questions, examination: str) -> Verdict:
+    """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`).
+
+    Raises:
+        UnsafeError: It needs the space, and the net is not 1-safe.
+        LimitError: It needs the space, and a limit was hit.
+    """
+    net = questions.net
+    name = f"{net.name}-{examination}"
+    if examination == "OneSafe":
+        if max(net.initial, default=0) > 1:
+            return Verdict(name, "FALSE", ("INITIAL_STATE",))
+        searches = Searches(net)
+        if questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+            return Verdict(name, "FALSE", (RANDOM_WALK,))
+    elif examination == "ReachabilityDeadlock" and questions.searchable:
+        for _, found in Portfolio(net).decide([DEADLOCK], ROUNDS[:2]):
+            return Verdict(name, str(found.reachable).upper(), found.techniques)
+    try:
+        return Verdict(name, str(examine(examination, questions.space)).upper(), (DIAGRAMS,))
+    except UnsafeError:
+        if examination == "OneSafe":
+            return Verdict(name, "FALSE", (DIAGRAMS,))
+        raise

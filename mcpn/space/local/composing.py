@@ -1,0 +1,129 @@
+"""From a mission to its composite: each type of sections explored once, its premises checked.
+
+Composition rests on two premises. *Idle at the exit*: a section hands on its exit and the state of the
+hardware, everything else is as it was; this is checked on each local net. *Confluence*: internal evolution
+after each event has one stable end, within a section and where one section leads to the next; this is proved
+on the local net of each type and on the net of each type of junction, and where the proof fails, the states
+in which it fails are looked for among those that the mission comes to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from mcpn.errors import LimitError
+from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
+from mcpn.net.petri import PetriNet
+from mcpn.net.sections import section_part
+from mcpn.net.templates import TemplateSet
+from mcpn.space.local.composite_space import CompositeSpace
+from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
+from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
+from mcpn.space.local.section_type import SectionType
+from mcpn.space.local.sections import Elements, PlacedSection
+from mcpn.space.symbolic import SymbolicSpace, reach
+
+Progress: TypeAlias = Callable[[int, int], None]
+"""Called after each local space and junction with how many are done and how many there are."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a composite is made.
+
+    Args:
+        templates: The set of templates that the mission is composed with, the paper's by default; with
+            another no two sections are taken for one type.
+        executor: Where sections are explored; in this process one after the other by default.
+        max_states: How many states may be listed where confluence must be decided state by state.
+        progress: Called after each local space.
+        mortal: Whether hardware may die (:mod:`mcpn.net.mortal`).
+    """
+
+    templates: TemplateSet | None = None
+    executor: Executor | None = None
+    max_states: int = 1_000_000
+    progress: Progress | None = None
+    mortal: bool = False
+
+
+AS_USUAL = Options()
+
+
+def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> CompositeSpace:
+    """The alternatives graph of a mission by composition.
+
+    Args:
+        mission_net: The mission's net; it is not explored.
+        options: How the composite is made.
+
+    Returns:
+        The composite. With ``mortal`` its net is that of :func:`mcpn.net.mortal.mortal`.
+
+    Raises:
+        PremiseError: A section hands on more than the state of its hardware.
+        ConfluenceError: An event that the mission comes to has two outcomes.
+        DivergenceError: After an event that the mission comes to internal evolution need not end.
+        UnsafeError: A local net is not 1-safe.
+        LimitError: A limit was hit.
+    """
+    usage, graph, templates = mission_net.usage, mission_net.graph, options.templates
+    parts = {section.name: section_part(usage, section) for section in graph.sections}
+    kinds = {name: part.type if templates is None else name for name, part in parts.items()}
+    first: dict[Hashable, str] = {}
+    for name in parts:
+        first.setdefault(kinds[name], name)  # the first section of a type stands for it
+    nets = {kind: _net(parts[name].net(templates), options) for kind, name in first.items()}
+    explored: dict[Hashable, SymbolicSpace] = {}
+    results = results_of([(reach, net.net) for net in nets.values()], options.executor)
+    for number, (kind, name) in enumerate(first.items(), 1):
+        with in_section(name):
+            explored[kind] = next(results)
+        if options.progress:
+            options.progress(number, len(first))
+    hardware = [h.name for h in usage.mission.hardware if ("oos", h.name) in mission_net.by_role]
+    most = max(len(space.encoding.places) for space in explored.values())
+    layout = Layout(hardware, MORTAL if options.mortal else IMMORTAL, most)
+    types = {k: SectionType(parts[name], nets[k], explored[k], layout) for k, name in first.items()}
+    for kind, name in first.items():
+        types[kind].check_premise(name)
+    whole = mortal(mission_net) if options.mortal else mission_net
+    elements = Elements(whole)
+    placed = [
+        PlacedSection(section, parts[section.name], types[kinds[section.name]], layout, elements, templates)
+        for section in graph.sections
+    ]
+    composite = CompositeSpace(whole, layout, placed)
+    if not options.mortal:  # what may die behaves as what may not
+        if templates is not None:
+            refuse_open_junctions(composite)
+        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types}, options.max_states)
+    return composite
+
+
+def _net(local: MissionNet, options: Options) -> MissionNet:
+    return mortal(local) if options.mortal else local
+
+
+Job: TypeAlias = tuple[Callable[[PetriNet], Any], PetriNet]
+
+
+def results_of(jobs: list[Job], executor: Executor | None) -> Iterator[Any]:
+    """The results of jobs, in their order, wherever they run; what a job raises is raised here."""
+    futures = [executor.submit(call, net) for call, net in jobs] if executor else []
+    for number, (call, net) in enumerate(jobs):
+        yield futures[number].result() if executor else call(net)
+
+
+@contextmanager
+def in_section(name: str) -> Iterator[None]:
+    """Says of a limit in which section it was hit."""
+    try:
+        yield
+    except LimitError as error:
+        raise LimitError(f"in section {name}: {error}") from error
