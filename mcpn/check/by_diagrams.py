@@ -13,8 +13,8 @@ from mcpn.check.properties import (
     Happened,
     MissionCheck,
     Verdict,
-    explain_error,
     find_unselectable,
+    not_confluent,
     told,
     verdict_of,
 )
@@ -53,14 +53,14 @@ def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None)
         verdicts["confluent"] = Verdict("confluent", True, proof)
         graph = SymbolicAlternatives(space)
     except (ConfluenceError, DivergenceError) as error:
-        found = explain_error(mission_net, error)
-        verdicts["confluent"] = Verdict("confluent", False, found, told(mission_net, error))
+        verdicts["confluent"] = not_confluent(mission_net, error)
     for verdict in _reachability(mission_net, Evaluation(graph)):
         verdicts[verdict.name] = verdict
     unselectable = find_unselectable(mission_net.usage, _happened(mission_net, graph))
     text = f"{len(unselectable)} found" if unselectable else "nothing found"
     verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
-    modes = diagram_modes(mission_net, space.encoding, graph.states)
+    assert space.stable is not None, "nets of missions have priorities"
+    modes = diagram_modes(mission_net, space.encoding, space.stable)
     return MissionCheck(mission_net, verdicts, modes=modes, unselectable=unselectable, space=space)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mcpn.check.modes import Situation, situation
@@ -23,6 +23,12 @@ class Step:
 
     event: Event | str
     words: str
+
+
+def without_internal(runs: Iterable[Sequence[Step]]) -> list[list[Step]]:
+    """Runs as a designer reads them: their events alone, each run once."""
+    told = ([step for step in run if isinstance(step.event, Event)] for run in runs)
+    return [list(run) for run in dict.fromkeys(map(tuple, told))]
 
 
 def run_in_words(mission_net: MissionNet, graph: StateGraph, run: Sequence[int]) -> list[Step]:

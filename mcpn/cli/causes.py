@@ -121,6 +121,7 @@ def _outlook(mission_net: MissionNet, limits: dict[str, int], quiet: bool) -> Ou
     """The mission on its alternatives graph, unless that is bound to be too large."""
     from mcpn.check.losing import Outlook
     from mcpn.space.alternatives import DEFAULT_MAX_STATES
+    from mcpn.space.clash import in_mission_words
     from mcpn.space.confluence import direct_with_proof
 
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
@@ -131,7 +132,7 @@ def _outlook(mission_net: MissionNet, limits: dict[str, int], quiet: bool) -> Ou
             f"{faulty} hardware resources that may fail have 2^{faulty} states, the limit on states is {most}"
         )
         raise LimitError(f"{found}: use --engine local")
-    with progress_line(quiet) as progress:
+    with progress_line(quiet) as progress, in_mission_words(mission_net):
         return Outlook(mission_net, direct_with_proof(mission_net.net, progress=progress, **limits))
 
 

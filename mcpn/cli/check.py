@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 @click.option(
     "--engine", type=click.Choice(["explicit", "symbolic", "local"]), default="explicit", show_default=True
 )
+@click.option(
+    "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
+)
 @jobs_option
 @scheduler_option
 @limit_option
@@ -46,6 +49,7 @@ def check(
     file: Path,
     structure: bool,
     engine: str,
+    internal: bool,
     jobs: int,
     scheduler: str | None,
     max_states: int | None,
@@ -75,11 +79,11 @@ def check(
             found = check_mission(mission_net, max_states=max_states, progress=progress)
     seconds = time.perf_counter() - started
     if as_json:
-        emit_json(_check_object(found, engine, seconds))
+        emit_json(_check_object(found, engine, seconds, internal))
     else:
         from mcpn.report.text import print_check
 
-        print_check(found, find_warnings(mission_net.mission), seconds)
+        print_check(found, find_warnings(mission_net.mission), seconds, internal=internal)
     if not found.passed:
         sys.exit(EXIT_FAILED)
 
@@ -96,7 +100,9 @@ def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: 
     emit_json(net_object(found)) if as_json else print_net(found)
 
 
-def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
+def _check_object(found: Any, engine: str, seconds: float, internal: bool) -> dict[str, Any]:
+    from mcpn.check.runs import without_internal
+
     net = found.mission_net.net
     return {
         "mission": found.mission_net.mission.name,
@@ -106,9 +112,9 @@ def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {
-            name: [[str(step.event) for step in run] for run in verdict.runs]
+            name: [[str(step.event) for step in run] for run in runs]
             for name, verdict in found.verdicts.items()
-            if verdict.runs
+            if (runs := verdict.runs if internal else without_internal(verdict.runs))
         },
         "engine": engine,
         "seconds": seconds,

@@ -9,6 +9,7 @@ from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composite import Composite
 from mcpn.space.local.gluing import glue
@@ -48,7 +49,8 @@ def generate(
                 f"{faulty} hardware resources that may fail have 2^{faulty} states and a flat controller has "
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
-        graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
+        with in_mission_words(mission_net):
+            graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     composite = glue(mission_net.usage, mission_net.graph, Making(max_states=limit, progress=progress))

@@ -10,6 +10,7 @@ from rich.table import Table
 from mcpn.check.logic.questions import Answer
 from mcpn.check.modes import Mode
 from mcpn.check.properties import MissionCheck, Verdict
+from mcpn.check.runs import without_internal
 from mcpn.errors import Problem
 from mcpn.net.petri import PetriNet
 from mcpn.report.terminal import terminal
@@ -69,13 +70,16 @@ def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
             console.print(f"    {note}")
 
 
-def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:
+def print_check(
+    check: MissionCheck, warnings: Sequence[Problem], seconds: float, *, internal: bool = False
+) -> None:
     """Prints a mission's sizes, verdicts with their runs, functioning modes and warnings.
 
     Args:
         check: What was found.
         warnings: What reading the mission found suspicious.
         seconds: Time for all of it.
+        internal: Whether runs show the internal firings that decide the outcome.
     """
     console = terminal()
     net = check.mission_net.net
@@ -95,7 +99,7 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     )
     console.print()
     for verdict in check.verdicts.values():
-        _print_verdict(console, verdict)
+        _print_verdict(console, verdict, internal)
     console.print()
     _print_modes(console, check.modes)
     contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
@@ -108,12 +112,13 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
         console.print("verdicts fail", style="red")
 
 
-def _print_verdict(console: Console, verdict: Verdict) -> None:
+def _print_verdict(console: Console, verdict: Verdict, internal: bool) -> None:
     answer = {True: "yes", False: "no", None: "not known"}[verdict.holds]
     colour = "dim" if not verdict.required else "green" if verdict.holds else "red"
     console.print(f"{verdict.name:18} {answer:10} {verdict.explanation}", style=colour)
-    for number, run in enumerate(verdict.runs, 1):
-        if len(verdict.runs) > 1:
+    runs = verdict.runs if internal else without_internal(verdict.runs)
+    for number, run in enumerate(runs, 1):
+        if len(runs) > 1:
             console.print(f"    run {number}")
         for step in run:
             console.print(f"    {step.event!s:34} {step.words}")

@@ -98,9 +98,7 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
 
 def _stable_ends(graph: StateGraph) -> Ints:
     """The one stable end of each state, found by rounds backwards from the stable ones."""
-    internal = np.array([t.internal for t in graph.net.transitions], np.bool_)[graph.labels]
-    transient = np.zeros(graph.states, np.bool_)
-    transient[graph.sources[internal]] = True
+    transient = ~graph.stable
     ends = np.where(transient, -1, np.arange(graph.states))
     open_states = np.flatnonzero(transient)
     while len(open_states):

@@ -111,7 +111,9 @@ def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceErro
     Returns:
         An error with the same runs.
     """
-    return ConfluenceError(str(find_clash(mission_net, error)), error.runs, error.events)
+    of = mission_net.net.transitions, mission_net.net.transition_index
+    events = [e for name in error.runs[0] if (e := of[0][of[1][name]].event) is not None]
+    return ConfluenceError(str(find_clash(mission_net, error)), error.runs, [str(event) for event in events])
 
 
 @contextmanager
