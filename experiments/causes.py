@@ -14,8 +14,8 @@ from pathlib import Path
 
 from mcpn.check.causes import Causes, find_causes, find_causes_locally
 from mcpn.check.conditions import enumeration
-from mcpn.check.ctl import Evaluation, SymbolicMarkings
 from mcpn.check.fmeca import fmeca
+from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import resolve
 from mcpn.check.losing import Outlook
@@ -25,6 +25,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.report.causes import fmeca_rows
 from mcpn.space.confluence import direct_with_proof
+from mcpn.space.diagrams import DiagramMarkings
 from mcpn.space.symbolic import reach
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
@@ -67,7 +68,7 @@ def success_reachable(found: MissionNet, dead: tuple[str, ...]) -> bool:
     places = tuple(replace(p, initial=tokens.get(p.name, p.initial)) for p in found.net.places)
     kept = tuple(t for t in found.net.transitions if t.event not in {Event(What.REPAIRED, h) for h in dead})
     net = replace(found.net, places=places, transitions=kept)
-    return Evaluation(SymbolicMarkings(reach(net))).holds(resolve(parse("EF success"), net, found))
+    return Evaluation(DiagramMarkings(reach(net))).holds(resolve(parse("EF success"), net, found))
 
 
 def in_a_row(objectives: int, ways: int) -> Mission:

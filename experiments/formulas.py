@@ -37,19 +37,19 @@ def main() -> None:
         started = time.process_time()
         space = questions.space
         reached = (time.process_time() - started) * 1000
-        print(f"{on}: reached in {reached:.0f} ms, {space.states} markings")
+        print(f"{on}: reached in {reached:.0f} ms, {space.everything.count()} states")
         for text, fair in FORMULAS:
             asked = Questions(mission_net.net, mission_net, on=on, fair=fair)
             asked.space = space  # reached once for all
             core = asked.core(parse(text))
-            evaluation = asked.symbolic
+            evaluation = asked.evaluation
             started = time.process_time()
             holds = evaluation.holds(core)
             decided = (time.process_time() - started) * 1000
             started = time.process_time()
             answer = asked.answer(text, core)
             shown = (time.process_time() - started) * 1000
-            steps = 0 if answer.witness is None else len(answer.witness.steps)
+            steps = len(answer.witness.steps)
             under = f" under {', '.join(fair)}" if fair else ""
             print(f"  {holds!s:5} {decided:7.1f} ms, run of {steps} steps {shown:7.1f} ms  {text}{under}")
     print(f"CPU; mcpn {__version__}, Python {platform.python_version()}, {platform.machine()}")

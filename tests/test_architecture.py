@@ -12,6 +12,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
 # The way of the data; a room may import its own kind and what stands before it.
 WAY = [
+    "_kernel",
     "runtime",
     "errors",
     "files",

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcpn_kernel import MemoryLimit
 
+from mcpn._kernel import MemoryLimit
 from tests.commands import mcpn, output
 from tests.conftest import ULYSSE
 from tests.mission.test_broken import BROKEN

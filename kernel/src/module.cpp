@@ -291,7 +291,7 @@ nb::object to_int(const std::vector<std::uint64_t>& limbs) {
 
 }  // namespace
 
-NB_MODULE(mcpn_kernel, module) {
+NB_MODULE(_kernel, module) {
   module.doc() = "Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets.";
   nb::exception<BudgetExceeded>(module, "BudgetExceeded");
   nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
@@ -404,7 +404,7 @@ NB_MODULE(mcpn_kernel, module) {
       .def("from_bytes", [](std::shared_ptr<PyStore> s, const nb::bytes& data) {
         if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no table of a set: rows are triples");
         std::vector<std::uint32_t> rows(data.size() / sizeof(std::uint32_t));
-        std::memcpy(rows.data(), data.c_str(), data.size());
+        if (!rows.empty()) std::memcpy(rows.data(), data.c_str(), data.size());
         return computed(s, [&](Store& store) { return store.from_table(rows); });
       }, nb::arg("data"))
       .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {

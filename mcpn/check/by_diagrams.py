@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicGraph, SymbolicMarkings
-from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Or
-from mcpn.check.logic.resolve import marked, negation
+from mcpn._kernel import Zdd
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Or, negation
+from mcpn.check.logic.resolve import marked
 from mcpn.check.logic.witness import explain
 from mcpn.check.modes import diagram_modes
 from mcpn.check.properties import (
@@ -13,8 +14,8 @@ from mcpn.check.properties import (
     Happened,
     MissionCheck,
     Verdict,
+    explain_error,
     find_unselectable,
-    not_confluent,
     told,
     verdict_of,
 )
@@ -22,6 +23,7 @@ from mcpn.check.runs import Step, replay
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.space.confluence import prove_confluent
+from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.symbolic import reach
 
 
@@ -46,25 +48,25 @@ def check_by_diagrams(mission_net: MissionNet, *, max_states: int | None = None)
         return MissionCheck(mission_net, verdicts)
     verdicts["safe"] = Verdict("safe", True, "no firing puts a second token in a place")
     verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
-    graph: SymbolicGraph = SymbolicMarkings(space)
+    graph: DiagramMarkings | DiagramAlternatives = DiagramMarkings(space)
     try:
         limits = {} if max_states is None else {"max_states": max_states}
         proof = prove_confluent(mission_net.net, space=space, **limits)
         verdicts["confluent"] = Verdict("confluent", True, proof)
-        graph = SymbolicAlternatives(space)
+        graph = DiagramAlternatives(space)
     except (ConfluenceError, DivergenceError) as error:
-        verdicts["confluent"] = not_confluent(mission_net, error)
+        found = explain_error(mission_net, error)
+        verdicts["confluent"] = Verdict("confluent", False, found, told(mission_net, error))
     for verdict in _reachability(mission_net, Evaluation(graph)):
         verdicts[verdict.name] = verdict
     unselectable = find_unselectable(mission_net.usage, _happened(mission_net, graph))
     text = f"{len(unselectable)} found" if unselectable else "nothing found"
     verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
-    assert space.stable is not None, "nets of missions have priorities"
-    modes = diagram_modes(mission_net, space.encoding, space.stable)
+    modes = diagram_modes(mission_net, space.encoding, graph.everything)
     return MissionCheck(mission_net, verdicts, modes=modes, unselectable=unselectable, space=space)
 
 
-def _reachability(mission_net: MissionNet, evaluation: Evaluation) -> list[Verdict]:
+def _reachability(mission_net: MissionNet, evaluation: Evaluation[Zdd]) -> list[Verdict]:
     success, failure = marked((mission_net.success,)), marked((mission_net.failure,))
     finished = Or((success, failure))
     goals: dict[str, Core] = {
@@ -76,7 +78,7 @@ def _reachability(mission_net: MissionNet, evaluation: Evaluation) -> list[Verdi
     return [verdict_of(name, _run_to(mission_net, evaluation, goal)) for name, goal in goals.items()]
 
 
-def _run_to(mission_net: MissionNet, evaluation: Evaluation, goal: Core) -> list[Step] | None:
+def _run_to(mission_net: MissionNet, evaluation: Evaluation[Zdd], goal: Core) -> list[Step] | None:
     formula = EU(Const(True), goal)
     if not evaluation.holds(formula):
         return None
@@ -84,14 +86,14 @@ def _run_to(mission_net: MissionNet, evaluation: Evaluation, goal: Core) -> list
     return replay(mission_net, names)
 
 
-def _happened(mission_net: MissionNet, graph: SymbolicGraph) -> Happened:
+def _happened(mission_net: MissionNet, graph: DiagramMarkings | DiagramAlternatives) -> Happened:
     condition = graph.space.encoding.condition
     events = {mission_net.net.transitions[t].event for t, count in graph.space.fired.items() if count}
     selected, entered = (
         frozenset(
             name
             for place, name in mission_net.saying(kind).items()
-            if (wanted := condition([place])) is not None and graph.states.first([wanted]) >= 0
+            if (wanted := condition([place])) is not None and graph.everything.first([wanted]) >= 0
         )
         for kind in ("active", "objective")
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from concurrent.futures import Executor
+from itertools import takewhile
 from typing import Any
 
 from mcpn.check.journeys import Journeys, Leg, told
@@ -15,21 +16,19 @@ from mcpn.check.properties import (
     MissionCheck,
     Verdict,
     find_unselectable,
-    not_confluent,
     verdict_of,
 )
-from mcpn.check.properties import told as told_error
-from mcpn.check.runs import Step
+from mcpn.check.runs import Step, what_happens
 from mcpn.errors import SemanticsError, UnsafeError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
-from mcpn.net.events import START, Event
+from mcpn.net.events import START
+from mcpn.net.petri import PetriNet
 from mcpn.net.sections import Renaming
 from mcpn.net.templates import TemplateSet
-from mcpn.space.alternatives import fault_after
 from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import LocalDiagram
-from mcpn.space.local.gluing import glue
+from mcpn.space.local.gluing import error_of, glue
 from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED, Making, PlacedSection, Progress
 from mcpn.space.local.protocol import OUTCOMES
 
@@ -70,12 +69,11 @@ def check_by_composition(
         return MissionCheck(mission_net, verdicts)
     tear = composite.tear
     if tear is not None:
-        found = fault_after(mission_net.net, _events_to(composite, tear, templates))
-        assert found is not None, "what is not confluent in a section's net is not in the mission's"
-        if isinstance(found, UnsafeError):
-            verdicts["safe"] = Verdict("safe", False, str(found), told_error(mission_net, found))
-        else:
-            verdicts["confluent"] = not_confluent(mission_net, found)
+        found = error_of(composite, tear, templates)
+        name = "safe" if isinstance(found, UnsafeError) else "confluent"
+        steps = _steps_to(mission_net, composite, tear, templates)
+        runs = tuple((*steps, *_parting(mission_net.net, run)) for run in found.runs)
+        verdicts[name] = Verdict(name, False, str(found), runs)
         return MissionCheck(mission_net, verdicts)
     for verdict in _Verdicts(composite, templates).all():
         verdicts[verdict.name] = verdict
@@ -91,12 +89,26 @@ def _firings(error: SemanticsError) -> tuple[tuple[Step, ...], ...]:
     return tuple(tuple(Step(name, "in the section's own net") for name in run) for run in error.runs)
 
 
-def _events_to(composite: Composite, tear: Tear, templates: TemplateSet | None) -> list[Event]:
-    """The mission's run up to the event of a tear, that included."""
+def _steps_to(
+    mission_net: MissionNet, composite: Composite, tear: Tear, templates: TemplateSet | None
+) -> list[Step]:
+    """The mission's run up to the event of a tear, event by event."""
     steps = told(Journeys(composite).to_tear(tear), templates)
-    events = [step.event for step in steps if isinstance(step.event, Event)]
-    # What an entry begins is what the event before it leads to.
-    return events if tear.here.event in (START, None) else [*events, tear.here.event]
+    if tear.here.event == START:  # the entry: what begins then is what depends on the interleaving
+        return [*steps[:-1], Step(steps[-1].event, steps[-1].words.split(": ")[0])]
+    if tear.here.event is None:
+        return steps
+    return [*steps, Step(tear.here.event, what_happens(tear.here.event, mission_net.mission.name))]
+
+
+def _parting(net: PetriNet, run: Sequence[str]) -> list[Step]:
+    """The internal firings at the end of a run."""
+    internal = list(takewhile(lambda name: _is_internal(net, name), reversed(run)))
+    return [Step(name, f"internal: {name}") for name in reversed(internal)]
+
+
+def _is_internal(net: PetriNet, name: str) -> bool:
+    return name in net.transition_index and net.transitions[net.transition_index[name]].internal
 
 
 class _Verdicts:

@@ -11,8 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.check.availability import ANY_WANTED, FAILURE_WANTED, SUCCESS_WANTED, Availability, entered
 from mcpn.check.cutsets import Moment
 from mcpn.check.families import ALWAYS, NEVER, Family

@@ -13,8 +13,7 @@ from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.check.ctl import SymbolicMarkings
 from mcpn.check.cutsets import CutSet
 from mcpn.net.compose import MissionNet

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
-from mcpn_kernel import Zdd
 
+from mcpn._kernel import Zdd
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.space.encoding import Encoding

@@ -14,13 +14,12 @@ import numpy as np
 
 from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.runs import Step, replay, run_in_words
-from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
+from mcpn.errors import ConfluenceError, DivergenceError, McpnError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.usage import Usage
 from mcpn.mission.warnings import never_entered
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.space.clash import explained
+from mcpn.space.alternatives import AlternativesGraph, by_reduction
 from mcpn.space.explicit import Progress, explore
 from mcpn.space.graph import Mask, StateGraph
 from mcpn.space.local.composite import Composite
@@ -132,9 +131,7 @@ def check_mission(
         alternatives = by_reduction(markings)
         note("confluent", True, alternatives.proof or "")
     except (ConfluenceError, DivergenceError) as error:
-        verdicts["confluent"] = not_confluent(
-            mission_net, nearest_fault(mission_net, markings.states) or error
-        )
+        note("confluent", False, explain_error(mission_net, error), told(mission_net, error))
     graph: StateGraph = markings if alternatives is None else alternatives
     for verdict in _reachability(mission_net, graph):
         verdicts[verdict.name] = verdict
@@ -142,7 +139,7 @@ def check_mission(
     note(
         "unselectable", bool(unselectable), f"{len(unselectable)} found" if unselectable else "nothing found"
     )
-    modes = dict(functioning_modes(mission_net, graph, graph.stable))
+    modes = dict(functioning_modes(mission_net, graph))
     return MissionCheck(mission_net, verdicts, markings, alternatives, modes, unselectable)
 
 
@@ -192,7 +189,7 @@ def _reachability(mission_net: MissionNet, graph: StateGraph) -> list[Verdict]:
         "can_always_finish": ~graph.reaching(finished),
         "failure_reachable": failure,
     }
-    runs = {name: graph.run_of_fewest_events(goal) for name, goal in goals.items()}
+    runs = {name: graph.run_to(goal) for name, goal in goals.items()}
     return [
         verdict_of(name, None if run is None else run_in_words(mission_net, graph, run))
         for name, run in runs.items()
@@ -280,22 +277,9 @@ def _event(mission_net: MissionNet, name: str) -> Event | None:
     return net.transitions[net.transition_index[name]].event
 
 
-def not_confluent(mission_net: MissionNet, error: SemanticsError) -> Verdict:
-    """The verdict of a mission with an event that has not one stable end, the same by every engine.
-
-    Args:
-        mission_net: The mission's net.
-        error: The error, with runs of this net.
-    """
-    if isinstance(error, ConfluenceError):
-        error = explained(mission_net, error)
-    return Verdict("confluent", False, str(error), told(mission_net, error))
-
-
-def nearest_fault(mission_net: MissionNet, max_states: int) -> SemanticsError | None:
-    """The error of an event that has not one stable end, after as few events as any."""
-    try:
-        direct(mission_net.net, max_states=max_states)
-    except SemanticsError as error:
-        return error
-    return None
+def explain_error(mission_net: MissionNet, error: McpnError) -> str:
+    """The error, with the contentions that may be its reason."""
+    contentions = mission_net.usage.contentions
+    if isinstance(error, ConfluenceError) and contentions:
+        return f"{error} ({'; '.join(str(contention) for contention in contentions)})"
+    return str(error)

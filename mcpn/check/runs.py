@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcpn.check.modes import Situation, situation
@@ -23,12 +23,6 @@ class Step:
 
     event: Event | str
     words: str
-
-
-def without_internal(runs: Iterable[Sequence[Step]]) -> list[list[Step]]:
-    """Runs as a designer reads them: their events alone, each run once."""
-    told = ([step for step in run if isinstance(step.event, Event)] for run in runs)
-    return [list(run) for run in dict.fromkeys(map(tuple, told))]
 
 
 def run_in_words(mission_net: MissionNet, graph: StateGraph, run: Sequence[int]) -> list[Step]:
@@ -66,11 +60,11 @@ def replay(mission_net: MissionNet, firings: Sequence[str]) -> list[Step]:
         if transition.event is not None:
             marking = stabilise(net, marking)
             if pending:
-                steps.append(_step(mission, *pending, situation(mission_net, marking)))
+                steps.append(step_in_words(mission, *pending, situation(mission_net, marking)))
             pending = transition.event, situation(mission_net, marking)
         marking = net.fire(marking, net.transition_index[name])
     if pending:
-        steps.append(_step(mission, *pending, situation(mission_net, stabilise(net, marking))))
+        steps.append(step_in_words(mission, *pending, situation(mission_net, stabilise(net, marking))))
     return steps
 
 
@@ -90,10 +84,18 @@ def stabilise(net: PetriNet, marking: Sequence[int]) -> tuple[int, ...]:
     return at
 
 
-def _step(mission: str, event: Event, before: Situation, after: Situation) -> Step:
+def step_in_words(mission: str, event: Event, before: Situation, after: Situation) -> Step:
+    """An event with what it changes.
+
+    Args:
+        mission: The mission's name.
+        event: The event.
+        before: What the robot did before it.
+        after: What it does afterwards.
+    """
     words = what_happens(event, mission)
-    changes = _changes(before, after)
-    return Step(event, f"{words}: {', '.join(changes)}" if changes else words)
+    changed = changes(before, after)
+    return Step(event, f"{words}: {', '.join(changed)}" if changed else words)
 
 
 def what_happens(event: Event, mission: str) -> str:
@@ -126,16 +128,17 @@ def what_happens(event: Event, mission: str) -> str:
             return name
 
 
-def _changes(before: Situation, after: Situation) -> list[str]:
-    changes = [f"{name} begins" for name in after.objectives if name not in before.objectives]
+def changes(before: Situation, after: Situation) -> list[str]:
+    """What changes from one stable marking to the next, in mission words."""
+    found = [f"{name} begins" for name in after.objectives if name not in before.objectives]
     for activity, alternative in after.mode.items():
         was = before.mode.get(activity)
         if was is not None and was != alternative:
-            changes.append(f"{activity} changes from {was} to {alternative}")
+            found.append(f"{activity} changes from {was} to {alternative}")
         elif was is None and alternative != activity:
-            changes.append(f"{activity} runs as {alternative}")
-    changes += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
-    changes += [f"{name} waits" for name in after.waiting if name not in before.waiting]
+            found.append(f"{activity} runs as {alternative}")
+    found += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
+    found += [f"{name} waits" for name in after.waiting if name not in before.waiting]
     if after.outcome and not before.outcome:
-        changes.append(f"the mission ends in {after.outcome}")
-    return changes
+        found.append(f"the mission ends in {after.outcome}")
+    return found

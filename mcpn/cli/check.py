@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -28,6 +28,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
+    from mcpn.check.spaces import Engine
     from mcpn.net.petri import PetriNet
 
 
@@ -60,23 +61,20 @@ def check(
     if structure or is_net(file):
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return
-    from mcpn.check.by_diagrams import check_by_diagrams
-    from mcpn.check.composition import check_by_composition
-    from mcpn.check.properties import check_mission
+    from mcpn.check.verdicts.mission import check as check_mission
     from mcpn.mission.warnings import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)
-    with progress_line(as_json, SECTIONS if engine == "local" else STATES_AND_EDGES) as progress:
-        if engine == "local":
-            with executor_of(jobs, scheduler) as executor:
-                found = check_by_composition(
-                    mission_net, executor=executor, max_states=max_states, progress=progress
-                )
-        elif engine == "symbolic":
-            found = check_by_diagrams(mission_net, max_states=max_states)
-        else:
-            found = check_mission(mission_net, max_states=max_states, progress=progress)
+    told = SECTIONS if engine == "local" else STATES_AND_EDGES
+    with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
+        found = check_mission(
+            mission_net,
+            engine=cast("Engine", engine),
+            max_states=max_states,
+            progress=progress,
+            executor=executor,
+        )
     seconds = time.perf_counter() - started
     if as_json:
         emit_json(_check_object(found, engine, seconds, internal))
@@ -101,8 +99,6 @@ def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: 
 
 
 def _check_object(found: Any, engine: str, seconds: float, internal: bool) -> dict[str, Any]:
-    from mcpn.check.runs import without_internal
-
     net = found.mission_net.net
     return {
         "mission": found.mission_net.mission.name,
@@ -112,9 +108,9 @@ def _check_object(found: Any, engine: str, seconds: float, internal: bool) -> di
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {
-            name: [[str(step.event) for step in run] for run in runs]
+            name: [[*map(str, run.events), *run.tail] for run in runs]
             for name, verdict in found.verdicts.items()
-            if (runs := verdict.runs if internal else without_internal(verdict.runs))
+            if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
         "engine": engine,
         "seconds": seconds,

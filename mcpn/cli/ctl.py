@@ -21,8 +21,9 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.logic.questions import Answer, Engine
+    from mcpn.check.logic.questions import Answer
     from mcpn.check.logic.verdicts import Verdict
+    from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -44,7 +45,10 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
 @click.option(
-    "--engine", type=click.Choice(["auto", "symbolic", "explicit"]), default="auto", show_default=True
+    "--engine",
+    type=click.Choice(["auto", "symbolic", "explicit", "local"]),
+    default="auto",
+    show_default=True,
 )
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @limit_option
@@ -69,8 +73,8 @@ def ctl(
     """
     if not (formulas or properties or examination):
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
-    if scn and (len(formulas) != 1 or engine == "explicit"):
-        raise click.UsageError("--scn goes with one FORMULA, and not with the explicit engine")
+    if scn and len(formulas) != 1:
+        raise click.UsageError("--scn goes with one FORMULA")
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
@@ -96,13 +100,13 @@ def ctl(
             click.echo(str(verdict))
     answers = [questions.answer(text, core) for text, core in asked]
     if scn:
-        _write_scenario(answers[0], net, scn)
+        _write_scenario(answers[0], scn)
     if as_json:
         emit_json([*objects, *(_answer_object(answer, net) for answer in answers)])
     elif answers:
         from mcpn.report.text import print_answers
 
-        print_answers(answers, net)
+        print_answers(answers, net, mission_net)
     if not all(answer.holds for answer in answers):
         sys.exit(EXIT_FAILED)
 
@@ -116,12 +120,11 @@ def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet
     return mission_net.net, mission_net
 
 
-def _write_scenario(answer: Answer, net: PetriNet, path: Path) -> None:
+def _write_scenario(answer: Answer, path: Path) -> None:
     from mcpn.check.logic.witness import scenario
     from mcpn.files import write_atomically
 
-    assert answer.witness is not None, "the symbolic engine always gives a witness"
-    write_atomically(path, scenario(answer.witness, net))
+    write_atomically(path, scenario(answer.witness))
 
 
 def _contest_object(verdict: Verdict) -> dict[str, Any]:
@@ -134,10 +137,8 @@ def _contest_object(verdict: Verdict) -> dict[str, Any]:
 
 def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
     witness = answer.witness
-    if witness is None:
-        return {"formula": answer.formula, "holds": answer.holds, "witness": None}
     shown = {
-        "events": [str(step.event) for step in answer.told],
+        "events": [str(event) for event in witness.run.events],
         "firings": [net.transitions[t].name for t in witness.firings],
         "cycle": witness.cycle_firing,
         "notes": witness.notes,

@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from mcpn import __version__
-from mcpn.cli import causes, check, ctl, outputs, spaces
+from mcpn.cli import causes, check, ctl, outputs, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
 
@@ -52,6 +52,7 @@ for command in (
     ctl.ctl,
     outputs.controller,
     outputs.convert,
+    simulate.simulate,
     spaces.compare,
 ):
     command_line.add_command(command)

@@ -22,7 +22,7 @@ from mcpn.cli.shared import (
 
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option("--target", type=click.Choice(["json", "c"]), default="json", show_default=True)
+@click.option("--target", type=click.Choice(["json", "c", "python"]), default="json", show_default=True)
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
     "--hierarchical/--flat",

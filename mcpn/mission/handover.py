@@ -10,12 +10,13 @@ may take; and where an activity is started again at once. The argument stands in
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import FAIL, SUCCEED
 
 if TYPE_CHECKING:
     from mcpn.mission.usage import Usage
@@ -56,8 +57,7 @@ class Handover:
         found = {a for awaited in self.awaited.values() for a in awaited.activities}
         for graph in self.usage.graphs():
             for section in graph.sections:
-                ending = {a for last in _endings(section) for a in last.activities}
-                for target in graph.targets(section):
+                for ending, target in _onward(graph, section):
                     found |= ending & {a for first in entries(target) for a in first.activities}
         return frozenset(found).union(activity for *_, activity in self.usage.started_twice())
 
@@ -72,9 +72,8 @@ class Handover:
         software: dict[str, set[str]] = {}
         for graph, beside in self._graphs():
             for section in graph.sections:
-                ending = {a for last in _endings(section) for a in last.activities}
-                before = self._reached(ending)
-                for target in graph.targets(section):
+                for ending, target in _onward(graph, section):
+                    before = self._reached(ending)
                     after = self._reached({a for first in entries(target) for a in first.activities})
                     if self._may_compete(before, after):
                         waits = activities.setdefault(target.name, set())
@@ -101,7 +100,7 @@ class Handover:
         shared = usage.resources_of(before) & usage.resources_of(after)
         return bool(shared) or not before.isdisjoint(after)
 
-    def _reached(self, activities: set[str]) -> frozenset[str]:
+    def _reached(self, activities: Iterable[str]) -> frozenset[str]:
         return frozenset[str]().union(*(self.usage.closure(a) for a in activities))
 
     def _graphs(self) -> Iterator[tuple[ObjectivesGraph, frozenset[str]]]:
@@ -130,6 +129,25 @@ def entries(section: Section) -> tuple[ElementarySection, ...]:
     )
 
 
+def _onward(graph: ObjectivesGraph, section: Section) -> Iterator[tuple[frozenset[str], Section]]:
+    """Sections that one leads to, each with the activities that may be stopped as it is entered.
+
+    The end of a section stops its last objectives, an interruption all that run.
+    """
+    ending = frozenset(a for last in _endings(section) for a in last.activities)
+    running = frozenset(a for inner in _objectives(section) for a in inner.activities)
+    yield from ((ending, target) for target in graph.targets(section))
+    yield from ((running, target) for target in graph.interrupted(section))
+
+
+def _objectives(section: Section) -> Iterator[ElementarySection]:
+    if isinstance(section, ElementarySection):
+        yield section
+    else:
+        for branch in section.branches:
+            yield from branch.graph.walk()
+
+
 def _endings(section: Section) -> tuple[ElementarySection, ...]:
     """The elementary objectives that may be the last of a section, of a branch for a parallel block."""
     if isinstance(section, ElementarySection):
@@ -138,6 +156,6 @@ def _endings(section: Section) -> tuple[ElementarySection, ...]:
         last
         for branch in section.branches
         for inner in branch.graph.sections
-        if len(branch.graph.targets(inner)) < 2
+        if any(route in (SUCCEED, FAIL) for route in inner.routes)
         for last in _endings(inner)
     )

@@ -99,18 +99,48 @@ class Activity(Element):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredEvent(Element):
+    """Something that may happen at any moment and interrupt what the robot does: a leak, a call back."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Robot(Element):
-    """What the robot's engineer declares: resources and activities.
+    """What the robot's engineer declares: resources, activities and events.
 
     Args:
         hardware: In document order.
         software: In document order.
         activities: In document order.
+        events: In document order.
     """
 
     hardware: tuple[Hardware, ...] = ()
     software: tuple[Software, ...] = ()
     activities: tuple[Activity, ...] = ()
+    events: tuple[DeclaredEvent, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Handler:
+    """What a block does when an event happens while it runs: it is stopped and left at once.
+
+    Of the handlers of one event the innermost that stands around what runs counts.
+
+    Args:
+        event: The declared event.
+        goto: Where it leads: a sibling of the block, ``succeed`` or ``fail``; from the mission itself, one of
+            its own blocks, ``succeed`` or ``fail``.
+        once: Whether it happens at most once, in the mission or in the branch of a parallel block that it
+            stands in; then the next handler outwards counts, if there is one.
+        description: Shown in reports.
+        source: File and line.
+    """
+
+    event: str
+    goto: str
+    once: bool = False
+    description: str | None = None
+    source: Source | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,6 +155,7 @@ class BlockElement(Element):
         retries: How many times it is tried again when it fails; it fails when the last try does.
         repeat: How many times it is done, one round after the other; ``None`` for once, without rounds. The
             first round that fails ends it in failure. Each round has its own retries.
+        handlers: What it does on events, rounds and tries included; at most one for each event.
     """
 
     success: str | None = None
@@ -132,6 +163,7 @@ class BlockElement(Element):
     mandatory: bool = True
     retries: int = 0
     repeat: int | None = None
+    handlers: tuple[Handler, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -242,11 +274,13 @@ class Mission(Element):
         blocks: The blocks of the mission itself, entered at the first.
         robots: The robots' declarations; names are unique across them.
         protocols: Every protocol known to the mission.
+        handlers: What the whole mission does on events; they lead to its own blocks.
     """
 
     blocks: tuple[Block, ...]
     robots: tuple[Robot, ...] = ()
     protocols: tuple[Protocol, ...] = ()
+    handlers: tuple[Handler, ...] = ()
 
     @property
     def hardware(self) -> tuple[Hardware, ...]:
@@ -262,6 +296,11 @@ class Mission(Element):
     def activities(self) -> tuple[Activity, ...]:
         """All activities, in document order."""
         return tuple(activity for robot in self.robots for activity in robot.activities)
+
+    @property
+    def events(self) -> tuple[DeclaredEvent, ...]:
+        """All declared events, in document order."""
+        return tuple(event for robot in self.robots for event in robot.events)
 
 
 def walk(blocks: tuple[Block, ...]) -> Iterator[Block]:

@@ -156,7 +156,7 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
         if text and text.strip():
             yield _line(where), f"found the text {text.strip()[:40]!r} inside <{tag}>, expected elements only"
     blocks = [child for child in children if child in BLOCKS]
-    if tag in ("mission", "protocol"):
+    if tag in ("mission", "protocol", "parallel", "each"):
         first = children.index(blocks[0]) if blocks else len(children)
         for child, name in zip(list(element)[first:], children[first:], strict=True):
             if name not in BLOCKS and name in _rules()[tag].children:

@@ -18,6 +18,7 @@ from mcpn.mission.model import (
     Block,
     Each,
     Element,
+    Handler,
     Holder,
     Mission,
     Objective,
@@ -62,6 +63,7 @@ class _Checks:
         self.software = {s.name: s for s in mission.software}
         self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
+        self.events = {e.name: e for e in mission.events}
         self.parameters: dict[str, frozenset[str]] = {}
         self.hints: dict[str, str] = {}
         self.producers: dict[str, list[Activity]] = {}
@@ -84,6 +86,7 @@ class _Checks:
         yield from _duplicates("robot", mission.robots)
         yield from _duplicates("resource", (*mission.hardware, *mission.software))
         yield from _duplicates("activity", mission.activities)
+        yield from _duplicates("event", mission.events)
         yield from _duplicates("protocol", mission.protocols)
         yield from self.rates()
         yield from self.products()
@@ -194,6 +197,8 @@ class _Checks:
         yield from _clashes(blocks)
         for siblings in _families(blocks):
             yield from self.routing(siblings)
+        if isinstance(owner, Mission):
+            yield from self.handlers(owner.name, owner.handlers, {block.name: None for block in blocks})
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
@@ -212,15 +217,35 @@ class _Checks:
     def routing(self, siblings: tuple[Block, ...]) -> Iterator[Problem]:
         names = {block.name: None for block in siblings}
         for block in siblings:
+            yield from self.handlers(block.name, block.handlers, names)
             if not block.mandatory:
                 message = f"{block.name} is not mandatory, though it is no child of a parallel block"
                 yield Problem(block.source, message)
             for exit_name, route in (("success", block.success), ("failure", block.failure)):
-                if route not in (None, SUCCEED, FAIL) and route not in names:
-                    shown = ", ".join(names) if len(names) <= 10 else f"its {len(names)} siblings"
-                    message = f"{exit_name} of {block.name} leads to {route}"
-                    expected = f"expected one of {shown}, {SUCCEED}, {FAIL}"
-                    yield Problem(block.source, f"{message}; {expected}{self.hint(route, names)}")
+                if route is not None:
+                    yield from self.route(block.source, f"{exit_name} of {block.name}", route, names)
+
+    def route(
+        self, source: Source | None, what: str, route: str, names: Mapping[str, None]
+    ) -> Iterator[Problem]:
+        if route not in (SUCCEED, FAIL) and route not in names:
+            shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
+            expected = f"expected one of {', '.join([*shown, SUCCEED, FAIL])}"
+            yield Problem(source, f"{what} leads to {route}; {expected}{self.hint(route, names)}")
+
+    def handlers(
+        self, owner: str, handlers: tuple[Handler, ...], names: Mapping[str, None]
+    ) -> Iterator[Problem]:
+        handled: set[str] = set()
+        for handler in handlers:
+            if handler.event not in self.events:
+                yield self.unknown(handler.source, f"{owner} handles the event", handler.event, self.events)
+            if handler.event in handled:
+                yield Problem(handler.source, f"{owner} handles the event {handler.event} twice")
+            handled.add(handler.event)
+            yield from self.route(
+                handler.source, f"the event {handler.event} of {owner}", handler.goto, names
+            )
 
     def rounds(self, block: Block) -> Iterator[Problem]:
         for attribute, number, least in (("repeat", block.repeat, 1), ("retries", block.retries, 0)):
@@ -278,6 +303,7 @@ class _Checks:
             if isinstance(child, Parallel):
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"
                 yield Problem(child.source, f"{message}; expected an objective or a use")
+            yield from self.handlers(child.name, child.handlers, {})
             if child.success is not None or child.failure is not None:
                 message = f"{child.name} has a route, though it is a child of a parallel block"
                 yield Problem(child.source, message)
@@ -332,7 +358,7 @@ def _parameters(protocol: Protocol) -> frozenset[str]:
 def _elements(mission: Mission) -> Iterator[Element]:
     """Every named element of a mission."""
     yield mission
-    yield from (*mission.robots, *mission.hardware, *mission.software)
+    yield from (*mission.robots, *mission.hardware, *mission.software, *mission.events)
     for activity in mission.activities:
         yield from (activity, *activity.parameters, *activity.alternatives)
         for alternative in activity.alternatives:

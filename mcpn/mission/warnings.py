@@ -17,8 +17,8 @@ def find_warnings(mission: Mission) -> list[Problem]:
         mission: A valid mission.
 
     Returns:
-        Activities that nothing starts, resources and protocols that nothing uses, objectives that no route
-        reaches, alternatives that are never tried, each with its line.
+        Activities that nothing starts, resources and protocols that nothing uses, events that interrupt
+        nothing, objectives that no route reaches, alternatives that are never tried, each with its line.
     """
     return sorted(
         _warnings(mission),
@@ -49,6 +49,10 @@ def _warnings(mission: Mission) -> Iterator[Problem]:
     for resource in (*mission.hardware, *mission.software):
         if resource.name not in consumed:
             yield Problem(resource.source, f"resource {resource.name} is never consumed")
+    handled = {i.event for section in graph.all_sections() for i in section.interruptions}
+    for event in mission.events:
+        if event.name not in handled:
+            yield Problem(event.source, f"event {event.name} interrupts nothing")
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
     used = {block.protocol for blocks in texts for block in walk(blocks) if isinstance(block, Use)}
     for protocol in mission.protocols:

@@ -10,7 +10,20 @@ from lxml import etree
 
 from mcpn.errors import InputError
 from mcpn.files import write_atomically
-from mcpn.mission.model import Alternative, Block, Each, Mission, Objective, Parameter, Recursive, Robot, Use
+from mcpn.mission.model import (
+    Alternative,
+    Block,
+    Each,
+    Handler,
+    Holder,
+    Mission,
+    Objective,
+    Parallel,
+    Parameter,
+    Recursive,
+    Robot,
+    Use,
+)
 from mcpn.mission.schema import NAMESPACE
 
 
@@ -43,6 +56,7 @@ def _written(mission: Mission) -> bytes:
             element = _child(protocols, "protocol", protocol)
             _write_parameters(element, protocol.parameters)
             _write_blocks(element, protocol.blocks, in_parallel=False)
+    _write_handlers(root, mission.handlers)
     _write_blocks(root, mission.blocks, in_parallel=False)
     return etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
 
@@ -73,12 +87,23 @@ def _write_parameters(element: etree._Element, parameters: Iterable[Parameter]) 
         _child(element, "parameter", parameter, value=parameter.value, unit=parameter.unit)
 
 
+def _write_handlers(element: etree._Element, handlers: Iterable[Handler]) -> None:
+    for handler in handlers:
+        drawn = etree.SubElement(element, f"{{{NAMESPACE}}}on", event=handler.event, goto=handler.goto)
+        if handler.once:
+            drawn.set("once", "true")
+        if handler.description is not None:
+            drawn.set("description", handler.description)
+
+
 def _write_robot(element: etree._Element, robot: Robot) -> None:
     for hardware in robot.hardware:
         rates = {"failure_rate": hardware.failure_rate, "repair_rate": hardware.repair_rate}
         _child(element, "hardware", hardware, faulty=None if hardware.faulty else "false", **rates)
     for software in robot.software:
         _child(element, "software", software)
+    for event in robot.events:
+        _child(element, "event", event)
     for activity in robot.activities:
         first = activity.alternatives[0]
         short = activity.alternatives == (Alternative(name=activity.name, consumes=first.consumes),)
@@ -113,10 +138,11 @@ def _write_blocks(parent: etree._Element, blocks: Iterable[Block], *, in_paralle
         elif isinstance(block, Recursive):
             element = _child(parent, "objective", block, **routing)
             _write_parameters(element, block.parameters)
-            _write_blocks(element, block.blocks, in_parallel=False)
         elif isinstance(block, Each):
             values = " ".join(block.values)
             element = _child(parent, "each", block, **{"in": values}, parameter=block.parameter, **routing)
-            _write_blocks(element, block.blocks, in_parallel=False)
         else:
-            _write_blocks(_child(parent, "parallel", block, **routing), block.blocks, in_parallel=True)
+            element = _child(parent, "parallel", block, **routing)
+        _write_handlers(element, block.handlers)
+        if isinstance(block, Holder):
+            _write_blocks(element, block.blocks, in_parallel=isinstance(block, Parallel))

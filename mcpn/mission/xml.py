@@ -17,7 +17,9 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    DeclaredEvent,
     Each,
+    Handler,
     Hardware,
     Mission,
     Objective,
@@ -100,13 +102,14 @@ class _Reader:
         for child in element:
             if _tag(child) in ("import", "robot", "protocols"):
                 self.declarations(child, path, [path.resolve()], found)
-            else:
+            elif _tag(child) != "on":
                 blocks.append(self.block(child, path))
         return Mission(
             **self.common(element, path),
             blocks=tuple(blocks),
             robots=tuple(found.robots),
             protocols=tuple(found.protocols),
+            handlers=self.handlers(element, path),
         )
 
     def load(self, path: Path) -> etree._Element | None:
@@ -200,7 +203,7 @@ class _Reader:
         self.wrong(path, element, f"import of {why}")
 
     def robot(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> Robot:
-        hardware, software, activities = [], [], []
+        hardware, software, activities, events = [], [], [], []
         for child in element:
             tag, common = _tag(child), self.common(child, path)
             if tag == "import":
@@ -210,6 +213,8 @@ class _Reader:
                 hardware.append(Hardware(**common, faulty=_truth(child, "faulty")))
             elif tag == "software":
                 software.append(Software(**common))
+            elif tag == "event":
+                events.append(DeclaredEvent(**common))
             else:
                 activities.append(self.activity(child, path))
         return Robot(
@@ -217,6 +222,7 @@ class _Reader:
             hardware=tuple(hardware),
             software=tuple(software),
             activities=tuple(activities),
+            events=tuple(events),
         )
 
     def activity(self, element: etree._Element, path: Path) -> Activity:
@@ -250,7 +256,7 @@ class _Reader:
     # --- blocks ----------------------------------------------------------------------------------------
 
     def blocks(self, element: etree._Element, path: Path) -> tuple[Block, ...]:
-        return tuple(self.block(child, path) for child in element if _tag(child) != "parameter")
+        return tuple(self.block(child, path) for child in element if _tag(child) not in ("parameter", "on"))
 
     def block(self, element: etree._Element, path: Path) -> Block:
         within_parallel = (parent := element.getparent()) is not None and _tag(parent) == "parallel"
@@ -264,6 +270,7 @@ class _Reader:
             "mandatory": _truth(element, "mandatory"),
             "retries": int(element.get("retries", "0")),
             "repeat": int(element.get("repeat", "1")) if "repeat" in element.attrib else None,
+            "handlers": self.handlers(element, path),
         }
         tag = _tag(element)
         if tag == "parallel":
@@ -278,6 +285,19 @@ class _Reader:
             common |= _numbers(element, "duration", "failure_probability")
             return Objective(**common, activities=_names(element, "activities"), parameters=parameters)
         return Recursive(**common, blocks=self.blocks(element, path), parameters=parameters)
+
+    def handlers(self, element: etree._Element, path: Path) -> tuple[Handler, ...]:
+        return tuple(
+            Handler(
+                event=child.get("event", ""),
+                goto=child.get("goto", ""),
+                once=_truth(child, "once", "false"),
+                description=child.get("description"),
+                source=_source(child, path),
+            )
+            for child in element
+            if _tag(child) == "on"
+        )
 
     def parameters(self, element: etree._Element, path: Path) -> tuple[Parameter, ...]:
         return tuple(
@@ -307,8 +327,8 @@ def _names(element: etree._Element, attribute: str) -> tuple[str, ...]:
     return tuple(element.get(attribute, "").split())
 
 
-def _truth(element: etree._Element, attribute: str) -> bool:
-    return element.get(attribute, "true").strip() in ("true", "1")
+def _truth(element: etree._Element, attribute: str, default: str = "true") -> bool:
+    return element.get(attribute, default).strip() in ("true", "1")
 
 
 def _numbers(element: etree._Element, *attributes: str) -> dict[str, float]:

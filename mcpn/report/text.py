@@ -9,12 +9,14 @@ from rich.table import Table
 
 from mcpn.check.logic.questions import Answer
 from mcpn.check.modes import Mode
-from mcpn.check.properties import MissionCheck, Verdict
-from mcpn.check.runs import without_internal
+from mcpn.check.verdicts.mission import MissionCheck, Verdict
 from mcpn.errors import Problem
+from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.report.terminal import terminal
+from mcpn.report.words import in_words
 from mcpn.space.compare import Measurement
+from mcpn.space.local.composite_space import CompositeSpace
 
 
 def print_counts(counts: Mapping[str, object]) -> None:
@@ -45,26 +47,23 @@ def print_comparison(found: Sequence[Measurement]) -> None:
             console.print(f"{m.engine}: {m.reason}")
 
 
-def print_answers(answers: Sequence[Answer], net: PetriNet) -> None:
+def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: MissionNet | None = None) -> None:
     """Prints answers to formulas with the runs that show them."""
     console = terminal()
     for answer in answers:
         colour, word = ("green", "holds") if answer.holds else ("red", "fails")
         console.print(f"{word}  {answer.formula}", style=colour)
         witness = answer.witness
-        if witness is None:
-            continue
-        if answer.told:
-            for step in answer.told:
-                console.print(f"    {step.event!s:34} {step.words}")
+        if mission_net is not None:
+            for event, words in in_words(mission_net, witness.run):
+                console.print(f"    {event!s:34} {words}")
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
                     console.print("    from here on for ever:")
                 console.print(f"    {net.transitions[t].name}")
-        if answer.told and witness.cycle is not None:
-            repeated = [t for fired, _ in witness.steps[witness.cycle :] for t in fired]
-            events = [str(e) for t in repeated if (e := net.transitions[t].event)]
+        if mission_net is not None and witness.cycle is not None:
+            events = [str(e) for t in witness.repeated if (e := net.transitions[t].event)]
             console.print(f"    for ever: {' '.join(events) or 'internal firings'}")
         for note in witness.notes:
             console.print(f"    {note}")
@@ -90,16 +89,15 @@ def print_check(
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
         sizes.append(f"{states} stable states, {edges} event edges")
-    if check.composite is not None:
-        types = len({id(placed.local) for placed in check.composite.sections})
-        local = f"{check.composite.local_states} local states"
-        sizes.append(f"{len(check.composite.sections)} sections of {types} types, {local}")
+    if isinstance(check.alternatives, CompositeSpace):
+        sections = check.alternatives.sections.values()
+        sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
     console.print(
         f"mission {check.mission_net.mission.name}: {'; '.join(sizes)}; {seconds:.2f} s", style="bold"
     )
     console.print()
     for verdict in check.verdicts.values():
-        _print_verdict(console, verdict, internal)
+        _print_verdict(console, check.mission_net, verdict, internal)
     console.print()
     _print_modes(console, check.modes)
     contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
@@ -112,16 +110,16 @@ def print_check(
         console.print("verdicts fail", style="red")
 
 
-def _print_verdict(console: Console, verdict: Verdict, internal: bool) -> None:
+def _print_verdict(console: Console, mission_net: MissionNet, verdict: Verdict, internal: bool) -> None:
     answer = {True: "yes", False: "no", None: "not known"}[verdict.holds]
     colour = "dim" if not verdict.required else "green" if verdict.holds else "red"
     console.print(f"{verdict.name:18} {answer:10} {verdict.explanation}", style=colour)
-    runs = verdict.runs if internal else without_internal(verdict.runs)
+    runs = verdict.runs if internal else verdict.runs_of_events
     for number, run in enumerate(runs, 1):
         if len(runs) > 1:
             console.print(f"    run {number}")
-        for step in run:
-            console.print(f"    {step.event!s:34} {step.words}")
+        for event, words in in_words(mission_net, run):
+            console.print(f"    {event!s:34} {words}")
 
 
 def _print_modes(console: Console, modes: Mapping[str, list[Mode]]) -> None:

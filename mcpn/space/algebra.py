@@ -13,8 +13,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, Self, TypeVar
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.images import ImageStore
 
@@ -135,8 +134,14 @@ class Space(Protocol[S]):
     def reached(self, begin: S, along: S | None = None, transitions: Collection[int] | None = None) -> S:
         """States of ``along`` to which some run through it leads, those it begins from included."""
 
-    def staying(self, along: S) -> S:
-        """States from which some maximal run, endless or ending in a dead state, stays in a set."""
+    def staying(self, along: S, asked: S | None = None) -> S:
+        """States from which some maximal run, endless or ending in a dead state, stays in a set.
+
+        Args:
+            along: The set.
+            asked: Where given, the caller asks only whether some of these are among them: a space may stop
+                as soon as it knows that none is, with a set that holds none of them.
+        """
 
     # --- runs ---
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from mcpn_kernel import MemoryLimit, StateLimit
 
+from mcpn._kernel import MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
@@ -98,7 +98,9 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
 
 def _stable_ends(graph: StateGraph) -> Ints:
     """The one stable end of each state, found by rounds backwards from the stable ones."""
-    transient = ~graph.stable
+    internal = np.array([t.internal for t in graph.net.transitions], np.bool_)[graph.labels]
+    transient = np.zeros(graph.states, np.bool_)
+    transient[graph.sources[internal]] = True
     ends = np.where(transient, -1, np.arange(graph.states))
     open_states = np.flatnonzero(transient)
     while len(open_states):
@@ -293,6 +295,22 @@ def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None
             (t,) = [t for t in masked.allowed(covered) if net.transitions[t].event == event]
             after = walk.step(at, t)
             at = walk.stabilise(after, masked.covered_after(covered, after, t), (at, t))
+    except SemanticsError as error:
+        return error
+    return None
+
+
+def nearest_fault(net: PetriNet, max_states: int) -> SemanticsError | None:
+    """The error of an event that has not one stable end, after as few events as any.
+
+    Args:
+        net: A net with priorities.
+        max_states: How many stable states may be looked at.
+    """
+    try:
+        direct(net, max_states=max_states)
+    except LimitError:
+        return None
     except SemanticsError as error:
         return error
     return None

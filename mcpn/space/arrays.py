@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from mcpn_kernel import Zdd
 
+from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge
 from mcpn.space.alternatives import AlternativesGraph
@@ -173,8 +173,8 @@ class ArraySpace:
         begin = begin if along is None else begin & along
         return ArraySet(self.graph.reached(edges, np.flatnonzero(begin.mask)))
 
-    def staying(self, along: ArraySet) -> ArraySet:
-        """States from which some maximal run, endless or ending in a dead state, stays in a set."""
+    def staying(self, along: ArraySet, asked: ArraySet | None = None) -> ArraySet:
+        """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`."""
         from scipy.sparse import coo_matrix
         from scipy.sparse.csgraph import connected_components
 

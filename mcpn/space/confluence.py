@@ -15,8 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import conflicts

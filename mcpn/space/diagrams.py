@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge
 from mcpn.space.encoding import distinct
@@ -171,15 +170,15 @@ class _Diagrams:
         """The edges of one state."""
         raise NotImplementedError
 
-    def staying(self, along: Zdd) -> Zdd:
-        """States from which some maximal run, endless or ending in a dead state, stays in a set.
+    def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
+        """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`.
 
         Greatest fixpoint: states without a successor in the set are dropped until none is left; only what
         led into states just dropped is looked at again.
         """
         found, ends = along, self.dead
         lost = self._leaving(along - ends, along)
-        while lost:
+        while lost and (asked is None or asked & found):
             found -= lost
             lost = self._leaving((self.before(lost) & found) - ends, found)
         return found

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 
-from mcpn_kernel import Store, Zdd
-
+from mcpn._kernel import Store, Zdd
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import complements
 from mcpn.space.order import Order

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from mcpn_kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 
+from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.graph import Ints, StateGraph, Words

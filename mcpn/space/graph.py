@@ -70,18 +70,6 @@ class StateGraph:
         yield from zip(self.labels[first:last].tolist(), self.targets[first:last].tolist(), strict=True)
 
     @cached_property
-    def internal(self) -> Mask:
-        """Which edges are internal, shape (edges,)."""
-        return np.array([t.internal for t in self.net.transitions], np.bool_)[self.labels]
-
-    @cached_property
-    def stable(self) -> Mask:
-        """Which states have no internal edge, shape (states,)."""
-        found = np.ones(self.states, np.bool_)
-        found[self.sources[self.internal]] = False
-        return found
-
-    @cached_property
     def dead(self) -> Mask:
         """Which states have no edge, shape (states,)."""
         return np.asarray(np.diff(self.offsets) == 0, np.bool_)
@@ -155,45 +143,17 @@ class StateGraph:
         seen = np.zeros(self.states, np.bool_)
         seen[start] = True
         while len(frontier):
-            frontier = self._spread(frontier, along, seen, via)
+            edges = rows(self.offsets, frontier)
+            if along is not None:
+                edges = edges[along[edges]]
+            edges = edges[~seen[self.targets[edges]]]
+            frontier, first = np.unique(self.targets[edges], return_index=True)
+            via[frontier] = edges[first]
+            seen[frontier] = True
             hits = frontier[goal[frontier]]
             if len(hits):
                 return self._back(via, int(hits[0]), start)
         return None
-
-    def run_of_fewest_events(self, goal: Mask) -> list[int] | None:
-        """A run from the initial state into the goal with as few events as any, internal firings not counted.
-
-        Args:
-            goal: Shape (states,).
-
-        Returns:
-            As :meth:`run_to`.
-        """
-        via = np.full(self.states, -1, np.int64)
-        seen = np.zeros(self.states, np.bool_)
-        frontier = np.zeros(1, np.int64)
-        seen[frontier] = True
-        while len(frontier):
-            layer = [frontier]  # states after as many events: internal firings first
-            while len(layer[-1]):
-                hits = layer[-1][goal[layer[-1]]]
-                if len(hits):
-                    return self._back(via, int(hits[0]), 0)
-                layer.append(self._spread(layer[-1], self.internal, seen, via))
-            frontier = self._spread(np.concatenate(layer), ~self.internal, seen, via)
-        return None
-
-    def _spread(self, frontier: Ints, along: Mask | None, seen: Mask, via: Ints) -> Ints:
-        """States not seen one edge on, with the edge that leads to each noted."""
-        edges = rows(self.offsets, frontier)
-        if along is not None:
-            edges = edges[along[edges]]
-        edges = edges[~seen[self.targets[edges]]]
-        reached, first = np.unique(self.targets[edges], return_index=True)
-        via[reached] = edges[first]
-        seen[reached] = True
-        return reached
 
     def _back(self, via: Ints, state: int, start: int) -> list[int]:
         run: list[int] = []

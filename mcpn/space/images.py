@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from mcpn_kernel import Store, Zdd
-
+from mcpn._kernel import Store, Zdd
 from mcpn.errors import LimitError
 
 MAX_MINIMAL = 10_000

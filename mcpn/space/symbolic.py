@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
-from mcpn_kernel import BudgetExceeded, MemoryLimit, Zdd
-
+from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.encoding import Encoding, distinct

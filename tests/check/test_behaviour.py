@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from hypothesis import assume, given
 
 from mcpn.check.nets.behaviour import behaviour
 from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Space
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams import DiagramMarkings
+from mcpn.space.explicit import explore
 from mcpn.space.symbolic import reach
 from tests.check.formulas import Edges, edges_of
 from tests.net.nets import nets, reachable, state_machines
@@ -27,12 +33,14 @@ def test_behaviour_by_its_definitions(net: PetriNet) -> None:
     edges = edges_of(net)
     from_each = {marking: ahead(edges, marking) for marking in edges}
     fired = {marking: {t for at in found for t, _ in edges[at]} for marking, found in from_each.items()}
-    found = behaviour(reach(net))
-    everything = range(len(net.transitions))
-    assert found.deadlock == any(not after for after in edges.values())
-    assert found.quasi_live == fired[net.initial]
-    assert found.live == {t for t in everything if all(t in later for later in fired.values())}
-    assert found.reversible == all(net.initial in later for later in from_each.values())
-    assert found.home_markings == sum(all(m in later for later in from_each.values()) for m in edges)
-    constant = {p for p in range(len(net.places)) if len({m[p] for m in edges}) == 1}
-    assert found.constant_places == constant
+    spaces: tuple[Space[Any], ...] = ArraySpace(explore(net)), DiagramMarkings(reach(net))
+    for space in spaces:
+        found = behaviour(space)
+        everything = range(len(net.transitions))
+        assert found.deadlock == any(not after for after in edges.values())
+        assert found.quasi_live == fired[net.initial]
+        assert found.live == {t for t in everything if all(t in later for later in fired.values())}
+        assert found.reversible == all(net.initial in later for later in from_each.values())
+        assert found.home_markings == sum(all(m in later for later in from_each.values()) for m in edges)
+        constant = {p for p in range(len(net.places)) if len({m[p] for m in edges}) == 1}
+        assert found.constant_places == constant

@@ -4,29 +4,34 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.arrays import ExplicitEvaluation
-from mcpn.check.ctl import Evaluation, SymbolicAlternatives, SymbolicMarkings
 from mcpn.check.logic.contest import read_properties
+from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.questions import Engine, Questions
+from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.verdicts import answer_examination, answer_file
+from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.formats import read_net
 from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Space
 from mcpn.space.alternatives import by_reduction
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.explicit import explore
 from mcpn.space.graph import StateGraph
-from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.space.symbolic import reach
 from mcpn.testing import missions
+from tests.check.components import ByComponents
 from tests.check.formulas import edges_of, formulas, satisfying
 from tests.net.nets import nets, reachable, state_machines
 
@@ -35,28 +40,38 @@ def names(net: PetriNet) -> tuple[list[str], list[str]]:
     return [p.name for p in net.places], [t.name for t in net.transitions]
 
 
-def by_diagram(evaluation: Evaluation, formula: Core) -> set[Marking]:
-    encoding = evaluation.graph.space.encoding
-    return {encoding.marking(levels) for levels in evaluation.states(formula)}
+def satisfy(evaluation: Evaluation[Any], formula: Core) -> set[Marking]:
+    """The markings that satisfy a formula, picked one after the other."""
+    space, found = evaluation.space, set()
+    left = evaluation.states(formula)
+    while left:
+        state = left.pick()
+        found.add(space.marking(state))
+        left = left - space.single(state)
+    return found
 
 
-def by_array(evaluation: ExplicitEvaluation, formula: Core) -> set[Marking]:
+def by_components(evaluation: ByComponents, formula: Core) -> set[Marking]:
     graph, found = evaluation.graph, evaluation.states(formula)
     return {graph.marking(state) for state in range(graph.states) if found[state]}
 
 
+def spaces(net: PetriNet) -> list[Space[Any]]:
+    return [ArraySpace(explore(net)), DiagramMarkings(reach(net))]
+
+
 @given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
-def test_both_engines_and_the_definitions_agree(net: PetriNet, data: st.DataObject) -> None:
+def test_spaces_and_the_definitions_agree(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
     edges = edges_of(net)
-    symbolic = Evaluation(SymbolicMarkings(reach(net)))
-    explicit = ExplicitEvaluation(explore(net))
+    evaluations = list(map(Evaluation, spaces(net)))
     for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
         expected = satisfying(formula, net, edges)
         core = resolve(formula, net)
-        assert by_diagram(symbolic, core) == expected
-        assert by_array(explicit, core) == expected
-        assert symbolic.holds(core) == explicit.holds(core) == (net.initial in expected)
+        for evaluation in evaluations:
+            assert evaluation.holds(core) == (net.initial in expected)
+            assert satisfy(evaluation, core) == expected
+            assert evaluation.holds(core) == (net.initial in expected)
 
 
 def constraints(net: PetriNet) -> st.SearchStrategy[list[Justice]]:
@@ -66,48 +81,60 @@ def constraints(net: PetriNet) -> st.SearchStrategy[list[Justice]]:
     return st.lists(st.builds(Justice, states, fires if net.transitions else st.just(())), max_size=3)
 
 
+class InRegions(ArraySpace):
+    """Arrays that know their strongly connected components, in coarse groups."""
+
+    def __init__(self, graph: StateGraph, groups: int) -> None:
+        super().__init__(graph)
+        reached = [self.reached(self.single(s)) for s in range(graph.states)]
+        parts: list[Any] = [self.nothing] * groups
+        for s in range(graph.states):
+            # How many states a state reaches is the same throughout a component.
+            part = reached[s].count() % groups
+            parts[part] = parts[part] | self.single(s)
+        self.regions = [part for part in parts if part]
+
+
 @given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
-def test_both_engines_agree_under_fairness(net: PetriNet, data: st.DataObject) -> None:
+def test_fairness_on_every_space_agrees_with_components(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
     fair = data.draw(constraints(net))
-    symbolic = Evaluation(SymbolicMarkings(reach(net)), fair)
-    explicit = ExplicitEvaluation(explore(net), fair)
+    graph = explore(net)
+    everyone = [*spaces(net), InRegions(graph, data.draw(st.integers(1, 5)))]
+    evaluations = [Evaluation(space, fair) for space in everyone]
+    oracle = ByComponents(graph, fair)
     for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
         core = resolve(formula, net)
-        assert by_diagram(symbolic, core) == by_array(explicit, core)
-        assert symbolic.holds(core) == explicit.holds(core)
+        for evaluation in evaluations:
+            assert satisfy(evaluation, core) == by_components(oracle, core)
+            assert evaluation.holds(core) == oracle.holds(core)
 
 
 @given(missions(), st.data())
-def test_both_engines_agree_on_both_graphs_of_missions(mission: Mission, data: st.DataObject) -> None:
+def test_spaces_agree_on_both_graphs_of_missions(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
     net = mission_net.net
     markings = explore(net)
     assume(markings.states < 3000)
-    pairs: list[tuple[StateGraph, type[SymbolicMarkings] | type[SymbolicAlternatives]]]
-    pairs = [(markings, SymbolicMarkings)]
+    space = reach(net)
+    graphs: list[tuple[StateGraph, Space[Any]]] = [(markings, DiagramMarkings(space))]
     try:
-        pairs.append((by_reduction(markings), SymbolicAlternatives))
+        graphs.append((by_reduction(markings), DiagramAlternatives(space)))
     except (ConfluenceError, DivergenceError):
         assert mission_net.usage.contentions or mission_net.usage.exchanges
-    space = reach(net)
     drawn: list[Formula] = data.draw(st.lists(formulas(*names(net), leaves=4), min_size=2, max_size=2))
-    for graph, view in pairs:
+    for graph, diagrams in graphs:
         for fair in ((), progress(mission_net)):
-            symbolic, explicit = Evaluation(view(space), fair), ExplicitEvaluation(graph, fair)
+            oracle = ByComponents(graph, fair)
             for formula in drawn:
                 core = resolve(formula, net, mission_net)
-                assert by_diagram(symbolic, core) == by_array(explicit, core)
+                for each in (ArraySpace(graph), diagrams):
+                    assert satisfy(Evaluation(each, fair), core) == by_components(oracle, core)
 
 
 # --- the mission of the paper --------------------------------------------------------------------------
 
 ENDS = "success | failure"
-
-
-@pytest.fixture(scope="module")
-def ulysse_space(ulysse_net: MissionNet) -> SymbolicSpace:
-    return reach(ulysse_net.net)
 
 
 @pytest.mark.parametrize("engine", ["symbolic", "explicit"])

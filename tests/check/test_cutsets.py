@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from mcpn.check.ctl import Evaluation, SymbolicMarkings
 from mcpn.check.cutsets import CutSet, Losses, Moment
+from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import resolve
 from mcpn.check.losing import Outlook
@@ -20,6 +20,7 @@ from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
+from mcpn.space.diagrams import DiagramMarkings
 from mcpn.space.graph import StateGraph
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
@@ -219,7 +220,7 @@ def success_reachable(found: MissionNet, dead: Collection[str]) -> bool:
     kept = [t for t in net.transitions if str(t.event) not in repairs]
     crippled = replace(net, places=tuple(places), transitions=tuple(kept))
     formula = resolve(parse("EF success"), crippled, found)
-    return Evaluation(SymbolicMarkings(reach(crippled))).holds(formula)
+    return Evaluation(DiagramMarkings(reach(crippled))).holds(formula)
 
 
 def test_ulysse_cut_sets_by_ctl_on_the_net(ulysse_net: MissionNet) -> None:

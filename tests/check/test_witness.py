@@ -2,29 +2,44 @@
 
 from __future__ import annotations
 
+from itertools import product
+from typing import Any
+
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.ctl import Evaluation, SymbolicMarkings
+from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Const, Justice, walk
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.resolve import resolve
 from mcpn.check.logic.witness import Witness, explain, scenario
+from mcpn.check.spaces import Engine
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
+from mcpn.report.words import in_words
+from mcpn.space.algebra import Space
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams import DiagramMarkings
+from mcpn.space.explicit import explore
 from mcpn.space.symbolic import reach
 from tests.check.formulas import edges_of, formulas, satisfying
 from tests.net.nets import nets, reachable, state_machines
 from tests.shares import returns_early
 
 
+def spaces(net: PetriNet) -> list[Space[Any]]:
+    return [ArraySpace(explore(net)), DiagramMarkings(reach(net))]
+
+
 def replayed(net: PetriNet, witness: Witness) -> list[Marking]:
     """The markings of a run, each firing checked against the net's own rule."""
     marking, passed = net.initial, [net.initial]
-    assert witness.start == net.initial
-    for fired, after in witness.steps:
-        for t in fired:
+    assert next(witness.markings) == net.initial
+    markings = list(witness.markings)
+    for edge, after in zip(witness.steps, markings[1:], strict=True):
+        for t in (edge.transition, *edge.internal):
             assert t in net.enabled(marking)
             marking = net.fire(marking, t)
         assert marking == after
@@ -44,8 +59,8 @@ def test_runs_show_what_they_say(net: PetriNet, data: st.DataObject) -> None:
     inner = data.draw(formulas(places, [t.name for t in net.transitions], leaves=2))
     core = resolve(inner, net)
     satisfied = satisfying(inner, net, edges)
-    evaluation = Evaluation(SymbolicMarkings(reach(net)))
-    for formula in (EU(Const(True), core), EG(core), EX(core)):
+    every = [EU(Const(True), core), EG(core), EX(core)]
+    for evaluation, formula in product(map(Evaluation, spaces(net)), every):
         witness = explain(evaluation, formula)
         passed = replayed(net, witness)
         if not evaluation.holds(formula):
@@ -73,37 +88,39 @@ def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -
     fair = [Justice(resolve(formula, net)) for formula in drawn] + [Justice(Const(False), fires)] * bool(
         fires
     )
-    evaluation = Evaluation(SymbolicMarkings(reach(net)), fair)
-    everything = EG(Const(True))
-    if not evaluation.holds(everything):
-        returns_early("no fair path")
-        return
-    witness = explain(evaluation, everything)
-    passed = replayed(net, witness)
-    if witness.cycle is None:
-        assert not net.enabled(passed[-1])
-        return
-    around = set(passed[witness.cycle :])
-    for formula in drawn:
-        assert around & satisfying(formula, net, edges)
-    if fires:
-        assert any(t in fires for fired, _ in witness.steps[witness.cycle :] for t in fired)
+    for space in spaces(net):
+        evaluation = Evaluation(space, fair)
+        everything = EG(Const(True))
+        if not evaluation.holds(everything):
+            returns_early("no fair path")
+            return
+        witness = explain(evaluation, everything)
+        passed = replayed(net, witness)
+        if witness.cycle is None:
+            assert not net.enabled(passed[-1])
+            continue
+        around = set(passed[witness.cycle :])
+        for formula in drawn:
+            assert around & satisfying(formula, net, edges)
+        if fires:
+            assert any(edge.transition in fires for edge in witness.steps[witness.cycle :])
 
 
-def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet) -> None:
-    questions = Questions(ulysse_net.net, ulysse_net, on="alternatives")
+@pytest.mark.parametrize("engine", ["explicit", "symbolic"])
+def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet, engine: Engine) -> None:
+    questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine=engine)
     answer = questions.answer("EF failure", questions.core(parse("EF failure")))
     assert answer.holds
+    told = list(in_words(ulysse_net, answer.witness.run))
     # The first objective, diving and going up must fail in turn: no run has fewer events.
-    assert [str(step.event) for step in answer.told] == [
+    assert [str(event) for event, _ in told] == [
         "MISSION_EV_START",
         "OBJ_coral_head.manual_moving_EV_FAIL",
         "OBJ_transect.diving_EV_FAIL",
         "OBJ_transect.going_up_EV_FAIL",
     ]
-    assert "the mission ends in failure" in answer.told[-1].words
-    assert answer.witness is not None
-    lines = scenario(answer.witness, ulysse_net.net).splitlines()
+    assert "the mission ends in failure" in told[-1][1]
+    lines = scenario(answer.witness).splitlines()
     marking = ulysse_net.net.initial
     for line in lines:
         t = ulysse_net.net.transition_index[line.strip("{}")]

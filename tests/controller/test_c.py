@@ -24,7 +24,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.testing import missions
-from tests.controller.traces import Traced, random_events, sorted_mode, tour
+from tests.controller.traces import Traced, canonical, random_events, tour
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
 SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -60,7 +60,7 @@ def run_lines(program: Path, events: list[str]) -> list[str]:
         [str(program), "all"], input="\n".join(events) + "\n", capture_output=True, text=True
     )
     assert (run.returncode, run.stderr) == (0, "")
-    return [sorted_mode(line) for line in run.stdout.splitlines()]
+    return [canonical(line) for line in run.stdout.splitlines()]
 
 
 @pytest.fixture(scope="module", params=["flat", "hierarchical"])

@@ -48,16 +48,16 @@ class Traced:
         found = []
         for event in events:
             if event:
-                found.append(self.line(event))
+                found.append(canonical(self.line(event)))
             else:
                 self.restart()
         return found
 
 
-def sorted_mode(line: str) -> str:
-    """The same line with its mode sorted, as here; targets print it in the mission's order."""
-    actions, mode, possible, outcome = line.split(" |")
-    return f"{actions} | {' '.join(sorted(mode.split()))} |{possible} |{outcome}"
+def canonical(line: str) -> str:
+    """A line with its mode sorted (targets print it in the order of the mission) and single spaces."""
+    actions, mode, *rest = (" ".join(part.split()) for part in line.split("|"))
+    return " | ".join((actions, " ".join(sorted(mode.split())), *rest))
 
 
 def random_events(traced: Traced, rng: random.Random, steps: int, noise: float = 0.1) -> list[str]:

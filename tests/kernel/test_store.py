@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcpn_kernel import BudgetExceeded, MemoryLimit, Store, Zdd
 
-from tests.conftest import interruptible
+from mcpn._kernel import BudgetExceeded, MemoryLimit, Store, Zdd
+from tests.conftest import ROOT, interruptible
 
 Marking = frozenset[int]
 Sets = frozenset[Marking]
@@ -371,6 +371,7 @@ def test_levels_are_checked() -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_ctrl_c_stops_a_long_operation() -> None:
     script = (
+        f"import sys\nsys.path.append({str(ROOT)!r})\n"
         "from tests.kernel.test_store import permutations\n"
         "_, start, events = permutations(40, memory_limit=1 << 36)\n"
         "print('ready', flush=True)\n"

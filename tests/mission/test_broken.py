@@ -52,6 +52,8 @@ def robot(inside: str, blocks: str = OK) -> str:
     return body(blocks, ROBOT.replace("</robot>", f"{inside}</robot>"))
 
 
+LEAK = ROBOT.replace('<hardware name="H"/>', '<hardware name="H"/><event name="leak"/>')
+ON_LEAK = "<on event='leak' goto='fail'/>"
 PROTOCOLS = '<protocols>\n<protocol name="p">{}</protocol>\n<protocol name="q">{}</protocol></protocols>\n'
 
 # name: (text, line, what the message says)
@@ -216,6 +218,52 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         ),
         9,
         "a_b_1, a round or a try of a, would have the name of another block: a_b",
+    ),
+    "event twice": (robot("<event name='e'/>\n<event name='e'/>"), 8, "event e is declared twice"),
+    "event that nobody declares": (
+        body(OK.replace("/>", ">\n<on event='leek' goto='fail'/></objective>"), LEAK),
+        9,
+        "o handles the event leek, which is not declared (did you mean leak?)",
+    ),
+    "event handled twice": (
+        body(
+            f"<objective name='o' activities='go'>\n{ON_LEAK}{ON_LEAK}</objective>",
+            LEAK,
+        ),
+        9,
+        "o handles the event leak twice",
+    ),
+    "event that leads nowhere": (
+        body("<objective name='o' activities='go'>\n<on event='leak' goto='surfacing'/></objective>", LEAK),
+        9,
+        "the event leak of o leads to surfacing; expected one of o, succeed, fail",
+    ),
+    "event that leads into a block": (
+        body(f"\n<on event='leak' goto='o'/><objective name='r'>{OK}</objective>", LEAK),
+        9,
+        "the event leak of m leads to o; expected one of r, succeed, fail",
+    ),
+    "event of a parallel branch that leads to its sibling": (
+        body(
+            "<parallel name='p'><objective name='o' activities='go'>\n<on event='leak' goto='q'/></objective>"
+            "<objective name='q' activities='look'/></parallel>",
+            LEAK,
+        ),
+        9,
+        "the event leak of o leads to q; expected one of succeed, fail",
+    ),
+    "on without goto": (body("<on event='leak'/>" + OK, LEAK), 8, "<on> has no attribute goto"),
+    "on without event": (body("<on goto='fail'/>" + OK, LEAK), 8, "<on> has no attribute event"),
+    "on after a block": (body(OK + ON_LEAK, LEAK), 8, "found <on> after a block of <mission>"),
+    "on in a protocol": (
+        body(PROTOCOLS.format(ON_LEAK + OK, OK) + OK, LEAK),
+        9,
+        "found <on> inside <protocol>",
+    ),
+    "once that is no truth": (
+        body("<on event='leak' goto='fail' once='maybe'/>" + OK, LEAK),
+        8,
+        "once of <on> is 'maybe', expected true or false",
     ),
     "activities need each other": (
         robot(

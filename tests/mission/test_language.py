@@ -44,7 +44,7 @@ def mission(tmp_path: Path, text: str) -> Mission:
     return read_mission(tmp_path / "m.xml")
 
 
-@given(missions(text=True))
+@given(missions(text=True, max_events=2))
 def test_reading_what_was_written_gives_the_same_mission(
     tmp_path_factory: pytest.TempPathFactory, written: Mission
 ) -> None:
@@ -53,7 +53,7 @@ def test_reading_what_was_written_gives_the_same_mission(
     assert read_mission(path) == written
 
 
-@given(missions(text=True))
+@given(missions(text=True, max_events=2))
 def test_generated_missions_are_valid(generated: Mission) -> None:
     assert find_errors(generated) == []
 
@@ -392,3 +392,51 @@ def test_too_many_rounds_hit_the_limit(tmp_path: Path) -> None:
     )
     with pytest.raises(LimitError, match="100000 objectives"):
         flatten(found)
+
+
+def test_handlers_are_ways_out_of_what_they_stand_around(tmp_path: Path) -> None:
+    text = (
+        '<robot name="q"><event name="leak"/><event name="recall"/><event name="storm"/></robot>'
+        '<on event="recall" goto="home" once="true"/><on event="leak" goto="fail"/>'
+        '<objective name="survey" failure="home"><on event="leak" goto="home"/>'
+        '<objective name="dive" activities="go"/>'
+        '<parallel name="both"><on event="leak" goto="dive"/>'
+        '<objective name="x" activities="look"><on event="leak" goto="succeed"/></objective>'
+        '<objective name="y" activities="go"/></parallel></objective>'
+        '<objective name="home" activities="go"/>'
+    )
+    found = mission(tmp_path, text)
+    graph = flatten(found)
+    routes = {s.name: {i.event: i.target for i in s.interruptions} for s in graph.all_sections()}
+    assert routes == {
+        "dive": {"leak": "home", "recall": "after_recall.home"},
+        "both": {"leak": "dive", "recall": "after_recall.home"},
+        "x": {"leak": SUCCEED},
+        "y": {},
+        "home": {"recall": "after_recall.home", "leak": FAIL},
+        "after_recall.home": {"leak": FAIL},
+    }
+    assert [s.written for s in graph.walk()] == ["dive", "x", "y", "home", "home"]
+    told = [(p.source and p.source.line, p.message) for p in find_warnings(found)]
+    assert (1, "event storm interrupts nothing") in told
+
+
+def test_rounds_are_interrupted_as_one(tmp_path: Path) -> None:
+    found = mission(
+        tmp_path,
+        '<robot name="q"><event name="stop"/></robot>'
+        '<each name="room" in="a b"><on event="stop" goto="home"/>'
+        '<objective name="visit" activities="go" retries="1"><on event="stop" goto="rest" once="true"/>'
+        '</objective><objective name="rest" activities="look"/></each>'
+        '<objective name="home" activities="go"/>',
+    )
+    targets = {s.name: [i.target for i in s.interruptions] for s in flatten(found).sections}
+    assert targets == {
+        "visit_a_try1": ["rest_a"],
+        "visit_a_try2": ["rest_a"],
+        "rest_a": ["home"],
+        "visit_b_try1": ["rest_b"],
+        "visit_b_try2": ["rest_b"],
+        "rest_b": ["home"],
+        "home": [],
+    }

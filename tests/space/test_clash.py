@@ -7,9 +7,8 @@ from collections import deque
 import pytest
 from hypothesis import assume, event, given
 
-from mcpn.check.by_diagrams import check_by_diagrams
-from mcpn.check.composition import check_by_composition
-from mcpn.check.properties import check_mission
+from mcpn.check.spaces import Engine
+from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot, Software
 from mcpn.net.compose import MissionNet, compose
@@ -125,10 +124,8 @@ def test_every_engine_says_the_same(mission: Mission) -> None:
     errors = errors_of(found)
     assume(errors)
     words = str(explained(found, errors[1]))
-    explicit, symbolic, local = (
-        check(found) for check in (check_mission, check_by_diagrams, check_by_composition)
-    )
-    told = [check.verdicts["confluent"] for check in (explicit, symbolic, local)]
+    engines: tuple[Engine, ...] = ("explicit", "symbolic", "local")
+    told = [check(found, engine=engine).verdicts["confluent"] for engine in engines]
     assert [verdict.holds for verdict in told] == [False] * 3
     assert told[0].explanation == told[1].explanation == words
     assert told[0].runs == told[1].runs

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import networkx as nx
 import numpy as np
 import pytest
 from hypothesis import given
@@ -199,27 +198,3 @@ def test_counts_have_limits_that_say_which() -> None:
         count(switches(30), max_states=1000)
     with pytest.raises(LimitError, match="limit on memory"):
         count(switches(30), max_memory=3_000_000)
-
-
-@given(nets(events=True))
-def test_a_run_of_fewest_events(net: PetriNet) -> None:
-    try:
-        graph = explore(net, max_states=300)
-    except (UnsafeError, LimitError):
-        return
-    weighted: nx.DiGraph[int] = nx.DiGraph()
-    weighted.add_nodes_from(range(graph.states))
-    for source, label, target in zip(graph.sources, graph.labels, graph.targets, strict=True):
-        cost = int(not net.transitions[int(label)].internal)
-        known = weighted.get_edge_data(int(source), int(target), {"weight": 1})
-        weighted.add_edge(int(source), int(target), weight=min(cost, known["weight"]))
-    fewest = nx.single_source_dijkstra_path_length(weighted, 0)
-    for state in range(graph.states):
-        run = graph.run_of_fewest_events(np.arange(graph.states) == state)
-        assert run is not None
-        at = 0
-        for edge in run:
-            assert int(graph.sources[edge]) == at
-            at = int(graph.targets[edge])
-        assert at == state
-        assert sum(not net.transitions[int(graph.labels[e])].internal for e in run) == fewest[state]

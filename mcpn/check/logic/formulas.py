@@ -230,6 +230,16 @@ class Justice:
     transitions: tuple[int, ...] = ()
 
 
+def negation(formula: Core) -> Core:
+    """The negation, without doubling one."""
+    match formula:
+        case Not(operand):
+            return operand
+        case Const(value):
+            return Const(not value)
+    return Not(formula)
+
+
 def operands(formula: Formula) -> tuple[Formula, ...]:
     """The formulas directly inside a formula."""
     match formula:

@@ -38,6 +38,7 @@ from mcpn.check.logic.formulas import (
     Sum,
     TokenBound,
     Word,
+    negation,
     operands,
 )
 from mcpn.errors import InputError, LimitError
@@ -76,16 +77,6 @@ def _size(formula: Formula) -> int:
     if isinstance(formula, Iff):
         return 5 + 2 * sum(sizes)
     return 7 + sizes[0] + 3 * sizes[1] if isinstance(formula, AU) else 3 + sum(sizes)
-
-
-def negation(formula: Core) -> Core:
-    """The negation, without doubling one."""
-    match formula:
-        case Not(operand):
-            return operand
-        case Const(value):
-            return Const(not value)
-    return Not(formula)
 
 
 class _Resolver:
@@ -176,13 +167,23 @@ class _Resolver:
                 return marked(mission_net.by_role[word.kind, mission_net.mission.name])
             case "objective" | "pending":
                 graph = mission_net.graph
-                objectives = [s.name for s in (*graph.walk(), *graph.never_entered())]
-                return self.said(word.kind, [self.element(name, objectives, "objective", word)])
+                objectives = [*graph.walk(), *graph.never_entered()]
+                # Copies of an objective, for what comes after a handler that happens once, are the same to
+                # who asks for it as it is written.
+                written = {s.name: [s.name] for s in objectives}
+                for section in objectives:
+                    if section.name not in (named := written.setdefault(section.written, [])):
+                        named.append(section.name)
+                return self.said(word.kind, written[self.element(name, written, "objective", word)])
             case "oos" | "available":
                 return self.resource(mission_net, word, name)
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
-                event = Event.parse(self.element(name, texts, "event", word))
+                declared = Event(What.DECLARED, name)
+                if str(declared) in texts or name in {e.name for e in mission_net.mission.events}:
+                    event = declared
+                else:
+                    event = Event.parse(self.element(name, texts, "event", word))
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
         return self.activity(word, name)
 

@@ -10,16 +10,17 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-import numpy as np
-
+from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.formulas import Core, walk
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.reachability import ReachabilityQuestion, as_reachability
 from mcpn.check.nets.behaviour import examine
 from mcpn.errors import InputError, UnsafeError
+from mcpn.space.algebra import Space
+from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.goal import DEADLOCK
 from mcpn.space.search.portfolio import EXPLICIT, RANDOM_WALK, ROUNDS, Portfolio
 from mcpn.space.search.searches import Searches
@@ -102,11 +103,14 @@ def _answers(
     waiting = [asked.name for asked in properties if asked.name not in answered]
     if not waiting:
         return
-    if questions.engine == "explicit":
-        for name in waiting:
-            yield Verdict(name, _value(questions, meant[name]), (EXPLICIT,))
+    space = questions.space
+    if isinstance(space, DiagramMarkings | DiagramAlternatives):
+        left = {name: meant[name] for name in waiting}
+        yield from _by_slices(questions, space.encoding.store, left)
         return
-    yield from _by_slices(questions, {name: meant[name] for name in waiting})
+    technique = EXPLICIT if questions.engine == "explicit" else DIAGRAMS
+    for name in waiting:
+        yield Verdict(name, _value(questions, meant[name]), (technique,))
 
 
 def _by_search(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
@@ -124,8 +128,7 @@ def _by_search(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verd
         yield Verdict(name, str(value).upper(), found.techniques)
 
 
-def _by_slices(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
-    store = questions.space.encoding.store
+def _by_slices(questions: Questions, store: Store, meant: dict[str, Meaning]) -> Iterator[Verdict]:
     before, until = store.progress, 0.0
 
     def watch(nodes: int) -> None:
@@ -157,17 +160,24 @@ def _effort(meaning: Meaning) -> int:
 
 
 def _value(questions: Questions, meaning: Meaning) -> str:
-    if not isinstance(meaning, dict):
-        evaluation = questions.explicit if questions.engine == "explicit" else questions.symbolic
-        return str(evaluation.holds(meaning)).upper()
-    if questions.engine != "explicit":
-        levels, always = questions.space.encoding.weigh(meaning)
-        return str(questions.space.reachable.largest(levels) + always)
-    graph = questions.explicit.graph
-    tokens = np.zeros(graph.states, np.int64)
-    for place, weight in meaning.items():
-        tokens += weight * graph.marked(place)
-    return str(tokens.max())
+    if isinstance(meaning, dict):
+        return str(largest(questions.space, meaning))
+    return str(questions.evaluation.holds(meaning)).upper()
+
+
+def largest(space: Space[Any], weights: dict[int, int]) -> int:
+    """The largest weighted sum of tokens in a state of a space; weights are not negative."""
+    if isinstance(space, DiagramMarkings):  # in one pass over the diagram
+        levels, always = space.encoding.weigh(weights)
+        return space.everything.largest(levels) + always
+    low, high = 0, sum(weights.values())
+    while low < high:
+        middle = (low + high) // 2
+        if space.everything - space.at_most(weights, middle):
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 def answer_examination(questions: Questions, examination: str) -> Verdict:
@@ -189,7 +199,8 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
         for _, found in Portfolio(net).decide([DEADLOCK], ROUNDS[:2]):
             return Verdict(name, str(found.reachable).upper(), found.techniques)
     try:
-        return Verdict(name, str(examine(examination, questions.space)).upper(), (DIAGRAMS,))
+        technique = EXPLICIT if questions.engine == "explicit" else DIAGRAMS
+        return Verdict(name, str(examine(examination, questions.space)).upper(), (technique,))
     except UnsafeError:
         if examination == "OneSafe":
             return Verdict(name, "FALSE", (DIAGRAMS,))

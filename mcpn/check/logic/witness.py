@@ -1,19 +1,19 @@
-"""Runs that show why a formula holds or fails.
+"""Runs that show why a formula holds or fails, over any space of states.
 
-An existential operator that holds is shown by a run: ``EX`` by a step, ``EU`` and ``EF`` by a shortest run,
-``EG`` by a run into a cycle or to an end; and so is a universal one that fails. From where such a run leads,
-what is inside the operator is shown next, as far as one run can go: a universal statement that holds, or a
-second one of two that are needed, has no linear witness, and the note says so (Clarke, Veith,
-*Counterexamples revisited*, 2003).
+A run shows an existential operator that holds: ``EX`` by a step, ``EU`` and ``EF`` by a short run, ``EG`` by
+a run into a cycle or to an end; and in the same way a universal operator that fails. At the last state of
+such a run, what is inside the operator is shown next, as far as one run can go: a universal statement that
+holds, or the second of two statements that are needed, has no linear witness, and a note says so (Clarke,
+Veith, *Counterexamples revisited*, 2003).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any, Generic
 
-from mcpn_kernel import Zdd
-
-from mcpn.check.ctl import Evaluation
+from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import (
     AF,
     AG,
@@ -39,72 +39,117 @@ from mcpn.check.logic.formulas import (
 from mcpn.check.logic.language import show
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Edge, S, Space
+from mcpn.space.run import Run, transitions_of
 
 MAX_WALK = 100_000
 
-Step = tuple[tuple[int, ...], Marking]
-"""The transitions of one edge, and the marking after them."""
+
+@dataclass(frozen=True)
+class Note:
+    """What a run shows at one of its states.
+
+    Args:
+        step: After how many steps.
+        where: Which part of the run shows it.
+        formula: What is shown.
+        reason: Why the run shows no more of it; empty where it does.
+    """
+
+    step: int
+    where: str
+    formula: Core
+    reason: str = ""
+
+    def words(self, net: PetriNet) -> str:
+        """The note for a reader."""
+        text = f"after step {self.step}, {self.where}: {show(written(self.formula, net))}"
+        return f"{text} ({self.reason})" if self.reason else text
 
 
 @dataclass
 class Witness:
-    """A run from the initial state.
+    """A run from the initial state, as it was found; names and words are made when they are asked for.
 
     Args:
-        start: The marking that it starts from; on the alternatives graph the first stable one.
-        steps: The edges of the run.
+        space: The space that it runs through.
+        start: The member that it starts from.
+        steps: Its edges.
         cycle: Index of the step with which the part begins that is repeated for ever, if there is one.
-        notes: What the run shows, and where showing stops.
+        shown: What the run shows, and where showing stops.
     """
 
-    start: Marking
-    steps: list[Step] = field(default_factory=list)
+    space: Space[Any]
+    start: Any
+    steps: list[Edge] = field(default_factory=list)
     cycle: int | None = None
-    notes: list[str] = field(default_factory=list)
+    shown: list[Note | str] = field(default_factory=list)
 
     @property
-    def end(self) -> Marking:
-        """The last marking."""
-        return self.steps[-1][1] if self.steps else self.start
+    def end(self) -> Any:
+        """The last state."""
+        return self.steps[-1].target if self.steps else self.start
+
+    @property
+    def markings(self) -> Iterator[Marking]:
+        """The marking at the start and after each step."""
+        yield self.space.marking(self.start)
+        for edge in self.steps:
+            yield self.space.marking(edge.target)
+
+    @property
+    def notes(self) -> list[str]:
+        """What the run shows, for a reader."""
+        return [note if isinstance(note, str) else note.words(self.space.net) for note in self.shown]
+
+    @property
+    def run(self) -> Run:
+        """The run as firings of the net."""
+        return self._run(self.steps)
+
+    @property
+    def repeated(self) -> list[int]:
+        """The transitions of the part that is repeated for ever; none where the run ends."""
+        return [] if self.cycle is None else [edge.transition for edge in self.steps[self.cycle :]]
 
     @property
     def cycle_firing(self) -> int | None:
         """Index of the firing with which the part begins that is repeated for ever, if there is one."""
-        return None if self.cycle is None else sum(len(fired) for fired, _ in self.steps[: self.cycle])
+        return None if self.cycle is None else len(list(self._run(self.steps[: self.cycle]).steps()))
 
     @property
     def firings(self) -> list[int]:
-        """The transitions of the run, one after the other."""
-        return [t for fired, _ in self.steps for t in fired]
+        """The transitions of the run, internal ones completed."""
+        return [t for t, _ in self.run.steps()]
+
+    def _run(self, steps: list[Edge]) -> Run:
+        stable_only = not self.space.everything - self.space.stable
+        return Run(self.space.net, transitions_of(steps), settles=stable_only and self.space.net.priorities)
 
 
-def explain(evaluation: Evaluation, formula: Core) -> Witness:
+def explain(evaluation: Evaluation[S], formula: Core) -> Witness:
     """Shows by a run why a formula holds, or fails, in the initial state.
 
     Args:
-        evaluation: Of the formula on a graph.
+        evaluation: Of the formula on a space.
         formula: Of the core.
 
     Returns:
-        A witness or a counterexample. Runs to an ``EF`` are shortest; its cost is a breadth-first search in
-        diagrams, back from what is reached.
+        A witness or a counterexample. Runs to an ``EF`` are as short as the space's are.
     """
-    graph = evaluation.graph
-    (start,) = graph.initial
-    witness = Witness(graph.space.encoding.marking(start))
+    witness = Witness(evaluation.space, evaluation.space.initial.pick())
     _Explanation(evaluation, witness).explain(formula, evaluation.holds(formula))
     return witness
 
 
-class _Explanation:
-    def __init__(self, evaluation: Evaluation, witness: Witness) -> None:
+class _Explanation(Generic[S]):
+    def __init__(self, evaluation: Evaluation[S], witness: Witness) -> None:
         self.evaluation = evaluation
-        self.graph = evaluation.graph
-        self.net: PetriNet = evaluation.graph.space.encoding.net
+        self.space = evaluation.space
         self.witness = witness
 
     def explain(self, formula: Core, holds: bool) -> None:
-        """Goes on with the run so that it shows the value of a formula where the run has come to."""
+        """Extends the run to demonstrate the value of a formula at its last state."""
         match formula:
             case Not(operand):
                 self.explain(operand, not holds)
@@ -116,7 +161,7 @@ class _Explanation:
                 self.explain(operand, True)
             case EU(left, right) if holds:
                 goal = self.evaluation.states(right) & self.evaluation.fair_states
-                self.follow(self.evaluation.states(left), goal)
+                self.follow(None if left == Const(True) else self.evaluation.states(left), goal)
                 if left != Const(True):
                     self.note("up to there", left)
                 self.explain(right, True)
@@ -130,8 +175,7 @@ class _Explanation:
 
     def explain_some(self, operands: tuple[Core, ...], holds: bool, *, all_needed: bool) -> None:
         """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
-        at = self.at(self.witness.end)
-        shown = [o for o in operands if bool(at & self.evaluation.states(o)) == holds]
+        shown = [o for o in operands if self.at_end(self.evaluation.states(o)) == holds]
         if not shown:
             return
         if all_needed:
@@ -146,90 +190,81 @@ class _Explanation:
 
     # --- runs ---
 
-    def at(self, marking: Marking) -> Zdd:
-        return self.graph.space.encoding.set_of(marking)
+    def at_end(self, states: S) -> bool:
+        """Whether the run has come to one of some states."""
+        return self.is_in(self.witness.end, states)
 
-    def next_in(self, marking: Marking, allowed: Zdd) -> Step | None:
-        """The first edge into a set."""
-        for step in self.graph.successors(marking):
-            if self.at(step[1]) & allowed:
-                return step
-        return None
+    def is_in(self, state: Any, states: S) -> bool:
+        return bool(self.space.single(state) & states)
 
-    def go(self, allowed: Zdd) -> None:
-        step = self.next_in(self.witness.end, allowed)
-        assert step is not None, "evaluation said that there is such an edge"
-        self.witness.steps.append(step)
+    def go(self, allowed: S) -> bool:
+        """Appends the first edge into a set, if there is one."""
+        for edge in self.space.edges(self.witness.end):
+            if self.is_in(edge.target, allowed):
+                self.witness.steps.append(edge)
+                return True
+        return False
 
-    def follow(self, along: Zdd, goal: Zdd) -> None:
-        """Takes a shortest run through a set into another."""
-        here = self.at(self.witness.end)
-        layers = [goal]
-        seen = goal
-        while not layers[-1] & here:
-            nearer = (self.graph.before(layers[-1]) & along) - seen
-            assert nearer, "evaluation said that there is such a run"
-            seen |= nearer
-            layers.append(nearer)
-        for layer in reversed(layers[:-1]):
-            self.go(layer)
+    def follow(self, along: S | None, goal: S) -> None:
+        """Appends a short path inside ``along`` to ``goal``."""
+        run = self.space.run(self.witness.end, goal, along)
+        assert run is not None, "evaluation said that there is such a run"
+        self.witness.steps += run
 
     def stay(self, operand: Core) -> None:
-        """Goes on inside a set for ever, or to an end."""
+        """Appends an endless path inside a set, or one to a dead state."""
         evaluation, along = self.evaluation, self.evaluation.states(operand)
         if evaluation.fair:
             hull = evaluation.hull(along)
-            self.follow(along, (along & evaluation.dead) | hull)
-            if not self.at(self.witness.end) & evaluation.dead:
-                self.go_round(hull)
+            self.follow(along, (along & self.space.dead) | hull)
+            if not self.at_end(self.space.dead):
+                self.go_round(next(r & hull for r in self.space.regions if self.at_end(r)))
             return
         inside = evaluation.states(EG(operand))
         seen: dict[Marking, int] = {}
-        while self.witness.end not in seen:
+        while (here := self.space.marking(self.witness.end)) not in seen:
             if len(seen) > MAX_WALK:
-                self.witness.notes.append(
+                self.witness.shown.append(
                     f"no state has come back within {MAX_WALK} steps: the run is cut here"
                 )
                 return
-            seen[self.witness.end] = len(self.witness.steps)
-            step = self.next_in(self.witness.end, inside)
-            if step is None:
-                self.witness.notes.append("here the run ends: nothing may fire")
+            seen[here] = len(self.witness.steps)
+            if not self.go(inside):
+                self.witness.shown.append("here the run ends: nothing may fire")
                 return
-            self.witness.steps.append(step)
-        self.witness.cycle = seen[self.witness.end]
+        self.witness.cycle = seen[here]
 
-    def go_round(self, hull: Zdd) -> None:
-        """Takes a cycle that meets every constraint, further on where none leads back to where it began."""
+    def go_round(self, hull: S) -> None:
+        """Appends a cycle that meets every constraint, further on where none leads back to where it began."""
         while True:
             begin, first = self.witness.end, len(self.witness.steps)
             for constraint in self.evaluation.fair:
                 self.meet(constraint, hull)
             if len(self.witness.steps) == first:
                 self.go(hull)
-            home = self.at(begin)
-            if self.at(self.witness.end) & self.graph.until(hull, home):
-                self.follow(hull, home)
+            back = self.space.run(self.witness.end, self.space.single(begin), hull)
+            if back is not None:
+                self.witness.steps += back
                 self.witness.cycle = first
                 return
 
-    def meet(self, constraint: Justice, hull: Zdd) -> None:
+    def meet(self, constraint: Justice, hull: S) -> None:
+        """Appends a path inside the hull to where a constraint is met."""
         there = self.evaluation.plain.states(constraint.states) & hull
-        if constraint.transitions and not there & self.at(self.witness.end):
+        if constraint.transitions and not self.at_end(there):
             self.follow(hull, self.evaluation.met(constraint, hull))
-            if self.at(self.witness.end) & there:
+            if self.at_end(there):
                 return
-            for step in self.graph.successors(self.witness.end):
-                if step[0][0] in constraint.transitions and self.at(step[1]) & hull:
-                    self.witness.steps.append(step)
+            for edge in self.space.edges(self.witness.end):
+                if edge.transition in constraint.transitions and self.is_in(edge.target, hull):
+                    self.witness.steps.append(edge)
                     return
         self.follow(hull, there)
 
     # --- words ---
 
     def note(self, where: str, formula: Core, reason: str = "") -> None:
-        text = f"after step {len(self.witness.steps)}, {where}: {show(written(formula, self.net))}"
-        self.witness.notes.append(f"{text} ({reason})" if reason else text)
+        self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
 
 def _is_temporal(formula: Core) -> bool:
@@ -274,22 +309,17 @@ def written(formula: Core, net: PetriNet) -> Formula:
     return formula
 
 
-def scenario(witness: Witness, net: PetriNet) -> str:
+def scenario(witness: Witness) -> str:
     """A witness as a firing sequence: names of transitions, as TINA's stepper writes them in ``.scn`` files.
 
     Args:
         witness: The run.
-        net: Its net.
 
     Returns:
         A name a line, in braces where it holds anything but letters, digits, ``_`` and ``'``; comments after
         ``#`` say where a cycle begins.
     """
-    lines, fired = [], 0
-    for index, (transitions, _) in enumerate(witness.steps):
-        if index == witness.cycle:
-            lines.append("# from here on for ever")
-        for t in transitions:
-            lines.append(quote(net.transitions[t].name))
-            fired += 1
+    lines = [quote(witness.space.net.transitions[t].name) for t in witness.firings]
+    if witness.cycle_firing is not None:
+        lines.insert(witness.cycle_firing, "# from here on for ever")
     return "\n".join([*lines, ""])

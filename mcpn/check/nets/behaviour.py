@@ -1,4 +1,4 @@
-"""Behaviour of a net, decided on diagrams: liveness, quasi-liveness, reversibility, home markings.
+"""Behaviour of a net: liveness, quasi-liveness, reversibility, home markings, over any space of its markings.
 
 All of it follows from the *bottom components*: strongly connected sets of markings that no firing leaves.
 From every marking some run ends in one of them. So a transition is live (L4) if it fires in each of them, a
@@ -11,10 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mcpn_kernel import Zdd
-
-from mcpn.check.ctl import SymbolicMarkings
-from mcpn.space.symbolic import SymbolicSpace
+from mcpn.net.petri import PetriNet
+from mcpn.space.algebra import S, Space
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
 """Names of the Model Checking Contest for properties that need no formula."""
@@ -41,7 +39,7 @@ class Behaviour:
     constant_places: frozenset[int]
 
 
-def behaviour(space: SymbolicSpace) -> Behaviour:
+def behaviour(space: Space[S]) -> Behaviour:
     """Decides the behavioural properties of a net.
 
     Args:
@@ -51,54 +49,50 @@ def behaviour(space: SymbolicSpace) -> Behaviour:
         The properties. One forward and one backward closure for each bottom component; a net with a deadlock
         needs no more of them than tell whether there is a second.
     """
-    graph = SymbolicMarkings(space)
-    transitions = frozenset(range(len(space.encoding.net.transitions)))
-    deadlock = space.dead_states > 0
+    everything, transitions = space.everything, frozenset(range(len(space.net.transitions)))
+    deadlock = bool(space.dead)
     live, home, components = transitions, 0, 0
-    left = space.reachable
+    left = everything
     while left:
-        bottom = _bottom(graph, left)
+        bottom = _bottom(space, left)
         components += 1
         home = bottom.count() if components == 1 else 0
         # In a component that is no deadlock every transition fires that is enabled somewhere in it.
-        live = live.intersection(t for t in live if graph.enabling([t]) & bottom)
+        live = live.intersection(space.firings(bottom))
         if components > 1 and (deadlock or not live):
             break
-        left = left - graph.until(space.reachable, bottom)
-    quasi_live = frozenset(t for t, count in space.fired.items() if count)
-    reversible = components == 1 and graph.until(space.reachable, graph.initial) == space.reachable
-    return Behaviour(deadlock, quasi_live, live, reversible, home, _constant(space))
+        left = left - space.reaching(bottom)
+    fired = quasi_live(space)
+    reversible = components == 1 and not everything - space.reaching(space.initial)
+    return Behaviour(deadlock, fired, live, reversible, home, _constant(space.net, fired))
 
 
-def _bottom(graph: SymbolicMarkings, within: Zdd) -> Zdd:
+def _bottom(space: Space[S], within: S) -> S:
     """A bottom component that some marking of a non-empty set leads to.
 
     From any marking forward; what it reaches and does not lead back is further down, so there it goes on.
     """
-    encoding = graph.space.encoding
     while True:
-        picked = within.pick()
-        assert picked is not None, "the set is not empty"
-        here = encoding.store.singleton(picked)
-        ahead = graph.reached(here)
-        beyond = ahead - graph.until(ahead, here)
+        here = space.single(within.pick())
+        ahead = space.reached(here)
+        beyond = ahead - space.reaching(here, ahead)
         if not beyond:
             return ahead
         within = beyond
 
 
-def _constant(space: SymbolicSpace) -> frozenset[int]:
-    """Places that are marked in every reachable marking, or in none."""
-    encoding, net = space.encoding, space.encoding.net
-    found = set()
-    for place, tokens in enumerate(net.initial):
-        condition = encoding.condition([], [place]) if tokens else encoding.condition([place])
-        if condition is None or space.reachable.first([condition]) < 0:
-            found.add(place)
-    return frozenset(found)
+def quasi_live(space: Space[S]) -> frozenset[int]:
+    """Transitions that fire somewhere."""
+    return frozenset(t for t, count in space.firings(space.everything).items() if count)
 
 
-def examine(examination: str, space: SymbolicSpace) -> bool:
+def _constant(net: PetriNet, fired: frozenset[int]) -> frozenset[int]:
+    """Places whose tokens no transition that fires changes."""
+    changed = {p for t in fired for p in (*net.safe_transitions[t].consume, *net.safe_transitions[t].produce)}
+    return frozenset(range(len(net.places))) - changed
+
+
+def examine(examination: str, space: Space[S]) -> bool:
     """Answers an examination of the contest on a net that was found to be 1-safe.
 
     Args:
@@ -108,12 +102,13 @@ def examine(examination: str, space: SymbolicSpace) -> bool:
     if examination == "OneSafe":
         return True
     if examination == "ReachabilityDeadlock":
-        return space.dead_states > 0
-    if examination == "QuasiLiveness":
-        return all(space.fired.values())
+        return bool(space.dead)
+    fired = quasi_live(space)
     if examination == "StableMarking":
-        return bool(_constant(space))
-    transitions = range(len(space.encoding.net.transitions))
-    if space.dead_states > 0 or not all(space.fired.values()):
+        return bool(_constant(space.net, fired))
+    transitions = frozenset(range(len(space.net.transitions)))
+    if examination == "QuasiLiveness":
+        return fired == transitions
+    if space.dead or fired != transitions:
         return not transitions
-    return behaviour(space).live == frozenset(transitions)
+    return behaviour(space).live == transitions

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
-from mcpn.check.ctl import Evaluation, SymbolicMarkings
-from mcpn.check.logic.formulas import EU, Const, Deadlock
-from mcpn.check.logic.witness import explain
 from mcpn.check.nets.behaviour import behaviour
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
@@ -21,6 +19,8 @@ from mcpn.net.siphons import (
     traps,
 )
 from mcpn.net.structure import Sparse
+from mcpn.space.algebra import Space
+from mcpn.space.diagrams import DiagramMarkings
 from mcpn.space.symbolic import reach
 from mcpn.space.tokens import Boundedness, boundedness, explore_tokens
 
@@ -69,22 +69,21 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
         LimitError: A limit was hit.
     """
     try:
-        space = reach(net)
+        space: Space[Any] = DiagramMarkings(reach(net))
     except UnsafeError:
         return _check_tokens(net, max_states)
     found = behaviour(space)
     deadlock = None
-    if found.deadlock:
-        witness = explain(Evaluation(SymbolicMarkings(space)), EU(Const(True), Deadlock()))
-        deadlock = tuple(net.transitions[t].name for t in witness.firings)
+    if (run := space.run(space.initial.pick(), space.dead)) is not None:
+        deadlock = tuple(net.transitions[edge.transition].name for edge in run)
     names = [t.name for t in net.transitions]
-    bound = int(any(c for t, c in space.fired.items()) or any(net.initial))
+    bound = int(any(net.initial) or any(net.transitions[t].produce for t in found.quasi_live))
     return NetCheck(
         net,
         True,
         Boundedness(True, None, reason="a 1-safe net is bounded"),
         bound,
-        space.states,
+        space.everything.count(),
         deadlock,
         not found.deadlock,
         tuple(name for t, name in enumerate(names) if t not in found.quasi_live),

@@ -8,7 +8,7 @@ from mcpn.controller.hierarchy import Controller
 from mcpn.net.compose import MissionNet
 
 Writer = Callable[[Controller, MissionNet], dict[str, str]]
-TARGETS = ("json", "c")
+TARGETS = ("json", "c", "python")
 
 
 def files(controller: Controller, mission_net: MissionNet, target: str) -> dict[str, str]:
@@ -27,6 +27,10 @@ def _writer(target: str) -> Writer:
         from mcpn.controller.targets.c import write_c
 
         return write_c
+    if target == "python":
+        from mcpn.controller.targets.python import write_python
+
+        return write_python
     from mcpn.controller.targets.json import FILE_NAME, write_json
 
     return lambda controller, mission_net: {FILE_NAME: write_json(controller, mission_net)}

@@ -224,6 +224,10 @@ class Numbers:
         """The most events that are possible in one state."""
         return max(b - a for a, b in zip(self.move_start, self.move_start[1:], strict=False))
 
+    def lengths(self, kind: int) -> dict[str, int]:
+        """How many elements of each kind a type speaks of."""
+        return {name: len(positions) for name, positions in self._own[kind].items()}
+
     def _entries(self, kind: int) -> list[int]:
         first = self.type_entries[kind]
         return self.entry_list[first : first + (1 << self.type_hardware[kind])]

@@ -1,10 +1,22 @@
-"""The objectives graph as a net (paper, 6.3 and Fig. 9)."""
+"""The objectives graph as a net (paper, 6.3 and Fig. 9), and how declared events interrupt it.
+
+An event that interrupts an elementary objective is one more way out of it: like its failure it stops the
+activities and enters what follows. One that interrupts a parallel block as a whole halts every branch: the
+event's transition takes the place that says that the block runs, so that nothing begins in it any more, and
+puts a token into each branch's place *halt*. Internal transitions then stop the objective that the branch is
+in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
+follows is entered. Of all handlers of an event those of the branches count first: where some branch is at a
+place that handles the event itself, these branches do so together and the block goes on.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import product
+from math import prod
 
+from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.handover import Awaited
 from mcpn.mission.model import FAIL, SUCCEED
@@ -14,6 +26,9 @@ from mcpn.net.templates.canvas import Canvas, Pen
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
+
+MAX_POSITIONS = 10_000
+"""Combinations of where the branches of a block may be that handle one event, each with a transition."""
 
 
 def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
@@ -33,6 +48,38 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     control.draw()
 
 
+@dataclass(frozen=True)
+class _Position:
+    """Where the objectives of a section may be when an event happens, and what the event does there.
+
+    Args:
+        read: Places that are marked there.
+        take: Those of them that the event's transition consumes.
+        put: Places that it marks; ``None`` where nothing handles the event.
+    """
+
+    read: tuple[str, ...]
+    take: tuple[str, ...] = ()
+    put: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class _Around:
+    """What stands around a graph of objectives.
+
+    Args:
+        in_branch: Whether it is that of a branch of a parallel block.
+        eventful: Whether some event interrupts the mission's section that it is in, or something there.
+        running: Places that say that the blocks around run which an event may interrupt as a whole.
+        halted: With such blocks around, the place that says that the branch is halted.
+    """
+
+    in_branch: bool = False
+    eventful: bool = False
+    running: tuple[str, ...] = ()
+    halted: str = ""
+
+
 class _Control:
     """Draws one level of the objectives graph.
 
@@ -40,12 +87,20 @@ class _Control:
         canvas: Where to draw.
         graph: The mission's graph, or that of a branch of a parallel block.
         exits: Places to mark at the graph's own exits.
+        around: What stands around it.
     """
 
-    def __init__(self, canvas: Canvas, graph: ObjectivesGraph, exits: Mapping[str, list[str]]) -> None:
+    def __init__(
+        self,
+        canvas: Canvas,
+        graph: ObjectivesGraph,
+        exits: Mapping[str, list[str]],
+        around: _Around | None = None,
+    ) -> None:
         self.canvas = canvas
         self.graph = graph
         self.exits = exits
+        self.around = around or _Around()
 
     def draw(self) -> None:
         """Draws every section of the graph."""
@@ -54,6 +109,25 @@ class _Control:
                 self.elementary(section)
             else:
                 self.parallel(section)
+            if not self.around.in_branch:
+                self.interruptions(section)
+
+    def inside(self, section: ParallelSection, branch: Branch) -> _Control:
+        """Draws a branch of a section of this graph."""
+        around = _Around(in_branch=True, eventful=self.eventful(section))
+        if self.halted(section):
+            running = (*self.around.running, self.of(section, "running"))
+            around = replace(around, running=running, halted=self.of_branch(branch, "halted"))
+        ends = map(list, self.ends(section, branch))
+        return _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True)), around)
+
+    def eventful(self, section: Section) -> bool:
+        """Whether a place must say that the block runs."""
+        return self.around.eventful or any(_events(section))
+
+    def halted(self, section: ParallelSection) -> bool:
+        """Whether an event may interrupt the block as a whole."""
+        return bool(self.around.running or section.interruptions)
 
     def enter(self, target: str) -> list[str]:
         """Places to mark so as to enter a section, or to leave the graph."""
@@ -69,8 +143,9 @@ class _Control:
         if isinstance(section, ElementarySection):
             starts = self.of_activities(section.activities, "Start")
             return [self.canvas.place_of(*_element(section)), *starts]
-        inner = [_Control(self.canvas, branch.graph, {}) for branch in section.branches]
-        return [place for control in inner for place in control.enter(control.graph.entry)]
+        inner = [self.inside(section, branch) for branch in section.branches]
+        entered = [place for control in inner for place in control.enter(control.graph.entry)]
+        return [self.of(section, "running"), *entered] if self.eventful(section) else entered
 
     def gated(self, section: Section) -> bool:
         """Whether the section must wait at its entry until activities are idle and resources are back."""
@@ -94,7 +169,8 @@ class _Control:
         software = [s for s in awaited.software if ("software", s) not in left_out]
         back = [self.canvas.resource(s, "available") for s in software]
         taken, idle = self.of_activities(own, "idle"), self.of_activities(others, "idle")
-        pen.transition("begin", [gate, *taken], self.begin(section), read=[*idle, *back])
+        read = [*idle, *back, *self.around.running]
+        pen.transition("begin", [gate, *taken], self.begin(section), read=read)
 
     def of_activities(self, activities: Iterable[str], part: str) -> list[str]:
         """The same place of each of some activities."""
@@ -107,7 +183,7 @@ class _Control:
         place = self.canvas.role(pen.place(), ("objective", name))
         if self.gated(section):
             self.gate(pen, section)
-        stops = self.of_activities(section.activities, "Stop")
+        stops = self.stops(section)
         running = [running_place(self.canvas, usage.activities[a]) for a in section.activities]
         for what, part, route, read in (
             (What.SUCCESS, "EV_OK", section.success, [p for p in running if p is not None]),
@@ -121,23 +197,23 @@ class _Control:
         pen = self.canvas.of("parallel", section.name, section.source)
         if self.gated(section):
             self.gate(pen, section)
+        running = [pen.place("running")] if self.eventful(section) else []
         combined = len(section.branches) <= MAX_COMBINED
         for branch in section.branches:
             ended = [pen.place(part, of=("objective", branch.name)) for part in ("ok", "fail")]
-            if combined:
-                ends = [[place] for place in ended]
-            else:  # the outcome is taken note of at once, so another place says that the branch has ended
-                outcomes, ended = ended, [pen.place("ended", of=("objective", branch.name))]
-                ends = [[place, *ended] for place in outcomes]
+            if not combined:  # outcomes are taken note of one by one: another place says that it has ended
+                ended = [pen.place("ended", of=("objective", branch.name))]
             for place in ended:
                 self.canvas.role(place, ("done", branch.name))
-            _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True))).draw()
+            self.inside(section, branch).draw()
         if combined:
-            self.leave_combined(pen, section)
+            self.leave_combined(pen, section, running)
         else:
-            self.leave_one_by_one(pen, section)
+            self.leave_one_by_one(pen, section, running)
+        if self.halted(section):
+            self.halt(pen, section)
 
-    def leave_combined(self, pen: Pen, section: ParallelSection) -> None:
+    def leave_combined(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
         for outcome in product((True, False), repeat=len(section.branches)):
             done = [self.done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
@@ -146,10 +222,13 @@ class _Control:
             )
             digits = "".join("0" if ok else "1" for ok in outcome)
             route = section.success if succeeded else section.failure
-            pen.transition(f"exit_{digits}", done, self.enter(route))
+            pen.transition(f"exit_{digits}", [*done, *running], self.enter(route))
 
-    def leave_one_by_one(self, pen: Pen, section: ParallelSection) -> None:
+    def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """The same outcome for wide blocks, in linear size: children are taken note of in document order."""
+        # A block that may be halted takes note of nothing before all have ended.
+        begin = 0 if self.halted(section) else len(section.branches) - 1
+        all_ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
         well, lost = [], []
         for number in range(1, len(section.branches)):
             well.append([pen.place(f"ok{number}")])
@@ -159,8 +238,7 @@ class _Control:
         for i, branch in enumerate(section.branches):
             name = f"note{i + 1}"
             after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
-            last = i == len(section.branches) - 1
-            ended = [self.of_branch(b, "ended") for b in section.branches] if last else []
+            ended = all_ended if i == begin else []
             pen.transition(f"{name}_0", [*well[i], self.done(branch, True), *ended], well[i + 1])
             pen.transition(f"{name}_1", [*well[i], self.done(branch, False), *ended], after_failure)
             if i:
@@ -174,6 +252,115 @@ class _Control:
     def of_branch(self, branch: Branch, part: str) -> str:
         """A place of a branch of a parallel block."""
         return self.canvas.place_of("objective", branch.name, part)
+
+    def ends(self, section: ParallelSection, branch: Branch) -> list[tuple[str, ...]]:
+        """By outcome, the places marked when a branch has ended; the last says that it has."""
+        more = () if len(section.branches) <= MAX_COMBINED else (self.of_branch(branch, "ended"),)
+        return [(self.done(branch, ok), *more) for ok in (True, False)]
+
+    def of(self, section: Section, *part: str) -> str:
+        """A place of a section."""
+        return self.canvas.place_of(*_element(section), *part)
+
+    def stops(self, section: ElementarySection) -> list[str]:
+        """Places to mark so that the activities of an objective stop."""
+        return self.of_activities(section.activities, "Stop")
+
+    # --- interruption ---
+
+    def interruptions(self, section: Section) -> None:
+        """One transition for each event and each position of the section's objectives that handles it."""
+        pen = self.canvas.of(*_element(section), section.source)
+        for name in dict.fromkeys(_events(section)):
+            event = Event(What.DECLARED, name)
+            found = [p for p in self.positions(section, name) if p.put is not None]
+            for number, position in enumerate(found, 1):
+                read = [place for place in position.read if place not in position.take]
+                part, put = f"EV{number}_{name}", list(position.put or ())
+                pen.transition(part, list(position.take), put, read=read, event=event)
+
+    def positions(self, section: Section, event: str) -> Iterator[_Position]:
+        """Where the objectives of a section may be when an event happens; one of these holds at a time."""
+        own = next((i for i in section.interruptions if i.event == event), None)
+        onward = tuple(self.enter(own.target)) if own else ()
+        if self.around.in_branch and self.gated(section):
+            gate = (self.of(section, "enter"),)
+            yield _Position(gate, gate, onward) if own else _Position(gate)
+        if isinstance(section, ElementarySection):
+            at = (self.of(section),)
+            yield _Position(at, at, (*self.stops(section), *onward)) if own else _Position(at)
+            return
+        handling = [
+            list(self.inside(section, branch).in_branch(section, branch, event))
+            for branch in section.branches
+            if any(e == event for inner in branch.graph.sections for e in _events(inner))
+        ]
+        if (count := prod(map(len, handling))) > MAX_POSITIONS:
+            message = f"parallel block {section.name}: {count} combinations of where its branches are when "
+            raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
+        running = (self.of(section, "running"),)
+        for positions in product(*handling):
+            read = tuple(place for position in positions for place in position.read)
+            acting = [p for p in positions if p.put is not None]
+            if acting:
+                take = tuple(place for p in acting for place in p.take)
+                yield _Position(read, take, tuple(place for p in acting for place in p.put or ()))
+            elif own:
+                halts = (self.of_branch(branch, "halt") for branch in section.branches)
+                yield _Position((*read, *running), running, (self.of(section, f"on_{event}"), *halts))
+            else:
+                yield _Position((*read, *running))
+
+    def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[_Position]:
+        """Positions of this graph, that of a branch of a section, its ends among them."""
+        for inner in self.graph.sections:
+            yield from self.positions(inner, event)
+        for place in dict.fromkeys(end[-1] for end in self.ends(section, branch)):
+            yield _Position((place,))
+
+    def halt(self, pen: Pen, section: ParallelSection) -> None:
+        """Halts every branch, wherever it is, then goes on to what the event leads to."""
+        number = 0
+        for branch in section.branches:
+            halt = pen.place("halt", of=("objective", branch.name))
+            pen.place("halted", of=("objective", branch.name))
+            ways = self.inside(section, branch).halting(section, branch)
+            for taken, put in ways:
+                number += 1
+                pen.transition(f"halt{number}", [halt, *taken], put)
+        all_halted = [self.of_branch(branch, "halted") for branch in section.branches]
+        for interruption in section.interruptions:
+            place = pen.place(f"on_{interruption.event}")
+            pen.transition(
+                f"left_{interruption.event}", [place, *all_halted], self.enter(interruption.target)
+            )
+        if self.around.halted:
+            place = pen.place("halting")
+            pen.transition("halted", [place, *all_halted], [self.around.halted])
+
+    def halting(self, section: ParallelSection, branch: Branch) -> Iterator[tuple[list[str], list[str]]]:
+        """By position of this graph, that of a branch, the places that are taken and those that are put."""
+        halted = self.of_branch(branch, "halted")
+        for inner in self.graph.sections:
+            if self.gated(inner):
+                yield [self.of(inner, "enter")], [halted]
+            if isinstance(inner, ElementarySection):
+                yield [self.of(inner)], [*self.stops(inner), halted]
+            else:
+                yield (
+                    [self.of(inner, "running")],
+                    [self.of(inner, "halting"), *(self.of_branch(b, "halt") for b in inner.branches)],
+                )
+        for end in self.ends(section, branch):
+            yield list(end), [halted]
+
+
+def _events(section: Section) -> Iterator[str]:
+    """Names of events that interrupt a section, or something in it."""
+    yield from (i.event for i in section.interruptions)
+    for branch in section.branches if isinstance(section, ParallelSection) else ():
+        for inner in branch.graph.sections:
+            yield from _events(inner)
 
 
 def _element(section: Section) -> tuple[str, str]:

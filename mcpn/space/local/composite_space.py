@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.mission.model import SUCCEED
 from mcpn.net.petri import Marking, Provenance, Transition
 from mcpn.space.images import Bit, ImageStore

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.errors import ConfluenceError
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What

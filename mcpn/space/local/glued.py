@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from mcpn_kernel import Zdd
 
+from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.local.layout import Layout
@@ -254,7 +254,7 @@ class Glued:
                     waiting.widen(route, self.enter(route, hardware) & onward)
         return self.of(found)
 
-    def staying(self, along: CompositeSet) -> CompositeSet:
+    def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
         found = dict((along & self.everything).parts)
         ends = self.dead.parts

@@ -50,6 +50,21 @@ def glue(
     return composite
 
 
+def refuse_interruptions(graph: ObjectivesGraph) -> None:
+    """Refuses missions whose sections may be left by more than success and failure.
+
+    Raises:
+        LimitError: An event may interrupt a section.
+    """
+    for section in graph.all_sections():
+        for interruption in section.interruptions:
+            where = f"{interruption.source}: " if interruption.source else ""
+            raise LimitError(
+                f"{where}the event {interruption.event} may interrupt {section.name}, which composition does "
+                "not take yet: use --engine explicit or symbolic, and controller --flat"
+            )
+
+
 def judged_everywhere(
     usage: Usage, graph: ObjectivesGraph, making: Making = AS_USUAL
 ) -> tuple[PlacedSection, ...]:
@@ -78,6 +93,7 @@ def judged_everywhere(
 
 
 def _put_together(usage: Usage, graph: ObjectivesGraph, making: Making) -> Composite:
+    refuse_interruptions(graph)
     placed = local_graphs(usage, graph, making)
     junctions = open_junctions(usage, graph, placed, making)
     return Composite(usage, graph, tuple(placed), tuple(junctions))

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from mcpn_kernel import Store, Zdd
 
+from mcpn._kernel import Store, Zdd
 from mcpn.space.graph import Mask
 
 Part = TypeVar("Part", bound=Hashable)

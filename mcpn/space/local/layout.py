@@ -13,8 +13,7 @@ from functools import cached_property
 from itertools import chain
 from typing import Literal
 
-from mcpn_kernel import Store, Zdd
-
+from mcpn._kernel import Store, Zdd
 from mcpn.space.symbolic import DEFAULT_MEMORY
 
 Bits = tuple[Literal["oos", "dead"], ...]

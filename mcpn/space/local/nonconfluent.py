@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NoReturn
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
 from mcpn.net.events import Event
 from mcpn.net.sections import junction_part

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge
 from mcpn.space.local.glued import Glued

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TypeVar
 
-from mcpn_kernel import Zdd
-
+from mcpn._kernel import Zdd
 from mcpn.errors import SemanticsError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart

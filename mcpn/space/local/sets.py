@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
-from mcpn_kernel import Zdd
+from mcpn._kernel import Zdd
 
 if TYPE_CHECKING:
     from mcpn.space.local.glued import Glued

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
 
-from mcpn_kernel import Goals
-
+from mcpn._kernel import Goals
 from mcpn.net.petri import PetriNet
 
 

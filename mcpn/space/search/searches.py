@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias, cast
 
-from mcpn_kernel import TokenNet
-
+from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import Goal, encode, holds, needs

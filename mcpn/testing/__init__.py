@@ -20,7 +20,9 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    DeclaredEvent,
     Each,
+    Handler,
     Hardware,
     Mission,
     Objective,
@@ -32,7 +34,7 @@ from mcpn.mission.model import (
     Software,
     Use,
 )
-from mcpn.mission.renaming import renamed
+from mcpn.testing.names import awkwardly_named
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Shape:
         loops: Whether routes may go back.
         rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
             may be shared.
+        events: Most declared events; with some, blocks and the mission handle them.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
@@ -75,6 +78,7 @@ class Shape:
     protocols: bool = True
     loops: bool = True
     rounds: bool = True
+    events: int = 0
     shared_activities: bool = True
     disjoint_branches: bool = False
     text: bool = False
@@ -117,6 +121,7 @@ class _Drawing:
         # Each protocol with the islands that it needs and how many elementary objectives it has.
         self.protocols: list[tuple[Protocol, list[_Island], int]] = []
         self.unused: list[str] = []
+        self.events: tuple[str, ...] = ()
 
     def number(self, low: int, high: int) -> int:
         return self.draw(st.integers(low, high))
@@ -144,6 +149,7 @@ class _Drawing:
         hardware, software = self.resources()
         for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
             self.startable(self.islands[i] if i < len(self.islands) else self.island())
+        self.events = tuple(f"e{i}" for i in range(self.number(0, self.shape.events)))
         budget = self.shape.sections
         if self.shape.protocols and self.chance():
             blocks, size = self.series(1, self.islands, self.number(1, budget))
@@ -156,9 +162,30 @@ class _Drawing:
             description=self.description(),
             blocks=blocks,
             robots=(
-                Robot(name="robot", hardware=hardware, software=software, activities=tuple(self.activities)),
+                Robot(
+                    name="robot",
+                    hardware=hardware,
+                    software=software,
+                    activities=tuple(self.activities),
+                    events=tuple(DeclaredEvent(name=e, description=self.description()) for e in self.events),
+                ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
+            handlers=self.handlers([b.name for b in blocks]),
+        )
+
+    def handlers(self, siblings: list[str]) -> tuple[Handler, ...]:
+        """What a block that stands among some siblings does on events."""
+        targets = st.sampled_from([SUCCEED, FAIL, *siblings])
+        return tuple(
+            Handler(
+                event=event,
+                goto=self.draw(targets),
+                once=self.number(0, 3) == 0,
+                description=self.description(),
+            )
+            for event in self.events
+            if self.number(0, 2) == 0
         )
 
     # --- the robot -------------------------------------------------------------------------------------
@@ -254,7 +281,9 @@ class _Drawing:
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         targets = [None, SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else index + 1 :])]
         route = st.sampled_from(targets)
-        return replace(block, success=self.draw(st.none() | route), failure=self.draw(route))
+        success, failure = self.draw(st.none() | route), self.draw(route)
+        handlers = self.handlers([b.name for b in blocks])
+        return replace(block, success=success, failure=failure, handlers=handlers)
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
         if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
@@ -343,7 +372,8 @@ class _Drawing:
             child, size = self.block(depth, share, budget - taken - (number - 1 - i))
             if isinstance(child, Parallel):
                 child = Recursive(name=self.name("rec"), blocks=(child,))
-            children.append(replace(child, mandatory=i == 0 or self.chance()))
+            mandatory = i == 0 or self.chance()
+            children.append(replace(child, mandatory=mandatory, handlers=self.handlers([])))
             taken += size
         return tuple(children), taken
 
@@ -366,40 +396,5 @@ def missions(shape: Shape | None = None, **bounds: int | bool) -> st.SearchStrat
     def drawn(draw: st.DrawFn) -> Mission:
         mission = _Drawing(draw, chosen).mission()
         return draw(awkwardly_named(mission)) if chosen.awkward_names else mission
-
-    return drawn()
-
-
-_AWKWARD = (
-    *("a", "a_EV", "a_EV_OK", "a_EV_OOS", "a_EV_b", "a_ok", "a_fail", "a_enter", "a_begin", "a_b", "a_free"),
-    *("a_idle", "a_error", "a_wait1", "a_start", "OBJ_a", "OBJ_a_ok", "PAR_a", "PAR_a_exit_0", "MISSION"),
-    *("MISSION_success", "EV", "OK", "b", "sel1", "start", "b_sel1", "answer"),
-)
-
-
-def awkwardly_named(mission: Mission) -> st.SearchStrategy[Mission]:
-    """The mission with other names: like parts of one another, and alike in different kinds.
-
-    Args:
-        mission: A valid mission.
-
-    Returns:
-        Missions that say the same.
-    """
-
-    @st.composite
-    def drawn(draw: st.DrawFn) -> Mission:
-        given: dict[tuple[str, str], str] = {}
-        taken: dict[str, set[str]] = {}
-
-        def rename(kind: str, name: str) -> str:
-            if (kind, name) not in given:
-                known = taken.setdefault(kind, set())
-                left = [new for new in _AWKWARD if new not in known] or [f"a_{len(known)}"]
-                given[kind, name] = draw(st.sampled_from(left))
-                known.add(given[kind, name])
-            return given[kind, name]
-
-        return renamed(mission, rename)
 
     return drawn()

@@ -1,8 +1,7 @@
-"""CTL on explicit graphs: the states that satisfy a formula, as an array.
+"""CTL on explicit graphs, sharing nothing with the evaluation that it judges but the core of formulas.
 
-The independent second opinion on :mod:`mcpn.check.ctl`: it shares the core of formulas with it, no algorithm.
-``EG`` goes by strongly connected components (Clarke, Emerson, Sistla, *Automatic verification of finite-state
-concurrent systems*, TOPLAS 1986), each operator in time linear in the graph.
+``EG`` goes by strongly connected components, under fairness too (Clarke, Emerson, Sistla, *Automatic
+verification of finite-state concurrent systems*, TOPLAS 1986), each operator in time linear in the graph.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.graph import Mask, StateGraph
 
 
-class ExplicitEvaluation:
+class ByComponents:
     """Evaluates formulas on a markings graph or an alternatives graph.
 
     Args:
@@ -45,7 +44,7 @@ class ExplicitEvaluation:
         self.graph = graph
         self.fair = tuple(fair)
         self._known: dict[Core, Mask] = {}
-        self._plain = ExplicitEvaluation(graph) if fair else self  # constraints speak of all paths
+        self._plain = ByComponents(graph) if fair else self  # constraints speak of all paths
 
     def holds(self, formula: Core) -> bool:
         """Whether the initial state satisfies a formula."""

@@ -1,0 +1,179 @@
+"""CTL over any space of states: the set of states that satisfy a formula.
+
+``EX``, ``EU`` and ``EG`` are one step back, backward reachability along a set, and the states from which a
+maximal run stays in a set; each space has its own algorithms for these (:mod:`mcpn.space.algebra`). Fair
+states are found as Emerson and Lei do (*Efficient model checking in fragments of the propositional
+mu-calculus*, LICS 1986), in one region of the space after the other, since a cycle never leaves its region.
+
+Paths are maximal: infinite, or ending in a state without successors, as in the Model Checking Contest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Generic
+
+from mcpn.check.logic.formulas import (
+    EG,
+    EU,
+    EX,
+    And,
+    Const,
+    Core,
+    Deadlock,
+    Fires,
+    Justice,
+    Not,
+    Or,
+    Stable,
+    TokenBound,
+    negation,
+    walk,
+)
+from mcpn.space.algebra import S, Space
+
+
+class Evaluation(Generic[S]):
+    """Evaluates formulas on one space; each sub-formula is evaluated once.
+
+    Args:
+        space: The space.
+        fair: Justice constraints: infinite paths that meet one of them only finitely often do not count.
+    """
+
+    def __init__(self, space: Space[S], fair: Sequence[Justice] = ()) -> None:
+        self.space = space
+        self.fair = tuple(fair)
+        self._known: dict[Core, S] = {}
+        self.plain: Evaluation[S] = Evaluation(space) if fair else self
+        """Evaluates the constraints themselves, whose operators speak of all paths."""
+
+    def holds(self, formula: Core) -> bool:
+        """Whether the initial state satisfies a formula; evaluates no more than this takes."""
+        match formula:
+            case Not(operand):
+                return not self.holds(operand)
+            case And(operands):
+                return all(self.holds(operand) for operand in sorted(operands, key=_effort))
+            case Or(operands):
+                return any(self.holds(operand) for operand in sorted(operands, key=_effort))
+            case EU(Const(True), right):  # every state is reachable
+                return bool(self.states(right) & self.fair_states)
+            case EG(operand) if not self.fair and formula not in self._known:
+                initial = self.space.initial
+                return bool(initial & self.space.staying(self.states(operand), initial))
+        return bool(self.space.initial & self.states(formula))
+
+    def states(self, formula: Core) -> S:
+        """The states that satisfy a formula."""
+        if formula not in self._known:
+            self._known[formula] = self._evaluate(formula)
+        return self._known[formula]
+
+    def _evaluate(self, formula: Core) -> S:
+        space = self.space
+        match formula:
+            case Const(value):
+                return space.everything if value else space.nothing
+            case Not(operand):
+                return space.everything - self.states(operand)
+            case And(operands):
+                found = space.everything
+                for operand in operands:
+                    found = found & self.states(operand)
+                return found
+            case Or(operands):
+                found = space.nothing
+                for operand in operands:
+                    found = found | self.states(operand)
+                return found
+            case TokenBound(weights, -1) if all(weight == -1 for _, weight in weights):
+                return space.marked([place for place, _ in weights])
+            case TokenBound(weights, bound):
+                return space.at_most(dict(weights), bound)
+            case Fires(transitions):
+                return space.enabling(transitions)
+            case Deadlock():
+                return space.dead
+            case Stable():
+                return space.stable
+            case EX(operand):
+                return space.before(self.states(operand) & self.fair_states)
+            case EU(left, right):
+                return space.reaching(self.states(right) & self.fair_states, self._along(left))
+            case EG(operand):
+                return self._always(self.states(operand))
+        raise TypeError(f"no formula of the core: {formula!r}")
+
+    def _along(self, formula: Core) -> S | None:
+        """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
+        return None if formula == Const(True) else self.states(formula)
+
+    # --- fairness ---
+
+    @cached_property
+    def fair_states(self) -> S:
+        """States from which some fair path begins; all of them where there are no constraints."""
+        return self._always(self.space.everything) if self.fair else self.space.everything
+
+    def _always(self, along: S) -> S:
+        """States from which some fair path stays in a set."""
+        if not self.fair:
+            return self.space.staying(along)
+        return self.space.reaching((along & self.space.dead) | self.hull(along), along)
+
+    def hull(self, along: S) -> S:
+        """The fair hull of a set: each of its states begins an endless fair path that stays in the hull.
+
+        It holds every cycle of the set that meets all constraints, and what leads from one such cycle to
+        another in the same region.
+        """
+        found = self.space.nothing
+        for region, constraints in self._by_region():
+            inside = along & region
+            if inside:
+                found = found | self._hull_of(inside, constraints)
+        return found
+
+    def _hull_of(self, inside: S, constraints: Sequence[Justice]) -> S:
+        """The greatest set in which each constraint can be met, and the set reached again, for ever."""
+        found = inside
+        while found:
+            narrower = found
+            for constraint in constraints or [Justice(Const(True))]:
+                met = self.met(constraint, narrower)
+                narrower = narrower & self.space.before(self.space.reaching(met, inside))
+            if not found - narrower:
+                break
+            found = narrower
+        return found
+
+    def met(self, constraint: Justice, inside: S) -> S:
+        """States of a set at which a constraint is met, there or by the next step inside the set."""
+        here = self.plain.states(constraint.states) & inside
+        if constraint.transitions:
+            here = here | (self.space.before(inside, constraint.transitions) & inside)
+        return here
+
+    def _by_region(self) -> Iterator[tuple[S, list[Justice]]]:
+        """Each region with the constraints that some of its states do not meet."""
+        unmet = [(c, self.plain.states(negation(c.states))) for c in self.fair]
+        parts: list[tuple[Sequence[S], list[tuple[Justice, S]]]] = [(self.space.regions, unmet)]
+        while parts:  # regions are halved, and only constraints that speak of a half go on with it
+            regions, constraints = parts.pop()
+            if len(regions) == 1 or not constraints:
+                yield from ((region, [c for c, _ in constraints]) for region in regions)
+                continue
+            half = len(regions) // 2
+            for part in (regions[half:], regions[:half]):
+                together = self.space.nothing
+                for region in part:
+                    together = together | region
+                parts.append((part, [(c, states) for c, states in constraints if together & states]))
+
+
+def _effort(formula: Core) -> int:
+    """How much a formula takes: operators that need a fixpoint count most."""
+    costs = {EG: 100, EU: 10, EX: 10}
+    return sum(costs.get(type(inside), 1) for inside, _ in walk(formula))

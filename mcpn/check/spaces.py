@@ -1,0 +1,78 @@
+"""The space of a net that each engine makes: the one place where a question meets the engines."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypeAlias
+
+from mcpn.errors import InputError
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet
+from mcpn.space.algebra import Space
+from mcpn.space.alternatives import by_reduction
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.confluence import prove_confluent
+from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
+from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.symbolic import reach
+
+On: TypeAlias = Literal["markings", "alternatives"]
+Engine: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
+"""Arrays, decision diagrams or composition; ``auto`` is diagrams where a whole space is needed."""
+
+
+def space_of(
+    net: PetriNet,
+    mission_net: MissionNet | None = None,
+    *,
+    engine: Engine = "auto",
+    on: On = "markings",
+    max_states: int | None = None,
+) -> Space[Any]:
+    """The space of a net, on one of its graphs, by one of the engines.
+
+    Args:
+        net: The net.
+        mission_net: The mission that it is of; composition needs one.
+        engine: Arrays, diagrams or composition.
+        on: The graph; the alternatives graph is of nets with priorities.
+        max_states: Limit on states that are listed one by one.
+
+    Raises:
+        InputError: The net has no such graph, or composition is asked of a net of no mission.
+        UnsafeError: The net is not 1-safe.
+        ConfluenceError: The alternatives graph is asked for, and internal evolution is not confluent.
+        DivergenceError: The same, and internal evolution need not end.
+        LimitError: A limit was hit.
+    """
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    if on == "alternatives" and not net.priorities:
+        raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
+    if engine == "local":
+        if mission_net is None or on == "markings":
+            raise InputError.at(
+                None,
+                "composition makes the alternatives graph of a mission: sections hand on stable states only",
+            )
+        options = Options() if max_states is None else Options(max_states=max_states)
+        return composite_space(mission_net, options)
+    markings = markings_by(net, engine, limit)
+    return markings if on == "markings" else alternatives_by(markings, limit)[0]
+
+
+def markings_by(
+    net: PetriNet, engine: Engine, max_states: int, progress: Progress | None = None
+) -> ArraySpace | DiagramMarkings:
+    """The markings graph of a net; see :func:`space_of`."""
+    if engine == "explicit":
+        return ArraySpace(explore(net, max_states=max_states, progress=progress))
+    return DiagramMarkings(reach(net))
+
+
+def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> tuple[Space[Any], str]:
+    """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
+    if isinstance(markings, ArraySpace):
+        graph = by_reduction(markings.graph)
+        return ArraySpace(graph), graph.proof or ""
+    proof = prove_confluent(markings.net, max_states=max_states, space=markings.space)
+    return DiagramAlternatives(markings.space), proof

@@ -1,0 +1,225 @@
+"""The verdicts of a mission, each with the run that shows it, by any engine.
+
+Required verdicts are those that a mission must satisfy to be flown; informative ones tell more. A verdict is
+``None`` where an earlier one failed in a way that leaves it unknown. Only how a space is made, and with which
+errors, depends on the engine; every question is asked once, of :class:`mcpn.space.algebra.Space`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from mcpn.check.modes import Mode
+from mcpn.check.spaces import Engine, alternatives_by, markings_by
+from mcpn.check.verdicts.modes import functioning_modes
+from mcpn.check.verdicts.unselectable import find_unselectable
+from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
+from mcpn.net.compose import MissionNet
+from mcpn.net.templates import TemplateSet
+from mcpn.space.algebra import S, Space
+from mcpn.space.alternatives import nearest_fault
+from mcpn.space.clash import explained
+from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
+from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.run import Run, run_of_fewest_events, transitions_of
+
+REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
+INFORMATIVE = ("failure_reachable", "unselectable")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One verdict.
+
+    Args:
+        name: One of :data:`REQUIRED` or :data:`INFORMATIVE`.
+        holds: The answer, or ``None`` where it is not known.
+        explanation: One sentence on what was found.
+        runs: Witness or counterexample runs, the shortest first; two where two are needed.
+    """
+
+    name: str
+    holds: bool | None
+    explanation: str = ""
+    runs: tuple[Run, ...] = ()
+
+    @property
+    def runs_of_events(self) -> tuple[Run, ...]:
+        """The runs as a designer reads them: without internal firings, each once."""
+        return tuple(dict.fromkeys(run.of_events for run in self.runs))
+
+    @property
+    def required(self) -> bool:
+        """Whether a mission must satisfy it."""
+        return self.name in REQUIRED
+
+
+@dataclass(frozen=True)
+class MissionCheck:
+    """All that one check of a mission found.
+
+    Args:
+        mission_net: The mission's net.
+        verdicts: By name, required ones first.
+        markings: The markings graph, where the engine makes it.
+        alternatives: The alternatives graph, where it exists.
+        modes: Functioning modes by objective.
+        unselectable: What can never be selected, entered or used, with its line.
+    """
+
+    mission_net: MissionNet
+    verdicts: dict[str, Verdict]
+    markings: Space[Any] | None = None
+    alternatives: Space[Any] | None = None
+    modes: dict[str, list[Mode]] = field(default_factory=dict)
+    unselectable: tuple[Problem, ...] = ()
+
+    @cached_property
+    def marking_sizes(self) -> tuple[int, int] | None:
+        """Reachable markings and firings between them, exact; ``None`` where they were not counted."""
+        return None if self.markings is None else _sizes(self.markings)
+
+    @cached_property
+    def stable_sizes(self) -> tuple[int, int] | None:
+        """Stable states and event edges of the whole mission, exact; ``None`` where they are not known."""
+        return None if self.alternatives is None else _sizes(self.alternatives)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every required verdict holds."""
+        return all(self.verdicts[name].holds for name in REQUIRED)
+
+
+def _sizes(space: Space[Any]) -> tuple[int, int]:
+    return space.everything.count(), sum(space.firings(space.everything).values())
+
+
+def check(
+    mission_net: MissionNet,
+    *,
+    engine: Engine = "explicit",
+    max_states: int | None = None,
+    progress: Progress | None = None,
+    executor: Executor | None = None,
+    templates: TemplateSet | None = None,
+) -> MissionCheck:
+    """Checks a mission.
+
+    Args:
+        mission_net: The mission's net.
+        engine: Arrays, diagrams (``auto`` too), or composition, which does not explore the net of the whole.
+        max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges, or with local spaces done and to do.
+        executor: Where composition explores sections; this process by default.
+        templates: Those that the mission was composed with, for composition; the paper's by default.
+
+    Returns:
+        Every verdict, with its runs.
+
+    Raises:
+        PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
+        LimitError: A limit was hit.
+    """
+    verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    markings: Space[Any] | None = None
+    alternatives: Space[Any] | None = None
+    try:
+        if engine == "local":
+            options = Options(templates, executor, limit, progress)
+            alternatives = composite_space(mission_net, options)
+            proof = "each type of section, and each way from one to the next, proved on its own net"
+        else:
+            graph = markings_by(mission_net.net, engine, limit, progress)
+            markings = graph
+            alternatives, proof = alternatives_by(graph, limit)
+        verdicts["confluent"] = Verdict("confluent", True, proof)
+    except UnsafeError as error:
+        verdicts["safe"] = Verdict("safe", False, str(error), _runs_of(mission_net, error))
+        return MissionCheck(mission_net, verdicts)
+    except (ConfluenceError, DivergenceError) as error:
+        verdicts["confluent"] = _not_confluent(mission_net, error, limit if engine == "explicit" else None)
+    space = alternatives or markings
+    if space is None:
+        return MissionCheck(mission_net, verdicts)
+    verdicts["safe"] = Verdict("safe", True, "no firing puts a second token in a place")
+    verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
+    for verdict in _reachability(mission_net, space, settles=alternatives is not None):
+        verdicts[verdict.name] = verdict
+    unselectable = find_unselectable(mission_net, space)
+    text = f"{len(unselectable)} found" if unselectable else "nothing found"
+    verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
+    modes = functioning_modes(mission_net, space)
+    return MissionCheck(mission_net, verdicts, markings, alternatives, modes, unselectable)
+
+
+def _not_confluent(mission_net: MissionNet, error: SemanticsError, max_states: int | None) -> Verdict:
+    """The verdict on an event that has not one stable end; a nearer one is looked for within a limit."""
+    if max_states is not None:
+        error = nearest_fault(mission_net.net, max_states) or error
+    if isinstance(error, ConfluenceError):
+        error = explained(mission_net, error)
+    return Verdict("confluent", False, str(error), _runs_of(mission_net, error))
+
+
+class _Reached(NamedTuple):
+    """What a run to some states, or that there is none, says."""
+
+    good: bool
+    found: str
+    none: str
+
+
+_REACHED = {
+    "deadlock_free": _Reached(
+        False,
+        "a marking that is no end of the mission allows no event",
+        "every marking but the mission's ends allows some event",
+    ),
+    "success_reachable": _Reached(True, "a run leads to success", "no run leads to mission success"),
+    "can_always_finish": _Reached(
+        False,
+        "after this run the mission can no longer end",
+        "from every marking some run leads to an end of the mission",
+    ),
+    "failure_reachable": _Reached(True, "a run leads to failure", "no run leads to mission failure"),
+}
+
+
+def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) -> list[Verdict]:
+    """Verdicts that a run to some states decides."""
+    success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
+    finished = success | failure
+    goals = {
+        "deadlock_free": space.dead - finished,
+        "success_reachable": success,
+        "can_always_finish": space.everything - space.reaching(finished),
+        "failure_reachable": failure,
+    }
+    found = []
+    for name, goal in goals.items():
+        good, there_is, there_is_none = _REACHED[name]
+        run = None
+        if goal:
+            run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+        if run is None:
+            found.append(Verdict(name, not good, there_is_none))
+        else:
+            shown = Run(space.net, transitions_of(run), settles=settles)
+            found.append(Verdict(name, good, there_is, (shown,)))
+    return found
+
+
+def _runs_of(mission_net: MissionNet, error: SemanticsError) -> tuple[Run, ...]:
+    """The runs of an error, internal firings after the last event included."""
+    index = mission_net.net.transition_index
+    return tuple(_run_of(mission_net, run) for run in error.runs if all(name in index for name in run))
+
+
+def _run_of(mission_net: MissionNet, names: Sequence[str]) -> Run:
+    net = mission_net.net
+    return Run(net, tuple(net.transition_index[name] for name in names), detailed=True)

@@ -1,0 +1,52 @@
+"""What can never be selected, entered or used in a mission, each with its line."""
+
+from __future__ import annotations
+
+from mcpn.errors import Problem
+from mcpn.mission.warnings import never_entered
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
+from mcpn.space.algebra import S, Space
+
+
+def find_unselectable(mission_net: MissionNet, space: Space[S]) -> tuple[Problem, ...]:
+    """Alternatives never selected, objectives never entered or never left, resources never used.
+
+    Args:
+        mission_net: The mission's net.
+        space: Its alternatives graph or its markings graph.
+
+    Returns:
+        Each with its line in the mission, in the order of files and lines.
+    """
+    usage, mission = mission_net.usage, mission_net.mission
+    transitions = mission_net.net.transitions
+    happens = {transitions[t].event for t, count in space.firings(space.everything).items() if count}
+    selected, entered = (
+        {name for place, name in mission_net.saying(kind).items() if space.marked([place]) & space.stable}
+        for kind in ("active", "objective")
+    )
+    found, used = list[Problem](), set[str]()
+    for activity in mission.activities:
+        if activity.name not in usage.started:
+            continue
+        for alternative in activity.alternatives:
+            name = f"{activity.name}.{alternative.name}"
+            if name in selected:
+                used.update(alternative.consumes)
+            else:
+                found.append(Problem(alternative.source, f"alternative {name} can never be selected"))
+    for section in usage.graph.walk():
+        if section.name not in entered:
+            found.append(Problem(section.source, f"objective {section.name} can never be entered"))
+            continue
+        for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
+            if Event(what, section.name) not in happens:
+                found.append(Problem(section.source, f"objective {section.name} can never {verb}"))
+    found.extend(map(never_entered, usage.graph.never_entered()))
+    for resource in (*mission.hardware, *mission.software):
+        if resource.name not in used:
+            found.append(Problem(resource.source, f"resource {resource.name} is never used"))
+    return tuple(
+        sorted(found, key=lambda p: (str(p.source and p.source.file), (p.source and p.source.line) or 0))
+    )

@@ -1,0 +1,114 @@
+"""What the blocks of one text take from around them, as they are written out: names, parameters, handlers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from mcpn.errors import LimitError
+from mcpn.mission.graph import Interruption
+from mcpn.mission.model import ROUND, Block, Each, Parameter, Protocol, Use
+
+MAX_NESTING = 128
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """What the blocks of one text, the mission's or a protocol's, take from around them.
+
+    Args:
+        prefix: Qualifies names.
+        suffix: Ends the names of blocks of which there are several copies, one for each round or try.
+        depth: How many blocks stand around.
+        defaults: Parameters that an objective has unless it says otherwise.
+        overrides: What the use of this text says instead of the parameters written in it. It does not
+            reach into protocols used there: their interface is what the uses in this text say.
+        rounds: The values of the rounds in this text that stand around; uses hand them to their protocols.
+        handlers: Those of the blocks around, up to the mission or the branch of a parallel block, innermost
+            first.
+    """
+
+    prefix: str = ""
+    suffix: str = ""
+    depth: int = 0
+    defaults: Mapping[str, Parameter] = field(default_factory=dict)
+    overrides: Mapping[str, Parameter] = field(default_factory=dict)
+    rounds: Mapping[str, Parameter] = field(default_factory=dict)
+    handlers: tuple[Interruption, ...] = ()
+
+    def name(self, block: Block) -> str:
+        """The qualified name of a block that stands here."""
+        return f"{self.prefix}{block.name}{self.suffix}"
+
+    @property
+    def interruptions(self) -> tuple[Interruption, ...]:
+        """Handlers that can come to pass here: of each event up to the first that may happen again."""
+        closed: set[str] = set()
+        found = []
+        for handler in self.handlers:
+            if handler.event not in closed:
+                found.append(handler)
+            if handler.once is None:
+                closed.add(handler.event)
+        return tuple(found)
+
+    def written(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
+        """Parameters written in this text, as the use of the text overrides them."""
+        return {p.name: self.overrides.get(p.name, p) for p in parameters}
+
+    def with_defaults(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
+        """The parameters in force where these are written."""
+        return {**self.defaults, **self.written(parameters)}
+
+    def into(self, block: Block, parameters: tuple[Parameter, ...] = ()) -> Scope:
+        """The scope of what a block holds in the same text; a copy of a block qualifies it."""
+        prefix = f"{self.name(block)}." if self.suffix else self.prefix
+        defaults = self.with_defaults(parameters)
+        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), defaults=defaults)
+
+    def into_protocol(self, use: Use, protocol: Protocol) -> Scope:
+        """The scope of a protocol's text as one use of it sees it."""
+        overrides = {**self.rounds, **self.written(use.parameters)}
+        text = Scope(f"{self.name(use)}.", "", self.deeper(use), self.defaults, overrides)
+        defaults = text.with_defaults(protocol.parameters)
+        return replace(text, defaults=defaults, handlers=self.handlers)
+
+    def copy(self, block: Block, suffix: str, value: Parameter | None = None) -> Scope:
+        """The scope of one copy of a block, or of what stands in one round of it."""
+        values = {value.name: value} if value else {}
+        return replace(
+            self,
+            suffix=f"{self.suffix}_{suffix}",
+            depth=self.deeper(block),
+            defaults={**self.defaults, **values},
+            rounds={**self.rounds, **values},
+        )
+
+    def deeper(self, block: Block) -> int:
+        """The depth inside a block."""
+        if self.depth >= MAX_NESTING:
+            message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
+            raise LimitError(f"{block.source}: {message}" if block.source else message)
+        return self.depth + 1
+
+
+def several(block: Block) -> bool:
+    """Whether a block stands for several copies, one after the other."""
+    return block.repeat is not None or block.retries > 0 or isinstance(block, Each)
+
+
+def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
+    """The rounds of a block, else its tries, else its values: what is done each time, and its scope."""
+    alone = replace(block, success=None, failure=None, handlers=())
+    if block.repeat is not None:
+        for number in range(1, block.repeat + 1):
+            value = Parameter(name=ROUND, value=str(number), source=block.source)
+            yield (replace(alone, repeat=None),), scope.copy(block, str(number), value)
+    elif block.retries:
+        for number in range(1, block.retries + 2):
+            yield (replace(alone, retries=0),), scope.copy(block, f"try{number}")
+    elif isinstance(block, Each):
+        inside = scope.into(block)
+        for text in block.values:
+            value = Parameter(name=block.bound, value=text, source=block.source)
+            yield block.blocks, inside.copy(block, text, value)

@@ -1,0 +1,213 @@
+"""The objectives graph: sections with their routes (paper, 5.1 and Fig. 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
+
+from mcpn.errors import Source
+from mcpn.mission.model import FAIL, SUCCEED, Parameter
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+
+@dataclass(frozen=True, slots=True)
+class Interruption:
+    """What a section does when a declared event happens while it runs: it is stopped and left.
+
+    Args:
+        event: The event's name.
+        target: The next section, or one of the graph's own exits.
+        once: The number of the handler if it happens once only; ``None`` if it may happen again and again.
+        source: Its line.
+    """
+
+    event: str
+    target: str
+    once: int | None = None
+    source: Source | None = field(default=None, compare=False)
+
+
+class _Routes:
+    __slots__ = ()
+    success: str
+    failure: str
+    interruptions: tuple[Interruption, ...]
+
+    @property
+    def routes(self) -> tuple[str, ...]:
+        """Where the section may lead: on success, on failure, then on each event that interrupts it."""
+        return self.success, self.failure, *(i.target for i in self.interruptions)
+
+
+@dataclass(frozen=True, slots=True)
+class ElementarySection(_Routes):
+    """An elementary objective with its place in the graph.
+
+    Args:
+        name: Qualified by the uses that it stands in.
+        activities: What it runs.
+        success: The next section, or one of the graph's own exits, ``succeed`` and ``fail``.
+        failure: The same for failure.
+        source: Its line.
+        parameters: For the control laws: those of enclosing recursive objectives and protocols, then its own;
+            the innermost of a name counts, and a use's overrides replace what its protocol says.
+        description: For reports.
+        duration: Its mean duration in hours, where known.
+        failure_probability: How probable it is that it fails though it could succeed.
+        interruptions: By event, at most one each.
+        written: Its qualified name without the copies that handlers that happen once need.
+    """
+
+    name: str
+    activities: tuple[str, ...]
+    success: str
+    failure: str
+    source: Source | None = field(default=None, compare=False)
+    parameters: tuple[Parameter, ...] = ()
+    description: str | None = None
+    duration: float | None = None
+    failure_probability: float = 0.0
+    interruptions: tuple[Interruption, ...] = ()
+    written: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """A child of a parallel block.
+
+    Args:
+        name: The child's qualified name.
+        mandatory: Whether its failure fails the block.
+        graph: What it runs; an elementary child is a graph of one section of the same name.
+        source: Its line.
+    """
+
+    name: str
+    mandatory: bool
+    graph: ObjectivesGraph
+    source: Source | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class ParallelSection(_Routes):
+    """A parallel block with its place in the graph.
+
+    Args:
+        name: Qualified by the uses that it stands in.
+        branches: Its children, in document order.
+        success: The next section, or one of the graph's own exits.
+        failure: The same for failure.
+        source: Its line.
+        description: For reports.
+        interruptions: By event, at most one each; in effect where no branch handles the event itself.
+    """
+
+    name: str
+    branches: tuple[Branch, ...]
+    success: str
+    failure: str
+    source: Source | None = field(default=None, compare=False)
+    description: str | None = None
+    interruptions: tuple[Interruption, ...] = ()
+
+
+Section: TypeAlias = ElementarySection | ParallelSection
+
+
+@dataclass(frozen=True)
+class ObjectivesGraph:
+    """The objectives graph of a mission, or of a branch of a parallel block.
+
+    Args:
+        sections: Those that some route reaches, in document order.
+        entry: The first one's name.
+        unreached: Those that no route reaches, in document order; they are part of nothing that follows.
+    """
+
+    sections: tuple[Section, ...]
+    entry: str
+    unreached: tuple[Section, ...] = ()
+
+    @cached_property
+    def _by_name(self) -> dict[str, Section]:
+        return {section.name: section for section in self.sections}
+
+    def section(self, name: str) -> Section:
+        """The section of this name, at this level."""
+        return self._by_name[name]
+
+    def targets(self, section: Section) -> list[Section]:
+        """Sections that a section's success and failure lead to; the graph's exits give none."""
+        routes = (section.success, section.failure)
+        return [self._by_name[route] for route in routes if route in self._by_name]
+
+    def interrupted(self, section: Section) -> list[Section]:
+        """Sections that interruptions of a section lead to; the graph's exits give none."""
+        routes = dict.fromkeys(interruption.target for interruption in section.interruptions)
+        return [self._by_name[route] for route in routes if route in self._by_name]
+
+    def walk(self) -> Iterator[ElementarySection]:
+        """Every elementary objective at any depth, in document order."""
+        for section in self.sections:
+            if isinstance(section, ElementarySection):
+                yield section
+            else:
+                for branch in section.branches:
+                    yield from branch.graph.walk()
+
+    def never_entered(self) -> Iterator[ElementarySection]:
+        """Every elementary objective, at any depth, that stands in a section that no route reaches."""
+        for section in self.sections:
+            for branch in section.branches if isinstance(section, ParallelSection) else ():
+                yield from branch.graph.never_entered()
+        for section in self.unreached:
+            if isinstance(section, ElementarySection):
+                yield section
+            else:
+                for branch in section.branches:
+                    yield from branch.graph.walk()
+                    yield from branch.graph.never_entered()
+
+    def all_sections(self) -> Iterator[Section]:
+        """Every section at any depth, parallel blocks before what they hold, in document order."""
+        for section in self.sections:
+            yield section
+            if isinstance(section, ParallelSection):
+                for branch in section.branches:
+                    yield from branch.graph.all_sections()
+
+    def to_networkx(self) -> nx.MultiDiGraph[str]:
+        """The same as a networkx graph, branches of parallel blocks at nodes of their own.
+
+        Returns:
+            Nodes with ``kind`` (``objective``, ``parallel``, ``exit``), objectives with ``activities``;
+            edges with ``outcome`` (``success``, ``failure``, ``event NAME``), or ``branch`` from a block to
+            its children.
+        """
+        import networkx
+
+        graph: nx.MultiDiGraph[str] = networkx.MultiDiGraph()
+        self._add_to(graph, {SUCCEED: SUCCEED, FAIL: FAIL})
+        return graph
+
+    def _add_to(self, graph: nx.MultiDiGraph[str], exits: dict[str, str]) -> None:
+        for exit_node in exits.values():
+            graph.add_node(exit_node, kind="exit")
+        for section in self.sections:
+            if isinstance(section, ElementarySection):
+                graph.add_node(section.name, kind="objective", activities=section.activities)
+            else:
+                graph.add_node(section.name, kind="parallel")
+            for outcome, route in (("success", section.success), ("failure", section.failure)):
+                graph.add_edge(section.name, exits.get(route, route), outcome=outcome)
+            for interruption in section.interruptions:
+                route = exits.get(interruption.target, interruption.target)
+                graph.add_edge(section.name, route, outcome=f"event {interruption.event}")
+            for branch in section.branches if isinstance(section, ParallelSection) else ():
+                inner = {SUCCEED: f"{branch.name}:ok", FAIL: f"{branch.name}:fail"}
+                branch.graph._add_to(graph, inner)
+                graph.add_edge(section.name, branch.graph.entry, outcome="branch", mandatory=branch.mandatory)

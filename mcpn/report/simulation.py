@@ -1,0 +1,99 @@
+"""What a person sees while a mission is played: plain lines of 80 columns, the same in a pipe."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from mcpn.check.modes import Situation
+from mcpn.check.runs import step_in_words
+from mcpn.controller.actions import Action
+from mcpn.controller.simulator import Change, Simulation, resources
+
+WIDTH = 80
+INDENT = 12
+
+
+def state_lines(simulation: Simulation) -> Iterator[str]:
+    """Objectives, mode, resources and the possible events by number."""
+    now = simulation.situation
+    if now.outcome:
+        yield f"the mission has ended in {now.outcome}"
+    elif not now.objectives:
+        yield "the mission has not begun"
+    for head, items in _facts(simulation, now):
+        if items:
+            yield from _wrapped(head, ("; " if head == "resources" else ", ").join(items))
+    if not simulation.possible:
+        yield "no event is possible"
+    for number, event in enumerate(simulation.possible, 1):
+        yield f"{number:4}  {event}"
+
+
+def _facts(simulation: Simulation, now: Situation) -> Iterator[tuple[str, list[str]]]:
+    yield "objectives", list(now.objectives)
+    yield "pending", list(now.pending)
+    yield "done", list(now.done)
+    yield "mode", [a if a == way else f"{a} as {way}" for a, way in now.mode.items()]
+    yield "waiting", [a if a == way else f"{a} for {way}" for a, way in now.waiting.items()]
+    yield "no way for", list(now.refused)
+    yield "resources", [f"{name} {how}" for name, how in resources(simulation.mission_net, now)]
+
+
+def change_lines(change: Change, mission: str) -> Iterator[str]:
+    """What an event changed, in words, and what the controller orders."""
+    words = step_in_words(mission, change.event, change.before, change.after).words
+    yield from textwrap.wrap(words, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    for verb in ("stop", "release", "select", "start"):
+        items = [_item(action) for action in change.actions if action.verb == verb]
+        if items:
+            yield from _wrapped(f"  {verb}", ", ".join(items))
+
+
+def _item(action: Action) -> str:
+    if action.hardware is not None:
+        return action.hardware
+    alternative = action.alternative
+    return (
+        action.activity or ""
+        if alternative in (None, action.activity)
+        else f"{action.activity} as {alternative}"
+    )
+
+
+def _wrapped(head: str, text: str) -> list[str]:
+    return textwrap.wrap(
+        f"{head:{INDENT}}{text}",
+        WIDTH,
+        subsequent_indent=" " * INDENT,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def change_object(change: Change, mission: str) -> dict[str, Any]:
+    """The same for programs."""
+    after = change.after
+    return {
+        "event": str(change.event),
+        "words": step_in_words(mission, change.event, change.before, after).words,
+        "actions": [
+            {
+                key: value
+                for key, value in (
+                    ("do", a.verb),
+                    ("activity", a.activity),
+                    ("alternative", a.alternative),
+                    ("hardware", a.hardware),
+                    ("objective", a.objective),
+                )
+                if value is not None
+            }
+            for a in change.actions
+        ],
+        "objectives": list(after.objectives),
+        "mode": after.mode,
+        "out_of_service": list(after.out_of_service),
+        "outcome": after.outcome,
+    }

@@ -1,0 +1,47 @@
+"""Runs in mission words, event by event: made when a person reads them, not when a run is found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mcpn.check.modes import Situation, situation
+from mcpn.check.runs import changes, what_happens
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
+from mcpn.space.run import Run
+
+
+def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:
+    """Each event of a run with what happens and what changes, up to the next event, for a reader.
+
+    Where a run shows the internal firings after its last event, these follow by the names of the transitions.
+
+    Args:
+        mission_net: The mission's net.
+        run: A run of this net.
+    """
+    net = mission_net.net
+    begun: tuple[Event, Situation] | None = None
+    settled = situation(mission_net, net.initial)
+    last = net.initial
+    shown = run.tail
+    events = run.transitions[: len(run.transitions) - len(shown)]
+    for t, marking in Run(net, events, settles=not run.detailed).steps():
+        event = net.transitions[t].event
+        if event is not None:
+            settled = situation(mission_net, last)
+            if begun is not None:
+                yield begun[0], _words(mission_net, *begun, settled)
+            begun = event, settled
+        last = marking
+    if begun is not None:
+        yield (
+            begun[0],
+            _words(mission_net, *begun, begun[1] if run.detailed else situation(mission_net, last)),
+        )
+    yield from ((name, f"internal: {name}") for name in shown)
+
+
+def _words(mission_net: MissionNet, event: Event, before: Situation, after: Situation) -> str:
+    happens, changed = what_happens(event, mission_net.mission.name), changes(before, after)
+    return f"{happens}: {', '.join(changed)}" if changed else happens

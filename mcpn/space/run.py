@@ -1,0 +1,148 @@
+"""Runs of a net as they are found: transitions one after the other, completed when they are read.
+
+A run through the alternatives graph names events only. What the net does between two events is completed by
+the net's own rule, along one interleaving, since internal evolution is confluent there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import takewhile
+
+from mcpn.net.events import Event
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Edge, S, Space
+
+
+class Completion:
+    """Fires internal transitions of a net until none is enabled.
+
+    Only the transitions beside a place that has just received a token are looked at.
+
+    Args:
+        net: The net.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        self._internal = [t for t, transition in enumerate(net.transitions) if transition.internal]
+        self._users: dict[int, list[int]] = {}
+        for t in self._internal:
+            for place, _ in (*net.transitions[t].consume, *net.transitions[t].read):
+                self._users.setdefault(place, []).append(t)
+
+    def settle(self, marking: Marking, fired: Iterable[int] | None = None) -> Iterator[tuple[int, Marking]]:
+        """The internal transitions fired until the marking is stable, each with the marking after it.
+
+        Args:
+            marking: Where internal evolution begins; the caller knows that it ends.
+            fired: The transitions that have led there from a stable marking, where some have.
+        """
+        at = marking
+        queue = list(self._internal) if fired is None else [u for t in fired for u in self._beside(t)]
+        for t in queue:  # grows while it is walked
+            if self.net.covers(at, t):
+                at = self.net.fire(at, t)
+                yield t, at
+                queue += [t, *self._beside(t)]
+
+    def _beside(self, fired: int) -> list[int]:
+        produced = self.net.transitions[fired].produce
+        return sorted({t for place, _ in produced for t in self._users.get(place, ())})
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run of a net from its initial marking.
+
+    Args:
+        net: The net.
+        transitions: Events, with all internal firings between them or with none.
+        settles: Whether internal evolution goes on to its end after the last of them.
+        detailed: Whether the internal firings after the last event are what the run shows.
+    """
+
+    net: PetriNet
+    transitions: tuple[int, ...] = ()
+    settles: bool = False
+    detailed: bool = False
+
+    @property
+    def events(self) -> list[Event]:
+        """The events of the run."""
+        return [event for t in self.transitions if (event := self.net.transitions[t].event) is not None]
+
+    @property
+    def of_events(self) -> Run:
+        """The run without the internal firings that it shows."""
+        return replace(self, transitions=self.transitions[: len(self.transitions) - len(self.tail)])
+
+    @property
+    def tail(self) -> list[str]:
+        """The names of the internal transitions after the last event, where the run shows them."""
+        internal = takewhile(lambda t: self.net.transitions[t].internal, reversed(self.transitions))
+        return [self.net.transitions[t].name for t in internal][::-1] if self.detailed else []
+
+    def steps(self) -> Iterator[tuple[int, Marking]]:
+        """Each firing, internal ones completed, with the marking after it."""
+        net, completion, at = self.net, Completion(self.net), self.net.initial
+        since: list[int] | None = None  # fired since the last stable marking, once there is one
+        for t in self.transitions:
+            if net.priorities and not net.transitions[t].internal:
+                for step in completion.settle(at, since):
+                    yield step
+                    _, at = step
+                since = []
+            at = net.fire(at, t)
+            yield t, at
+            if since is not None:
+                since.append(t)
+        if self.settles:
+            yield from completion.settle(at, since)
+
+
+def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:
+    """The transitions of some edges, one after the other, with the internal ones that they name."""
+    return tuple(t for edge in edges for t in (edge.transition, *edge.internal))
+
+
+def run_of_fewest_events(space: Space[S], goal: S) -> list[Edge] | None:
+    """A run of a markings graph into a goal with as few events as any, internal firings not counted.
+
+    Args:
+        space: The markings graph of a net with priorities.
+        goal: Where the run leads.
+
+    Returns:
+        The run from the initial marking; ``None`` where there is none.
+    """
+    transitions = space.net.transitions
+    internal = [t for t, transition in enumerate(transitions) if transition.internal]
+    events = [t for t, transition in enumerate(transitions) if not transition.internal]
+    # By the number of events so far: the markings just after the last one, and all from there to the next.
+    layers: list[tuple[S, S]] = []
+    entered, seen = space.initial, space.nothing
+    while entered:
+        layers.append((entered, space.reached(entered, transitions=internal) - seen))
+        seen = seen | layers[-1][1]
+        if layers[-1][1] & goal:
+            break
+        entered = space.after(layers[-1][1], events) - seen
+    else:
+        return None
+    goals = [layers[-1][1] & goal]
+    for (begun, _), (_, before) in zip(layers[:0:-1], layers[-2::-1], strict=True):
+        goals.append(before & space.before(begun & space.reaching(goals[-1], transitions=internal), events))
+    run: list[Edge] = []
+    at = space.initial.pick()
+    for number, wanted in enumerate(reversed(goals)):
+        ways = [(wanted, internal)]
+        if number:
+            ways.insert(0, (layers[number][0] & space.reaching(wanted, transitions=internal), events))
+        for target, carrying in ways:
+            part = space.run(at, target, transitions=carrying)
+            assert part is not None, "each layer leads to the next"
+            run += part
+            at = run[-1].target if run else at
+    return run

@@ -1,0 +1,161 @@
+"""Declared events interrupt what runs: the net against the mission's text, and what is left behind."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import numpy as np
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.questions import Questions
+from mcpn.check.properties import check_mission
+from mcpn.check.runs import stabilise
+from mcpn.errors import LimitError
+from mcpn.mission.model import DeclaredEvent, Handler, Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import START, Event, What
+from mcpn.net.petri import Marking
+from mcpn.testing import missions
+from tests.net.interpreter import Series
+
+HARDWARE = ("GPS_sensor", "IMU_sensor", "thruster_actuator")
+
+
+class Walk:
+    """A run of a mission's net, beside the same run of its text."""
+
+    def __init__(self, found: MissionNet) -> None:
+        self.found = found
+        self.net = found.net
+        self.written = {s.name: s.written for s in found.graph.walk()}
+        self.marking: Marking = stabilise(self.net, self.net.initial)
+        mission = found.mission
+        self.text = Series(mission, mission.blocks, ("", ""), set(), mission.handlers)
+        self.interruptions = 0
+
+    def said(self, *kinds: str) -> list[str]:
+        return [n for p, (k, n) in self.found.roles.items() if k in kinds and self.marking[p]]
+
+    def events(self) -> dict[Event, int]:
+        enabled = [(self.net.transitions[t].event, t) for t in self.net.enabled(self.marking)]
+        found = {e: t for e, t in enabled if e is not None}
+        assert len(found) == len(enabled)  # one outcome of an event
+        return found
+
+    def take(self, taken: Event, transition: int) -> bool:
+        """Takes an event; says whether the mission goes on."""
+        out = self.said("oos")
+        self.marking = stabilise(self.net, self.net.fire(self.marking, transition))
+        if taken.what in (What.SUCCESS, What.FAILURE):
+            outcome = self.text.end(self.written[taken.element], taken.what is What.SUCCESS)
+        elif taken.what is What.DECLARED:
+            self.interruptions += 1
+            handled, outcome = self.text.event(taken.element)
+            assert handled
+            assert self.said("oos") == out
+        else:
+            outcome = None
+        if outcome is None:
+            self.compare()
+            return True
+        ended = self.found.success if outcome else self.found.failure
+        assert self.marking[ended]
+        assert self.found.not_idle(self.marking) == []
+        return False
+
+    def compare(self) -> None:
+        if self.marking[self.found.beginning]:
+            return
+        objectives = self.said("objective", "pending")
+        assert sorted(self.written[name] for name in objectives) == sorted(self.text.running())
+        # Nothing else runs, waits or is in error than what these objectives need.
+        sections = {s.name: s for s in self.found.graph.walk()}
+        needed = {b for o in objectives for a in sections[o].activities for b in self.found.usage.closure(a)}
+        assert {name.split(".")[0] for name in self.said("active", "wait", "refused")} <= needed
+        # No order is on its way.
+        orders = ("_Stop", "_halt", "_halted", "_halting")
+        marked = [p.name for p, tokens in zip(self.net.places, self.marking, strict=True) if tokens]
+        assert not [name for name in marked if name.endswith(orders)]
+
+
+@given(missions(max_events=2), st.randoms(use_true_random=False))
+def test_events_interrupt_as_the_text_says(mission: Mission, random: Random) -> None:
+    try:
+        found = compose(mission)
+    except LimitError:
+        return
+    walk = Walk(found)
+    for _ in range(40):
+        events = walk.events()
+        if not events:
+            break
+        declared = [e for e in events if e.what is What.DECLARED]
+        if START not in events:
+            for e in mission.events:
+                twin = Event(What.DECLARED, e.name)
+                assert (twin in events) == handles(walk, e.name)
+        taken = random.choice(declared if declared and random.random() < 0.4 else sorted(events))
+        if not walk.take(taken, events[taken]):
+            break
+    event(f"interruptions: {min(walk.interruptions, 3)}")
+
+
+def handles(walk: Walk, name: str) -> bool:
+    """Whether the text handles an event now; asked of a copy."""
+    from copy import deepcopy
+
+    return deepcopy(walk.text).event(name)[0]
+
+
+def leaking(ulysse: Mission) -> Mission:
+    """Ulysse, going up from everywhere below when it leaks."""
+    on_leak = (Handler(event="leak", goto="going_up"),)
+    transect = next(p for p in ulysse.protocols if p.name == "transect")
+    blocks = tuple(b if b.name == "going_up" else replace(b, handlers=on_leak) for b in transect.blocks)
+    protocols = tuple(replace(p, blocks=blocks) if p is transect else p for p in ulysse.protocols)
+    robot = replace(ulysse.robots[0], events=(DeclaredEvent(name="leak"),))
+    return replace(ulysse, protocols=protocols, robots=(robot, *ulysse.robots[1:]))
+
+
+def test_ulysse_goes_up_when_it_leaks(ulysse: Mission) -> None:
+    found = compose(leaking(ulysse))
+    check = check_mission(found)
+    assert check.passed
+    graph = check.alternatives
+    assert graph is not None
+    # The stable markings are those of Ulysse without a leak: 260 (paper, Table 1, as reconstructed).
+    assert graph.states == 260
+    leak = Event(What.DECLARED, "leak")
+    index = found.net.place_index
+    below = ["diving", "filming", "advancing", "measuring_temperature"]
+    inside = np.zeros(graph.states, bool)
+    for name in below:
+        inside |= graph.marked(index[f"OBJ_transect.{name}"])
+    met = 0
+    for state in range(graph.states):
+        after = [t for label, t in graph.successors(state) if found.net.transitions[label].event == leak]
+        assert len(after) == inside[state]
+        for target in after:
+            met += 1
+            assert graph.marking(target)[index["OBJ_transect.going_up"]]
+            # What is out of service stays so; the GPS and the thruster serve going up if they can.
+            out = [graph.marking(s)[index[f"{h}_OOS"]] for s in (state, target) for h in HARDWARE]
+            assert out[:3] == out[3:]
+    assert graph.edges == 1332 + met
+    wanted = "AG(event(leak) -> EX objective(going_up))"
+    answers = Questions(found.net, found, on="alternatives")
+    assert answers.answer(wanted, answers.core(parse(wanted))).holds
+
+
+def test_a_handler_happens_once(ulysse: Mission) -> None:
+    again = replace(leaking(ulysse), handlers=(Handler(event="leak", goto="coral_head", once=True),))
+    found = compose(again)
+    assert check_mission(found).passed
+    names = [s.name for s in found.graph.walk()]
+    assert "after_leak.coral_head.manual_moving" in names
+    after = found.graph.section("after_leak.coral_head.manual_moving")
+    assert after.interruptions == ()
+    assert [i.target for i in found.graph.section("coral_head.manual_moving").interruptions] == [after.name]
