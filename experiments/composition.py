@@ -25,7 +25,7 @@ from typing import Any
 from missions import Parameters, generate
 
 from mcpn import __version__
-from mcpn.check.composition import check_by_composition
+from mcpn.check.verdicts.mission import check
 from mcpn.controller.hierarchy import hierarchical_controller
 from mcpn.controller.machine import controller
 from mcpn.mission.model import Mission
@@ -35,6 +35,7 @@ from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.explicit import explore
 from mcpn.space.local.composite import Composite
+from mcpn.space.local.composite_space import CompositeSpace
 from mcpn.space.local.gluing import glue
 from mcpn.space.local.placing import Making
 from mcpn.space.symbolic import reach
@@ -55,12 +56,13 @@ def run_engine(engine: str, mission: Mission) -> Result:
         space = reach(mission_net.net)
         assert space.stable is not None
         return {"stable": space.stable.count(), "markings": space.states}
-    found = check_by_composition(mission_net)
-    composite = found.composite
-    assert composite is not None, {name: verdict.explanation for name, verdict in found.verdicts.items()}
-    types = len({id(placed.local) for placed in composite.sections})
-    most = max(len(placed.faulty) for placed in composite.sections)
-    return {"stable": composite.states, "local": composite.local_states, "types": types, "most": most}
+    found = check(mission_net, engine="local")
+    composite = found.alternatives
+    assert isinstance(composite, CompositeSpace), {n: v.explanation for n, v in found.verdicts.items()}
+    types = {placed.type for placed in composite.sections.values()}
+    most = max(len(placed.faulty) for placed in composite.sections.values())
+    local = sum(type_.inside.count() >> len(composite.layout.all_slots) for type_ in types)
+    return {"stable": composite.everything.count(), "local": local, "types": len(types), "most": most}
 
 
 def child(engine: str, mission: Mission, pipe: Any) -> None:

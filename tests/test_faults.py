@@ -34,8 +34,10 @@ def activity(name: str, *alternatives: tuple[str, ...], produces: tuple[str, ...
     return Activity(name=name, alternatives=ways, produces=produces)
 
 
-def robot(hardware: tuple[Hardware, ...], *activities: Activity) -> tuple[Robot, ...]:
-    software = tuple(Software(name=s) for a in activities for s in a.produces)
+def robot(
+    hardware: tuple[Hardware, ...], *activities: Activity, exclusive: bool = False
+) -> tuple[Robot, ...]:
+    software = tuple(Software(name=s, exclusive=exclusive) for a in activities for s in a.produces)
     return (Robot(name="r", hardware=hardware, software=software, activities=activities),)
 
 
@@ -55,7 +57,7 @@ def ok(name: str) -> Event:
     return Event(What.SUCCESS, name)
 
 
-def a_producer_falls_back_while_its_section_stops() -> Mission:
+def a_producer_falls_back_while_its_section_stops(*, exclusive: bool = True) -> Mission:
     """While ``drive`` stops, ``attitude`` takes the image at last, and ``vision`` may ask for the camera."""
     return Mission(
         name="rover",
@@ -65,6 +67,7 @@ def a_producer_falls_back_while_its_section_stops() -> Mission:
             activity("attitude", ("star_tracker",), ("image",), produces=("heading",)),
             activity("drive", ("image", "heading")),
             activity("photo", ("mast",)),
+            exclusive=exclusive,
         ),
         blocks=(
             Objective(name="approach", activities=("drive",)),
@@ -134,10 +137,16 @@ def test_every_engine_and_both_controllers_agree(mission: Mission) -> None:
     assert judge(mission, random.Random(1)) == "confluent, may contend"
 
 
+def test_a_shared_image_needs_no_luck() -> None:
+    mission = a_producer_falls_back_while_its_section_stops(exclusive=False)
+    assert judge(mission, random.Random(1)) == "confluent, cannot contend"
+
+
 def test_what_begins_waits_until_no_producer_evaluates() -> None:
     found = compose(a_producer_falls_back_while_its_section_stops())
     awaited = found.usage.handover.awaited["panorama"]
-    assert (awaited.activities, awaited.software) == (("drive",), ("image", "heading"))
+    assert awaited.activities == ("drive",)
+    assert awaited.interfaces == (("image", None), ("heading", None))
 
 
 def test_a_resource_that_fails_while_its_activity_waits_can_be_repaired() -> None:

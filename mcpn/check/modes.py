@@ -6,17 +6,10 @@ functioning modes throughout the mission with the resources state and the altern
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-import numpy as np
-
-from mcpn._kernel import Zdd
-from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
-from mcpn.space.encoding import Encoding
-from mcpn.space.graph import Mask, StateGraph
 
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
@@ -72,73 +65,3 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
         out_of_service=tuple(said.get("oos", ())),
         outcome=outcome,
     )
-
-
-def functioning_modes(
-    mission_net: MissionNet, graph: StateGraph, among: Mask | None = None
-) -> Mapping[str, list[Mode]]:
-    """The functioning modes of each objective: the combinations of alternatives in which it can succeed.
-
-    Args:
-        mission_net: The mission's net.
-        graph: Its alternatives graph (or its markings graph).
-        among: The states to look at, shape (states,); all by default.
-
-    Returns:
-        By objective, in the mission's order, its modes; a mode names the alternatives of the objective's own
-        activities and of those that serve them, and is there if all of the objective's activities run.
-    """
-    found: dict[str, list[Mode]] = {}
-    for section in mission_net.graph.walk():
-        places = places_of_modes(mission_net, section)
-        (objective,) = mission_net.by_role["objective", section.name]
-        running = graph.marked(objective) if among is None else graph.marked(objective) & among
-        columns = np.stack([graph.marked(p) for p in places], axis=1)[running]
-        found[section.name] = modes_of(section, places, np.unique(columns, axis=0).tolist())
-    return found
-
-
-def diagram_modes(mission_net: MissionNet, encoding: Encoding, states: Zdd) -> dict[str, list[Mode]]:
-    """The functioning modes of each objective, from a diagram of states.
-
-    Args:
-        mission_net: The mission's net.
-        encoding: The net on the levels of the diagram's store.
-        states: The states to look at.
-
-    Returns:
-        As :func:`functioning_modes`.
-    """
-    found: dict[str, list[Mode]] = {}
-    for section in mission_net.graph.walk():
-        places = places_of_modes(mission_net, section)
-        (objective,) = mission_net.by_role["objective", section.name]
-        running = encoding.marking_all([objective], states)
-        rows = [encoding.marking(levels) for levels in running.onto(encoding.telling(places))]
-        found[section.name] = modes_of(section, places, [[bool(row[p]) for p in places] for row in rows])
-    return found
-
-
-def places_of_modes(mission_net: MissionNet, section: ElementarySection) -> dict[int, str]:
-    """The places that tell an objective's mode: alternatives of its activities and of their suppliers."""
-    closure = frozenset[str]().union(*(mission_net.usage.closure(a) for a in section.activities))
-    active = mission_net.saying("active").items()
-    return {place: name for place, name in active if name.split(".", 1)[0] in closure}
-
-
-def modes_of(
-    section: ElementarySection, places: dict[int, str], rows: Iterable[Sequence[bool]]
-) -> list[Mode]:
-    """Functioning modes from which of their places are marked, first alternatives first.
-
-    Args:
-        section: The objective.
-        places: As :func:`places_of_modes` gives them.
-        rows: For each combination that occurs, which of the places are marked.
-    """
-    names = places.values()
-    modes = [
-        dict(n.split(".", 1) for n, on in zip(names, row, strict=True) if on)
-        for row in sorted(map(tuple, rows), reverse=True)
-    ]
-    return [mode for mode in modes if all(a in mode for a in section.activities)]

@@ -22,13 +22,16 @@ from mcpn.cli.shared import (
 
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option("--target", type=click.Choice(["json", "c", "python"]), default="json", show_default=True)
+@click.option(
+    "--target", type=click.Choice(["json", "c", "python", "scxml"]), default="json", show_default=True
+)
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
     "--hierarchical/--flat",
     default=True,
     help="A machine for each type of section (the default), or one for the whole mission.",
 )
+@click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
 @limit_option
 @import_option
 @json_option
@@ -37,12 +40,14 @@ def controller(
     target: str,
     output: Path,
     hierarchical: bool,
+    smallest: bool,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
 ) -> None:
     """Generate the controller of MISSION: finite state machines that do what was verified."""
     from mcpn.controller.generate import generate
+    from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import files
     from mcpn.files import write_folder
 
@@ -55,13 +60,17 @@ def controller(
             progress=progress,
             told=lambda text: click.echo(text, err=True),
         )
+    size = found.size
+    if smallest:
+        found = minimise(found)
+        size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(found, mission_net, target)
     write_folder(output, texts)
     paths = [str(output / name) for name in texts]
     if as_json:
-        emit_json({"mission": found.mission, "form": found.form, "size": found.size, "files": paths})
+        emit_json({"mission": found.mission, "form": found.form, "size": size, "files": paths})
         return
-    click.echo(f"{found.form} controller of {found.mission}: {found.size}")
+    click.echo(f"{found.form} controller of {found.mission}: {size}")
     for path in paths:
         click.echo(path)
 

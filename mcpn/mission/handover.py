@@ -2,10 +2,12 @@
 
 An event that ends an objective stops its activities, and they release what they hold; that wave passes while
 the next objective already begins. The two do not compete where the wave only gives back: what is asked for
-is waited for until it is available. They may compete in two cases, and there the next is entered only when
-the activities before it are *idle* and what they produced is gone: where an activity may still be evaluating
-when its objective ends, because it was found waiting for another's release, so that what the wave frees it
-may take; and where an activity is started again at once. The argument stands in ``papers/composition.md``.
+is waited for until it is available. They may compete in some cases, and there the next is entered only
+when the activities before it are *idle* and what they produced is gone: where an activity may still be
+evaluating when its objective ends, because it was found waiting for another's release, or because it
+evaluates again when a consumer leaves; where both need a producer that serves several interfaces, so that one
+is released while another is asked for; and where an activity is started again at once. The argument stands in
+``papers/composition.md``.
 """
 
 from __future__ import annotations
@@ -28,12 +30,13 @@ class Awaited:
 
     Args:
         activities: Activities that must be idle: those that objectives start, and producers of several
-            resources, which may still be refusing when all their resources are back.
-        software: Software resources that must be available: nobody asks for them or holds them.
+            or shared resources, which may still be refusing when all of these are back.
+        interfaces: Software resources that must be available, nobody asks for them or holds them, each with
+            the owner of the interface (``None`` where it has one for all).
     """
 
     activities: tuple[str, ...] = ()
-    software: tuple[str, ...] = ()
+    interfaces: tuple[tuple[str, str | None], ...] = ()
 
 
 class Handover:
@@ -69,7 +72,7 @@ class Handover:
         """
         usage = self.usage
         activities: dict[str, set[str]] = {}
-        software: dict[str, set[str]] = {}
+        interfaces: dict[str, set[tuple[str, str | None]]] = {}
         for graph, beside in self._graphs():
             for section in graph.sections:
                 for ending, target in _onward(graph, section):
@@ -78,24 +81,30 @@ class Handover:
                     if self._may_compete(before, after):
                         waits = activities.setdefault(target.name, set())
                         waits |= ending - beside
-                        waits |= {a for a in before - beside if len(usage.activities[a].produces) > 1}
-                        produced = {s for a in before - beside for s in usage.activities[a].produces}
-                        software.setdefault(target.name, set()).update(produced)
+                        waits |= {a for a in before - beside if usage.sharing.serves(a)}
+                        found = interfaces.setdefault(target.name, set())
+                        found |= {
+                            (s, owner)
+                            for a in before
+                            for s in usage.activities[a].produces
+                            for owner in usage.sharing.owners(s)
+                            if (a not in beside if owner is None else owner in before - beside)
+                        }
         return {
             name: Awaited(
                 tuple(a for a in usage.activities if a in waits),
-                tuple(s for s in usage.producer if s in software[name]),
+                tuple((s, o) for s in usage.producer for o in usage.sharing.owners(s) if (s, o) in back),
             )
-            for name, waits in activities.items()
-            if waits or software[name]
+            for (name, waits), back in zip(activities.items(), interfaces.values(), strict=True)
+            if waits or back
         }
 
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
         """Whether what some activities do while they stop may compete with what others begin with."""
         usage = self.usage
-        if any(len(usage.activities[a].produces) > 1 for a in before & after):
+        if any(usage.sharing.serves(a) for a in before & after):
             return True
-        if not any(usage.may_wait(a) for a in before):
+        if not any(usage.may_wait(a) or usage.sharing.evaluated_on_release(a) for a in before):
             return False
         shared = usage.resources_of(before) & usage.resources_of(after)
         return bool(shared) or not before.isdisjoint(after)

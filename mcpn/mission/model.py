@@ -57,16 +57,24 @@ class Hardware(Element):
         faulty: Whether it can go out of service.
         failure_rate: Failures per hour of service, for numbers of risk; ``None`` where not known.
         repair_rate: Repairs per hour out of service; ``None`` where nobody repairs it.
+        shared: Whether several activities may use it at a time (a sensor that many read).
     """
 
     faulty: bool = True
     failure_rate: float | None = None
     repair_rate: float | None = None
+    shared: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Software(Element):
-    """A software resource: a data carrier that exactly one activity produces (paper, 4.3)."""
+    """A software resource: a data carrier that exactly one activity produces (paper, 4.3).
+
+    Args:
+        exclusive: Whether one activity at a time reserves it, as in the paper; else any number may use it.
+    """
+
+    exclusive: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

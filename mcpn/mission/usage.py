@@ -20,6 +20,7 @@ from mcpn.errors import Source
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
+from mcpn.mission.sharing import Sharing
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""
@@ -63,6 +64,7 @@ class Usage:
         self.hardware: Mapping[str, Hardware] = {h.name: h for h in mission.hardware}
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
         self.producer: Mapping[str, str] = {s: a.name for a in mission.activities for s in a.produces}
+        self._software = {s.name: s for s in mission.software}
         self._closures: dict[str, frozenset[str]] = {}
         self._hardware_under: dict[str, frozenset[str]] = {}
         self._needs: dict[str, Needs] = {}
@@ -197,9 +199,15 @@ class Usage:
         return frozenset(d for _, c, e, _, _ in self._concurrent_demands() for d in (c, e))
 
     @cached_property
-    def contended_resources(self) -> frozenset[str]:
-        """Resources that two activities may want at the same time."""
-        return frozenset(resource for resource, *_ in self._concurrent_demands())
+    def wanted_together(self) -> frozenset[str]:
+        """Resources that two activities may want at the same time, whether they share them or contend."""
+        return frozenset(resource for resource, *_ in self._graph_demands(self.graph))
+
+    def is_exclusive(self, resource: str) -> bool:
+        """Whether one activity at most may use the resource at a time."""
+        if resource in self.hardware:
+            return not self.hardware[resource].shared
+        return self._software[resource].exclusive
 
     def resources_of(self, activities: Iterable[str]) -> frozenset[str]:
         """Resources that some alternative of some activities consumes."""
@@ -229,7 +237,8 @@ class Usage:
         return frozenset(waiting)
 
     def _concurrent_demands(self) -> Iterator[tuple[str, Demand, Demand, str, Source | None]]:
-        yield from self._graph_demands(self.graph)
+        """Demands that contend: for a resource that is not shared."""
+        return (found for found in self._graph_demands(self.graph) if self.is_exclusive(found[0]))
 
     def _graph_demands(
         self, graph: ObjectivesGraph
@@ -281,26 +290,9 @@ class Usage:
         return _merge(self.tree_needs(a) for section in graph.walk() for a in section.activities)
 
     @cached_property
-    def exchanges(self) -> tuple[Contention, ...]:
-        """Producers of several resources of which one may be released as another is asked for.
-
-        Whether the producer then goes on, or stops and evaluates its alternatives anew, depends on which
-        comes first. With one alternative, or where each consumer takes all its resources, it makes no
-        difference.
-        """
-        found = []
-        for name in self.started:
-            activity = self.activities[name]
-            takers = {
-                (a, i): consumed
-                for a in self.started
-                for i, alternative in enumerate(self.activities[a].alternatives)
-                if (consumed := frozenset(alternative.consumes) & frozenset(activity.produces))
-            }
-            if len(activity.alternatives) > 1 and len(set(takers.values())) > 1:
-                one, other = sorted({s for consumed in takers.values() for s in consumed})[:2]
-                found.append(Contention(f"activity {name}", (one, other), "its resources", activity.source))
-        return tuple(found)
+    def sharing(self) -> Sharing:
+        """Which resources several activities may use at a time."""
+        return Sharing(self)
 
     @cached_property
     def handover(self) -> Handover:

@@ -99,9 +99,16 @@ def _write_handlers(element: etree._Element, handlers: Iterable[Handler]) -> Non
 def _write_robot(element: etree._Element, robot: Robot) -> None:
     for hardware in robot.hardware:
         rates = {"failure_rate": hardware.failure_rate, "repair_rate": hardware.repair_rate}
-        _child(element, "hardware", hardware, faulty=None if hardware.faulty else "false", **rates)
+        _child(
+            element,
+            "hardware",
+            hardware,
+            faulty=None if hardware.faulty else "false",
+            shared="true" if hardware.shared else None,
+            **rates,
+        )
     for software in robot.software:
-        _child(element, "software", software)
+        _child(element, "software", software, exclusive="true" if software.exclusive else None)
     for event in robot.events:
         _child(element, "event", event)
     for activity in robot.activities:

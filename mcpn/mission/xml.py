@@ -210,9 +210,10 @@ class _Reader:
                 self.imported(child, path, chain, found)
             elif tag == "hardware":
                 common |= _numbers(child, "failure_rate", "repair_rate")
-                hardware.append(Hardware(**common, faulty=_truth(child, "faulty")))
+                faulty, shared = _truth(child, "faulty"), _truth(child, "shared", "false")
+                hardware.append(Hardware(**common, faulty=faulty, shared=shared))
             elif tag == "software":
-                software.append(Software(**common))
+                software.append(Software(**common, exclusive=_truth(child, "exclusive", "false")))
             elif tag == "event":
                 events.append(DeclaredEvent(**common))
             else:

@@ -81,12 +81,19 @@ class LocalPart:
                 ),
                 activity.name in usage.handover.with_idle,
                 usage.may_wait(activity.name),
+                usage.sharing.evaluated_on_release(activity.name),
             )
             for activity in parts.activities
         )
-        software = tuple(usage.released_unasked(s.name) for s in parts.software)
+
+        def shared(resource: str) -> tuple[int, ...] | None:
+            if resource not in usage.sharing.consumers:
+                return None
+            return tuple(task[a] for a in usage.sharing.consumers[resource] if a in task)
+
+        software = tuple((usage.released_unasked(s.name), shared(s.name)) for s in parts.software)
         return (
-            tuple(h.faulty for h in parts.hardware),
+            tuple((h.faulty, shared(h.name)) for h in parts.hardware),
             software,
             activities,
             self._shape(self.graph, number, task),
@@ -102,7 +109,11 @@ class LocalPart:
             if awaited is not None:  # what is not of the part is idle while the part runs
                 waits = (
                     tuple(task[a] for a in awaited.activities if a in task),
-                    tuple(number[s] for s in awaited.software if s in number),
+                    tuple(
+                        (number[s], None if owner is None else task[owner])
+                        for s, owner in awaited.interfaces
+                        if s in number and (owner is None or owner in task)
+                    ),
                 )
             if isinstance(section, ElementarySection):
                 inside = tuple(task[a] for a in section.activities)

@@ -100,7 +100,7 @@ def print_check(
         _print_verdict(console, check.mission_net, verdict, internal)
     console.print()
     _print_modes(console, check.modes)
-    contentions = (*check.mission_net.usage.contentions, *check.mission_net.usage.exchanges)
+    contentions = check.mission_net.usage.contentions
     warnings = [*warnings, *check.unselectable, *(Problem(c.source, f"{c}") for c in contentions)]
     for problem in dict.fromkeys(warnings):
         console.print(f"warning: {problem}", style="yellow")

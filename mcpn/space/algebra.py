@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
@@ -37,6 +37,10 @@ class States(Protocol):
 S = TypeVar("S", bound=States)
 
 
+Guards: TypeAlias = Mapping[int, S] | None
+"""By transition, the states from which its edges may be taken."""
+
+
 @dataclass(frozen=True, slots=True)
 class Edge:
     """One edge of a run.
@@ -56,8 +60,9 @@ class Edge:
 class Space(Protocol[S]):
     """A finite graph of states, all reachable from its initial ones.
 
-    ``transitions`` limits which transitions an edge may carry (all by default); ``along`` limits the states
-    that a run may pass (all by default).
+    ``transitions`` limits which transitions an edge may carry (all by default), and ``guards`` from which
+    states some of them may be taken (from all by default); ``along`` limits the states that a run may pass
+    (all by default).
     """
 
     @property
@@ -102,6 +107,15 @@ class Space(Protocol[S]):
     def at_most(self, weights: Mapping[int, int], bound: int) -> S:
         """States whose weighted sum of tokens is at most a bound."""
 
+    def restricted(self, states: S, marked: Collection[int], unmarked: Collection[int]) -> S:
+        """Those of some states that mark all of some places, and none of others."""
+
+    def varying(self, states: S) -> Collection[int]:
+        """Places that may be marked in some of these states otherwise than initially; hardware aside."""
+
+    def pieces(self, states: S) -> Iterator[S]:
+        """The states, part by part where the space has parts with places of their own."""
+
     def enabling(self, transitions: Collection[int]) -> S:
         """States with an edge of some of these transitions."""
 
@@ -122,17 +136,40 @@ class Space(Protocol[S]):
 
     # --- steps and closures ---
 
-    def before(self, states: S, transitions: Collection[int] | None = None) -> S:
+    def before(self, states: S, transitions: Collection[int] | None = None, guards: Guards[S] = None) -> S:
         """States with an edge into some states."""
 
-    def after(self, states: S, transitions: Collection[int] | None = None) -> S:
+    def after(self, states: S, transitions: Collection[int] | None = None, guards: Guards[S] = None) -> S:
         """States that an edge leads to from some states."""
 
-    def reaching(self, goal: S, along: S | None = None, transitions: Collection[int] | None = None) -> S:
+    def reaching(
+        self,
+        goal: S,
+        along: S | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[S] = None,
+    ) -> S:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
 
-    def reached(self, begin: S, along: S | None = None, transitions: Collection[int] | None = None) -> S:
+    def reached(
+        self,
+        begin: S,
+        along: S | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[S] = None,
+    ) -> S:
         """States of ``along`` to which some run through it leads, those it begins from included."""
+
+    def crossing(self, among: S, into: S) -> Iterator[tuple[int, S]]:
+        """Transitions with edges from some states into others, each with the states before it.
+
+        Args:
+            among: The states before.
+            into: The states after.
+
+        Yields:
+            Each transition once, in ascending order.
+        """
 
     def staying(self, along: S, asked: S | None = None) -> S:
         """States from which some maximal run, endless or ending in a dead state, stays in a set.
@@ -149,7 +186,12 @@ class Space(Protocol[S]):
         """The edges of one member."""
 
     def run(
-        self, begin: Any, goal: S, along: S | None = None, transitions: Collection[int] | None = None
+        self,
+        begin: Any,
+        goal: S,
+        along: S | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[S] = None,
     ) -> list[Edge] | None:
         """A short run from a member into a goal; a shortest one on arrays and diagrams.
 
@@ -158,7 +200,25 @@ class Space(Protocol[S]):
             goal: Where the run leads.
             along: What it may pass before its last state.
             transitions: What its edges may carry.
+            guards: From where some of them may be taken.
 
         Returns:
             The run, the same each time; ``None`` where there is none.
         """
+
+
+def partition(space: Space[S], states: S, places: Sequence[int]) -> Iterator[tuple[frozenset[int], S]]:
+    """Some states by which of some places they mark.
+
+    Args:
+        space: Their space.
+        states: The states.
+        places: The places.
+
+    Yields:
+        For each combination that occurs, the places marked and the states that mark just these.
+    """
+    images = ImageStore(len(places))
+    for numbers in space.image(states, places, images):
+        marked = frozenset(places[number] for number in numbers)
+        yield marked, space.restricted(states, marked, [p for p in places if p not in marked])

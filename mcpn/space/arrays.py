@@ -15,7 +15,7 @@ import numpy as np
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.algebra import Edge
+from mcpn.space.algebra import Edge, Guards
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.graph import Mask, StateGraph
 from mcpn.space.images import ImageStore
@@ -108,6 +108,23 @@ class ArraySpace:
             mask |= self.graph.marked(place)
         return ArraySet(mask)
 
+    def restricted(self, states: ArraySet, marked: Collection[int], unmarked: Collection[int]) -> ArraySet:
+        """Those of some states that mark all of some places, and none of others."""
+        mask = states.mask.copy()
+        for place in marked:
+            mask &= self.graph.marked(place)
+        for place in unmarked:
+            mask &= ~self.graph.marked(place)
+        return ArraySet(mask)
+
+    def varying(self, states: ArraySet) -> Collection[int]:
+        """All places."""
+        return range(len(self.net.places))
+
+    def pieces(self, states: ArraySet) -> Iterator[ArraySet]:
+        """One piece, unless there is none."""
+        return iter((states,) if states else ())
+
     def at_most(self, weights: Mapping[int, int], bound: int) -> ArraySet:
         """States whose weighted sum of tokens is at most a bound."""
         total = np.zeros(self.graph.states, np.int64)
@@ -136,41 +153,60 @@ class ArraySpace:
 
     # --- steps and closures ---
 
-    def before(self, states: ArraySet, transitions: Collection[int] | None = None) -> ArraySet:
+    def before(
+        self,
+        states: ArraySet,
+        transitions: Collection[int] | None = None,
+        guards: Guards[ArraySet] = None,
+    ) -> ArraySet:
         """States with an edge into some states."""
-        edges = states.mask[self.graph.targets]
-        if transitions is not None:
-            edges &= self._carrying(transitions)
+        edges = states.mask[self.graph.targets] & self._edges(None, transitions, guards)
         mask = np.zeros(self.graph.states, np.bool_)
         mask[self.graph.sources[edges]] = True
         return ArraySet(mask)
 
-    def after(self, states: ArraySet, transitions: Collection[int] | None = None) -> ArraySet:
+    def after(
+        self,
+        states: ArraySet,
+        transitions: Collection[int] | None = None,
+        guards: Guards[ArraySet] = None,
+    ) -> ArraySet:
         """States that an edge leads to from some states."""
-        edges = states.mask[self.graph.sources]
-        if transitions is not None:
-            edges &= self._carrying(transitions)
         mask = np.zeros(self.graph.states, np.bool_)
-        mask[self.graph.targets[edges]] = True
+        mask[self.graph.targets[self._edges(states, transitions, guards)]] = True
         return ArraySet(mask)
 
+    def crossing(self, among: ArraySet, into: ArraySet) -> Iterator[tuple[int, ArraySet]]:
+        """Transitions with edges from some states into others, each with the states before it."""
+        graph = self.graph
+        edges = np.flatnonzero(among.mask[graph.sources] & into.mask[graph.targets])
+        for t in np.unique(graph.labels[edges]).tolist():
+            mask = np.zeros(graph.states, np.bool_)
+            mask[graph.sources[edges[graph.labels[edges] == t]]] = True
+            yield t, ArraySet(mask)
+
     def reaching(
-        self, goal: ArraySet, along: ArraySet | None = None, transitions: Collection[int] | None = None
+        self,
+        goal: ArraySet,
+        along: ArraySet | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[ArraySet] = None,
     ) -> ArraySet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
-        edges = self._edges(along, transitions)
-        return ArraySet(self.graph.reaching(goal.mask, edges))
+        return ArraySet(self.graph.reaching(goal.mask, self._edges(along, transitions, guards)))
 
     def reached(
-        self, begin: ArraySet, along: ArraySet | None = None, transitions: Collection[int] | None = None
+        self,
+        begin: ArraySet,
+        along: ArraySet | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[ArraySet] = None,
     ) -> ArraySet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
-        edges = np.ones(self.graph.edges, np.bool_)
+        edges = self._edges(along, transitions, guards)
         if along is not None:
-            edges = along.mask[self.graph.targets]
-        if transitions is not None:
-            edges = edges & self._carrying(transitions)
-        begin = begin if along is None else begin & along
+            edges = edges & along.mask[self.graph.targets]
+            begin = begin & along
         return ArraySet(self.graph.reached(edges, np.flatnonzero(begin.mask)))
 
     def staying(self, along: ArraySet, asked: ArraySet | None = None) -> ArraySet:
@@ -193,12 +229,16 @@ class ArraySpace:
         wanted[list(transitions)] = True
         return np.asarray(wanted[self.graph.labels], np.bool_)
 
-    def _edges(self, along: ArraySet | None, transitions: Collection[int] | None) -> Mask | None:
-        """Edges of some transitions out of some states; ``None`` for all edges."""
-        if along is None:
-            return None if transitions is None else self._carrying(transitions)
-        edges = along.mask[self.graph.sources]
-        return edges if transitions is None else edges & self._carrying(transitions)
+    def _edges(
+        self, along: ArraySet | None, transitions: Collection[int] | None, guards: Guards[ArraySet]
+    ) -> Mask:
+        """Edges of some transitions out of some states, shape (edges,)."""
+        edges = np.ones(self.graph.edges, np.bool_) if transitions is None else self._carrying(transitions)
+        if along is not None:
+            edges = edges & along.mask[self.graph.sources]
+        for transition, states in (guards or {}).items():
+            edges &= (self.graph.labels != transition) | states.mask[self.graph.sources]
+        return edges
 
     # --- runs ---
 
@@ -212,8 +252,9 @@ class ArraySpace:
         goal: ArraySet,
         along: ArraySet | None = None,
         transitions: Collection[int] | None = None,
+        guards: Guards[ArraySet] = None,
     ) -> list[Edge] | None:
         """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
-        found = self.graph.run_to(goal.mask, begin, self._edges(along, transitions))
+        found = self.graph.run_to(goal.mask, begin, self._edges(along, transitions, guards))
         labels, targets = self.graph.labels, self.graph.targets
         return None if found is None else [Edge(int(labels[e]), int(targets[e])) for e in found]

@@ -27,7 +27,7 @@ class ImageStore:
 
     def __init__(self, levels: int) -> None:
         self.levels = levels
-        self.store = Store(levels)
+        self.store = Store(max(levels, 1))
         self._puts = [self.store.event([], [level]) for level in range(levels)]
 
     @property
@@ -88,6 +88,10 @@ class ImageStore:
 
         return built(states.onto(levels), 0).images([always])
 
+    def sized(self, family: Zdd) -> int:
+        """The size of the largest member of a family that is not empty."""
+        return family.largest([1] * self.store.levels)
+
     def minimal(self, family: Zdd) -> list[tuple[int, ...]]:
         """The minimal members of a family, those that contain no other member; smaller ones first.
 
@@ -95,7 +99,7 @@ class ImageStore:
             LimitError: There are more than :data:`MAX_MINIMAL`.
         """
         found: list[tuple[int, ...]] = []
-        weights = [1] * self.levels
+        weights = [1] * self.store.levels
         for size in range(self.levels + 1):
             if not family:
                 break

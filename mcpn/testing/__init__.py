@@ -35,56 +35,7 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.testing.names import awkwardly_named
-
-
-@dataclass(frozen=True)
-class Shape:
-    """Bounds on generated missions.
-
-    Args:
-        hardware: Most hardware resources.
-        producers: Most activities that produce; later ones may consume what earlier ones produce.
-        alternatives: Most alternatives of an activity.
-        outputs: Most resources that one activity produces.
-        activities: Most activities that objectives start, unless ``shared_activities`` asks for more.
-        sections: Most elementary objectives in all, uses expanded.
-        objectives: Most blocks in a series.
-        depth: How deep blocks nest.
-        parallel: Whether parallel blocks are drawn.
-        protocols: Whether protocols are drawn and used.
-        loops: Whether routes may go back.
-        rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
-            may be shared.
-        events: Most declared events; with some, blocks and the mission handle them.
-        shared_activities: Whether two objectives may start the same activity.
-        disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
-            objective, the chain under one activity) shares no resource and no activity, so that nothing
-            contends.
-        text: Whether descriptions and parameters are drawn.
-        numbers: Whether rates, durations and probabilities are drawn, each or none.
-        awkward_names: Whether names are drawn that look like parts of one another and of what nets and
-            events are called, the same one for elements of different kinds.
-    """
-
-    hardware: int = 3
-    producers: int = 3
-    alternatives: int = 3
-    outputs: int = 2
-    activities: int = 4
-    sections: int = 16
-    objectives: int = 3
-    depth: int = 2
-    parallel: bool = True
-    protocols: bool = True
-    loops: bool = True
-    rounds: bool = True
-    events: int = 0
-    shared_activities: bool = True
-    disjoint_branches: bool = False
-    text: bool = False
-    numbers: bool = False
-    awkward_names: bool = False
-
+from mcpn.testing.shape import Shape as Shape
 
 TEXTS = st.text(
     st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")) | st.sampled_from("\t\n\r"),
@@ -121,6 +72,9 @@ class _Drawing:
         # Each protocol with the islands that it needs and how many elementary objectives it has.
         self.protocols: list[tuple[Protocol, list[_Island], int]] = []
         self.unused: list[str] = []
+        # Hardware, and which activity uses it, where only one may.
+        self.hardware_names: set[str] = set()
+        self.users: dict[str, str] = {}
         self.events: tuple[str, ...] = ()
 
     def number(self, low: int, high: int) -> int:
@@ -195,6 +149,7 @@ class _Drawing:
 
     def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
         hardware = tuple(self.hardware(f"h{i}") for i in range(self.number(1, self.shape.hardware)))
+        self.hardware_names = {h.name for h in hardware}
         islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
         self.islands = [_Island(i) for i in range(islands)]
         for i, h in enumerate(hardware):
@@ -207,12 +162,17 @@ class _Drawing:
             island = self.island()
             producer = self.activity(f"producer{i}", island, produced)
             self.activities.append(producer)
-            software += [Software(name=s, description=self.description()) for s in produced]
+            software += [
+                Software(name=s, description=self.description(), exclusive=self.exclusive()) for s in produced
+            ]
             needs = [island.below[k] for a in producer.alternatives for k in a.consumes]
             for s in produced:
                 island.below[s] = frozenset(produced).union(*needs)
                 island.groups[s] = produced
         return hardware, tuple(software)
+
+    def exclusive(self) -> bool:
+        return not self.shape.own_hardware and self.number(0, 3) == 0
 
     def hardware(self, name: str) -> Hardware:
         faulty = self.number(0, 4) > 0
@@ -220,6 +180,7 @@ class _Drawing:
         return Hardware(
             name=name,
             faulty=faulty,
+            shared=self.number(0, 3) == 0,
             description=self.description(),
             failure_rate=rates[0],
             repair_rate=rates[1],
@@ -231,9 +192,11 @@ class _Drawing:
         island.startable.append(name)
 
     def activity(self, name: str, island: _Island, produces: tuple[str, ...]) -> Activity:
-        ways = []
+        ways: list[Alternative] = []
         for i in range(self.number(1, self.shape.alternatives)):
-            consumes = self.consumed(island)
+            # Fallbacks mostly use something else than what has failed.
+            before = {k for way in ways for k in way.consumes} if self.number(0, 3) else set()
+            consumes = self.consumed(name, island, before)
             ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
@@ -245,17 +208,25 @@ class _Drawing:
             description=self.description(),
         )
 
-    def consumed(self, island: _Island) -> tuple[str, ...]:
+    def consumed(self, activity: str, island: _Island, avoided: set[str]) -> tuple[str, ...]:
         chosen: list[str] = []
         for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
             left = [k for k in island.below if self.may_join(island, k, chosen)]
+            if self.shape.own_hardware:
+                left = [k for k in left if self.users.get(k, activity) == activity]
+            left = [k for k in left if k not in avoided] or left
             # What a supplier of this very alternative may take too, itself or through others.
             under = frozenset[str]().union(*(island.below[k] for k in chosen))
             near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
             if near and self.chance():
                 left = near
+            # Chains of activities come of software alone.
+            made = [k for k in left if k.startswith("s")]
+            if made and self.chance():
+                left = made
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
+        self.users |= {k: activity for k in chosen if k in self.hardware_names}
         return tuple(chosen)
 
     def may_join(self, island: _Island, resource: str, chosen: list[str]) -> bool:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import event, given, reject
-from hypothesis import strategies as st
 
-from mcpn.check.composition import check_by_composition
 from mcpn.check.modes import Mode
-from mcpn.check.properties import MissionCheck, Verdict, check_mission
+from mcpn.check.verdicts.mission import MissionCheck, Verdict, check
 from mcpn.errors import LimitError
 from mcpn.mission.model import Activity, Alternative, Block, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
-from mcpn.space.local.placing import MOST_LISTED
 from mcpn.testing import missions
 from tests.check.test_properties import play
 
@@ -21,16 +18,16 @@ from tests.check.test_properties import play
 def events(verdict: Verdict) -> list[str]:
     """The events of a verdict's one run."""
     (run,) = verdict.runs
-    return [str(step.event) for step in run]
+    return [str(event) for event in run.events]
 
 
-def modes_of(check: MissionCheck) -> dict[str, set[tuple[tuple[str, str], ...]]]:
+def modes_of(checked: MissionCheck) -> dict[str, set[tuple[tuple[str, str], ...]]]:
     """Functioning modes by objective, in no order; an objective never entered has none."""
 
     def as_pairs(mode: Mode) -> tuple[tuple[str, str], ...]:
         return tuple(sorted(mode.items()))
 
-    return {name: set(map(as_pairs, modes)) for name, modes in check.modes.items() if modes}
+    return {name: set(map(as_pairs, modes)) for name, modes in checked.modes.items() if modes}
 
 
 def check_run(whole: Verdict, local: Verdict, mission_net: MissionNet) -> None:
@@ -65,27 +62,25 @@ def check_equal(mission_net: MissionNet, whole: MissionCheck, local: MissionChec
 
 
 def test_ulysse(ulysse_net: MissionNet) -> None:
-    for most_listed in (MOST_LISTED, -1):
-        local = check_by_composition(ulysse_net, most_listed=most_listed)
-        check_equal(ulysse_net, check_mission(ulysse_net), local)
+    check_equal(ulysse_net, check(ulysse_net), check(ulysse_net, engine="local"))
 
 
-@given(missions(), st.sampled_from([MOST_LISTED, 1, -1]))
-def test_verdicts_are_those_of_the_whole(mission: Mission, most_listed: int) -> None:
+@given(missions())
+def test_verdicts_are_those_of_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:
-        whole = check_mission(mission_net, max_states=50_000)
+        whole = check(mission_net, max_states=50_000)
     except LimitError:
         reject()
-    local = check_by_composition(mission_net, most_listed=most_listed)
+    local = check(mission_net, engine="local")
     if not whole.verdicts["confluent"].holds:
         event("not confluent")
-        assert mission_net.usage.contentions or mission_net.usage.exchanges
+        assert mission_net.usage.contentions
         refused = local.verdicts["confluent"]
         assert refused.holds is False
         assert len(set(refused.runs)) == len(refused.runs) > 0
         for run in refused.runs:  # up to the event after which internal firings part, the whole net follows
-            play(mission_net, [str(step.event) for step in run if not step.words.startswith("internal")])
+            play(mission_net, list(map(str, run.events)))
         return
     event(f"always ends: {whole.verdicts['can_always_finish'].holds}")
     check_equal(mission_net, whole, local)
@@ -115,7 +110,7 @@ def test_runs_through_several_sections(blocks: tuple[Block, ...], faulty: bool) 
         ),
     )
     mission_net = compose(Mission(name="m", robots=(robot,), blocks=blocks))
-    whole, local = check_mission(mission_net), check_by_composition(mission_net)
+    whole, local = check(mission_net), check(mission_net, engine="local")
     assert len(events(local.verdicts["success_reachable"])) > 2  # the start, then each section
     check_equal(mission_net, whole, local)
 
@@ -128,6 +123,6 @@ def test_a_mission_that_never_ends_is_lost_before_any_event() -> None:
     )
     forever = Objective(name="a", activities=("use",), success="a", failure="a")
     mission_net = compose(Mission(name="m", robots=(robot,), blocks=(forever,)))
-    local = check_by_composition(mission_net)
-    assert local.verdicts["can_always_finish"].runs == ((),)
-    check_equal(mission_net, check_mission(mission_net), local)
+    local = check(mission_net, engine="local")
+    assert [run.events for run in local.verdicts["can_always_finish"].runs] == [[]]
+    check_equal(mission_net, check(mission_net), local)

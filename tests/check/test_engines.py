@@ -5,28 +5,30 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 
-from mcpn.check.by_diagrams import check_by_diagrams
-from mcpn.check.composition import check_by_composition
-from mcpn.check.properties import REQUIRED, MissionCheck, check_mission
-from mcpn.check.runs import Step
+from mcpn.check.verdicts.mission import REQUIRED, MissionCheck, Verdict, check
 from mcpn.errors import LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.space.run import Run
 from mcpn.testing import missions
 from tests.shares import returns_early
 
 
-def answers(check: MissionCheck) -> dict[str, bool | None]:
-    return {name: verdict.holds for name, verdict in check.verdicts.items()}
+def answers(found: MissionCheck) -> dict[str, bool | None]:
+    return {name: verdict.holds for name, verdict in found.verdicts.items()}
 
 
-def modes(check: MissionCheck) -> dict[str, list[list[tuple[str, str]]]]:
-    return {name: sorted(sorted(mode.items()) for mode in found) for name, found in check.modes.items()}
+def modes(checked: MissionCheck) -> dict[str, list[list[tuple[str, str]]]]:
+    return {name: sorted(sorted(mode.items()) for mode in found) for name, found in checked.modes.items()}
+
+
+def lengths(verdict: Verdict) -> list[int]:
+    return [len(run.events) for run in verdict.runs]
 
 
 def compare(mission_net: MissionNet) -> None:
-    explicit = check_mission(mission_net)
-    symbolic = check_by_diagrams(mission_net)
+    explicit = check(mission_net)
+    symbolic = check(mission_net, engine="symbolic")
     assert answers(symbolic) == answers(explicit)
     assert symbolic.marking_sizes == explicit.marking_sizes
     assert symbolic.unselectable == explicit.unselectable
@@ -35,17 +37,17 @@ def compare(mission_net: MissionNet) -> None:
         assert len(symbolic.verdicts[name].runs) == len(verdict.runs)
         if verdict.holds is not None and explicit.verdicts["confluent"].holds:
             # Both are shortest.
-            assert [len(run) for run in symbolic.verdicts[name].runs] == [len(run) for run in verdict.runs]
+            assert lengths(symbolic.verdicts[name]) == lengths(verdict)
     if not explicit.verdicts["confluent"].holds:
         return
     assert modes(symbolic) == modes(explicit)
     if any(section.interruptions for section in mission_net.graph.all_sections()):
         with pytest.raises(LimitError, match="which composition does not take"):
-            check_by_composition(mission_net)
+            check(mission_net, engine="local")
         return
-    local = check_by_composition(mission_net)
+    local = check(mission_net, engine="local")
     if not local.verdicts["confluent"].holds:  # contention where the mission does not come
-        assert mission_net.usage.contentions or mission_net.usage.exchanges
+        assert mission_net.usage.contentions
         return
     assert answers(local) == answers(explicit)
     assert local.stable_sizes == explicit.stable_sizes
@@ -56,12 +58,12 @@ def compare(mission_net: MissionNet) -> None:
             replayed(mission_net, run, name)
 
 
-def replayed(mission_net: MissionNet, run: tuple[Step, ...], name: str) -> None:
+def replayed(mission_net: MissionNet, run: Run, name: str) -> None:
     """A run through the sections is one of the whole net, and shows what it is said to show."""
     net = mission_net.net
     marking = settled(mission_net, net.initial)
-    for step in run:
-        (t,) = [t for t in net.enabled(marking) if net.transitions[t].event == step.event]
+    for event in run.events:
+        (t,) = [t for t in net.enabled(marking) if net.transitions[t].event == event]
         marking = settled(mission_net, net.fire(marking, t))
     if name == "success_reachable":
         assert marking[mission_net.success]
@@ -97,4 +99,4 @@ def test_engines_on_missions_with_events(mission: Mission) -> None:
 
 def test_three_engines_on_ulysse(ulysse_net: MissionNet) -> None:
     compare(ulysse_net)
-    assert all(check_by_diagrams(ulysse_net).verdicts[name].holds for name in REQUIRED)
+    assert all(check(ulysse_net, engine="symbolic").verdicts[name].holds for name in REQUIRED)

@@ -7,14 +7,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.check.by_diagrams import check_by_diagrams
-from mcpn.check.composition import check_by_composition
 from mcpn.check.logic.formulas import EU, Const
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import resolve
-from mcpn.check.modes import functioning_modes
-from mcpn.check.properties import INFORMATIVE, REQUIRED, MissionCheck, check_mission
 from mcpn.check.runs import stabilise
+from mcpn.check.spaces import Engine
+from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
+from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.errors import LimitError
 from mcpn.mission.model import (
     SUCCEED,
@@ -32,14 +31,19 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking
+from mcpn.report.words import in_words
 from mcpn.space.alternatives import direct
+from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
 from tests.shares import returns_early
 
 
 @pytest.fixture(scope="module")
 def ulysse_check(ulysse_net: MissionNet) -> MissionCheck:
-    return check_mission(ulysse_net)
+    return check(ulysse_net)
+
+
+ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 
 
 def small(*blocks: Block) -> Mission:
@@ -76,17 +80,18 @@ def test_ulysse_runs_are_shortest_and_lead_where_they_say(ulysse_check: MissionC
     found = ulysse_check.mission_net
     for name, place in (("success_reachable", found.success), ("failure_reachable", found.failure)):
         (run,) = ulysse_check.verdicts[name].runs
-        assert play(found, [str(step.event) for step in run])[place]
+        assert play(found, list(map(str, run.events)))[place]
         # Start, leave the coral head, fail to dive, go up: nothing shorter leads to an end of the mission.
-        assert len(run) == 4
+        assert len(run.events) == 4
 
 
 def test_runs_are_told_in_mission_words(ulysse_check: MissionCheck) -> None:
     (run,) = ulysse_check.verdicts["success_reachable"].runs
-    assert run[0].words == (
+    words = [words for _, words in in_words(ulysse_check.mission_net, run)]
+    assert words[0] == (
         "mission ulysse starts: coral_head.manual_moving begins, localisation runs as gps_localisation"
     )
-    assert run[-1].words.endswith("the mission ends in success")
+    assert words[-1].endswith("the mission ends in success")
 
 
 def test_ulysse_functioning_modes(ulysse_check: MissionCheck) -> None:
@@ -110,7 +115,7 @@ def test_modes_are_those_of_the_stable_markings(mission: Mission) -> None:
         returns_early(type(error).__name__)
         return
     index = found.net.place_index
-    modes = functioning_modes(found, graph)
+    modes = functioning_modes(found, ArraySpace(graph))
     for section in found.graph.walk():
         seen = set()
         closure = {b for a in section.activities for b in found.usage.closure(a)}
@@ -130,7 +135,7 @@ def test_modes_are_those_of_the_stable_markings(mission: Mission) -> None:
 
 
 def test_contention_fails_confluence_with_two_runs_and_words() -> None:
-    found = check_mission(
+    found = check(
         compose(
             small(
                 Parallel(
@@ -153,17 +158,18 @@ def test_contention_fails_confluence_with_two_runs_and_words() -> None:
 
 
 def test_a_mission_that_loops_for_ever_cannot_finish() -> None:
-    found = check_mission(compose(small(Objective(name="x", activities=("use",), success="x", failure="x"))))
+    found = check(compose(small(Objective(name="x", activities=("use",), success="x", failure="x"))))
     assert found.verdicts["success_reachable"].holds is False
     assert found.verdicts["can_always_finish"].holds is False
-    assert found.verdicts["can_always_finish"].runs == ((),)  # from the start
+    (run,) = found.verdicts["can_always_finish"].runs
+    assert run.events == []  # from the start
     assert found.verdicts["failure_reachable"].holds is False
     assert found.verdicts["deadlock_free"].holds is True
     assert not found.passed
 
 
 def test_a_trap_on_the_way_is_shown_by_its_shortest_run() -> None:
-    found = check_mission(
+    found = check(
         compose(
             small(
                 Objective(name="x", activities=("free",), success=SUCCEED, failure="y"),
@@ -173,7 +179,7 @@ def test_a_trap_on_the_way_is_shown_by_its_shortest_run() -> None:
     )
     assert found.verdicts["success_reachable"].holds is True
     (run,) = found.verdicts["can_always_finish"].runs
-    assert [str(step.event) for step in run] == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
+    assert list(map(str, run.events)) == ["MISSION_EV_START", "OBJ_x_EV_FAIL"]
 
 
 def test_what_can_never_be_selected_is_found() -> None:
@@ -191,7 +197,7 @@ def test_what_can_never_be_selected_is_found() -> None:
         ),
     )
     mission = Mission(name="m", robots=(robot,), blocks=(Objective(name="x", activities=("a",)),))
-    found = check_mission(compose(mission))
+    found = check(compose(mission))
     assert found.passed
     assert found.verdicts["unselectable"].holds is True
     assert [p.message for p in found.unselectable] == [
@@ -205,7 +211,7 @@ def test_an_unsafe_net_leaves_the_rest_unknown(ulysse_net: MissionNet) -> None:
 
     # The reference net is known not to be 1-safe without its priorities.
     net = replace(ulysse_net.net, priorities=False)
-    found = check_mission(replace(ulysse_net, net=net))
+    found = check(replace(ulysse_net, net=net))
     assert found.verdicts["safe"].holds is False
     assert found.verdicts["bounded"].holds is None
     assert len(found.verdicts["safe"].runs) == 1
@@ -225,10 +231,11 @@ def test_what_no_route_reaches_is_told_with_its_line(tmp_path: Path) -> None:
     path = tmp_path / "m.xml"
     path.write_text(text.replace('"backup">', '"both">'))
     found = compose(read_mission(path))
-    for check in (check_mission(found), check_by_diagrams(found), check_by_composition(found)):
-        assert check.passed  # a warning, as for everything unselectable
-        assert check.verdicts["unselectable"].holds is True
-        assert [(p.source and p.source.line, p.message) for p in check.unselectable] == [
+    for engine in ENGINES:
+        checked = check(found, engine=engine)
+        assert checked.passed  # a warning, as for everything unselectable
+        assert checked.verdicts["unselectable"].holds is True
+        assert [(p.source and p.source.line, p.message) for p in checked.unselectable] == [
             (7, "objective backup can never be entered: no route reaches it"),
         ]
     assert [(p.source and p.source.line, p.message) for p in find_warnings(found.mission)] == [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mcpn.net.compose import MissionNet
+from mcpn.net.templates.names import names_of
 from mcpn.space.graph import Ints, StateGraph
 
 
@@ -28,20 +29,30 @@ def check_promises(found: MissionNet, graph: StateGraph) -> None:
 
 
 def unit_invariants(found: MissionNet, graph: StateGraph) -> None:
-    """Each unit holds one token: the interface of each resource, and what the resource itself is in."""
-    interface = ("available", "take", "answer", "release", "error")
+    """Each unit holds one token: the interfaces of each resource, and what the resource itself is in."""
+    states = ("available", "take", "answer", "release", "error")
+    sharing = found.usage.sharing
     for hardware in found.mission.hardware:
-        assert (tokens(found, graph, hardware.name, "free", "busy", "OOS", "failing") == 1).all()
-        assert (tokens(found, graph, hardware.name, *interface, "OOS") == 1).all()
+        name = hardware.name
+        assert (tokens(found, graph, name, "free", "busy", "OOS", "failing") == 1).all()
+        out = tokens(found, graph, name, "OOS")
+        for owner in sharing.owners(name):
+            assert (tokens(found, graph, name, *states, owner=owner) + out == 1).all()
     for software in found.mission.software:
-        if f"{software.name}_free" in found.net.place_index:
-            assert (tokens(found, graph, software.name, *interface, "waiting", "free") == 1).all()
-            own = tokens(found, graph, software.name, "notAvailable", "waiting", "free", "busy", "failed")
-            assert (own <= 1).all()
+        name = software.name
+        if found.usage.producer[name] not in found.usage.started:
+            continue
+        for owner in sharing.owners(name):
+            assert (tokens(found, graph, name, *states, "waiting", "free", owner=owner) == 1).all()
+            own = tokens(found, graph, name, "notAvailable", "waiting", "busy", "failed", owner=owner)
+            used = tokens(found, graph, name, "unused", owner=owner)
+            assert (own + used <= 1).all()
 
 
-def tokens(found: MissionNet, graph: StateGraph, name: str, *suffixes: str) -> Ints:
-    """By state, the tokens in some places of an element, those that it has."""
-    index = found.net.place_index
-    places = [index[f"{name}_{s}"] for s in suffixes if f"{name}_{s}" in index]
+def tokens(found: MissionNet, graph: StateGraph, name: str, *parts: str, owner: str | None = None) -> Ints:
+    """By state, the tokens in some places of a resource, or of one owner's interface, those that it has."""
+    index, names = found.net.place_index, names_of(found.usage)
+    kind = "hardware" if name in found.usage.hardware else "software"
+    called = [names.of(kind, name, part, *([owner] if owner else [])) for part in parts]
+    places = [index[place] for place in called if place in index]
     return np.asarray(np.sum([graph.marked(p) for p in places], axis=0, dtype=np.int64), np.int64)

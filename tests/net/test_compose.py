@@ -7,7 +7,7 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, event, given
 
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.mission.flatten import flatten
@@ -51,12 +51,12 @@ def test_our_hardware_template_has_the_markings_of_figure_10() -> None:
     mission = Mission(name="m", robots=robot(hw("Rx"), activity("a", ())), blocks=(objective("x", "a"),))
     canvas = Canvas("fig10", Usage(mission, flatten(mission)))
     PaperTemplates().hardware(canvas, mission.hardware[0])
-    for event, before, after in (
+    for word, before, after in (
         ("TAKE", "available", "take"),
         ("RELEASE", "answer", "release"),
         ("ERROROK", "error", "release"),
     ):
-        name = f"Rx_EV_{event}"
+        name = f"Rx_EV_{word}"
         canvas.transition(name, consume=[f"Rx_{before}"], produce=[f"Rx_{after}"], event=Event.parse(name))
     check_figure_10(explore(canvas.build()), "Rx")
 
@@ -183,7 +183,7 @@ def test_every_mission_keeps_its_promises(mission: Mission) -> None:
     try:
         reduced = by_reduction(markings)
     except ConfluenceError:
-        assert usage.contentions or usage.exchanges
+        assert usage.contentions
         with pytest.raises(ConfluenceError):
             direct(found.net)
         return
@@ -192,6 +192,23 @@ def test_every_mission_keeps_its_promises(mission: Mission) -> None:
         assert np.array_equal(graph.offsets, reduced.offsets)
         assert np.array_equal(graph.targets, reduced.targets)
         assert np.array_equal(graph.labels, reduced.labels)
+
+
+@given(missions(own_hardware=True, shared_activities=False, hardware=4, alternatives=2, activities=3))
+def test_a_mission_that_shares_software_alone_is_confluent(mission: Mission) -> None:
+    """The theorem of papers/templates.md: what runs together may share any software, in any chain."""
+    found = compose(mission)
+    assert found.usage.contentions == ()
+    event(f"shared: {bool(found.usage.sharing.consumers)}")
+    again = any(found.usage.sharing.evaluated_on_release(a.name) for a in mission.activities)
+    event(f"evaluated on release: {again}")
+    try:
+        markings = explore(found.net, max_states=LIMIT)
+    except LimitError:
+        event("too large")
+        return
+    check_promises(found, markings)
+    by_reduction(markings)
 
 
 def hw(*names: str, faulty: bool = True) -> tuple[Hardware, ...]:

@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
-from mcpn.check.properties import check_mission
 from mcpn.check.runs import stabilise
+from mcpn.check.verdicts.mission import check
 from mcpn.errors import LimitError
 from mcpn.mission.model import DeclaredEvent, Handler, Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking
+from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
 from tests.net.interpreter import Series
 
@@ -122,10 +123,10 @@ def leaking(ulysse: Mission) -> Mission:
 
 def test_ulysse_goes_up_when_it_leaks(ulysse: Mission) -> None:
     found = compose(leaking(ulysse))
-    check = check_mission(found)
-    assert check.passed
-    graph = check.alternatives
-    assert graph is not None
+    checked = check(found)
+    assert checked.passed
+    assert isinstance(checked.alternatives, ArraySpace)
+    graph = checked.alternatives.graph
     # The stable markings are those of Ulysse without a leak: 260 (paper, Table 1, as reconstructed).
     assert graph.states == 260
     leak = Event(What.DECLARED, "leak")
@@ -153,7 +154,7 @@ def test_ulysse_goes_up_when_it_leaks(ulysse: Mission) -> None:
 def test_a_handler_happens_once(ulysse: Mission) -> None:
     again = replace(leaking(ulysse), handlers=(Handler(event="leak", goto="coral_head", once=True),))
     found = compose(again)
-    assert check_mission(found).passed
+    assert check(found).passed
     names = [s.name for s in found.graph.walk()]
     assert "after_leak.coral_head.manual_moving" in names
     after = found.graph.section("after_leak.coral_head.manual_moving")

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from mcpn.errors import ConfluenceError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.algebra import Space
+from mcpn.space.algebra import Space, partition
 from mcpn.space.alternatives import by_reduction
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.confluence import prove_confluent
@@ -144,6 +145,15 @@ class Questions:
         while more := {t for m, _, t in edges if m in forth and t in inside} - forth:
             forth |= more
         same(forth, lambda s, n: s.reached(sets_a[n], within(n), wanted))
+        self.ask_guards(a, sets_a, b, sets_b)
+        crossing: dict[int, set[Marking]] = {}
+        for m, t, after in self.edges(None):
+            if m in a and after in b:
+                crossing.setdefault(t, set()).add(m)
+        for name, space in self.spaces.items():
+            found = list(space.crossing(sets_a[name], sets_b[name]))
+            assert [t for t, _ in found] == sorted(crossing), name
+            assert {t: members(space, states) for t, states in found} == crossing, name
         stays = set(a)
         while lost := {m for m in stays if graph[m] and not any(t in stays for _, t in graph[m])}:
             stays -= lost
@@ -170,6 +180,39 @@ class Questions:
                 assert not any(region & other for other in others), name
             assert sum(region.count() for region in space.regions) == len(graph), name
 
+    def ask_guards(
+        self, a: set[Marking], sets_a: dict[str, Any], b: set[Marking], sets_b: dict[str, Any]
+    ) -> None:
+        """Closures and steps where some ends of objectives may be taken from some states only."""
+        objectives = [
+            i
+            for i, t in enumerate(self.net.transitions)
+            if t.event and t.event.what in (What.SUCCESS, What.FAILURE)
+        ]
+        if not objectives:
+            return
+        chosen = self.draw(st.lists(st.sampled_from(objectives), max_size=2, unique=True))
+        edges = [(m, t, after) for m, t, after in self.edges(None) if t not in chosen or m in b]
+        guards = {n: dict.fromkeys(chosen, sets_b[n]) for n in self.spaces}
+        back, forth = set(a), set(a)
+        while more := {m for m, _, t in edges if t in back} - back:
+            back |= more
+        while more := {t for m, _, t in edges if m in forth} - forth:
+            forth |= more
+        self.same({m for m, _, t in edges if t in a}, lambda s, n: s.before(sets_a[n], None, guards[n]))
+        self.same({t for m, _, t in edges if m in a}, lambda s, n: s.after(sets_a[n], None, guards[n]))
+        self.same(back, lambda s, n: s.reaching(sets_a[n], None, None, guards[n]))
+        self.same(forth, lambda s, n: s.reached(sets_a[n], None, None, guards[n]))
+        for name, space in self.spaces.items():
+            run = space.run(space.initial.pick(), sets_a[name], None, None, guards[name])
+            assert (run is None) == (self.start not in back), name
+            at = self.start
+            for edge in run or ():
+                after = space.marking(edge.target)
+                assert (at, edge.transition, after) in edges, name
+                at = after
+            assert run is None or at in a, name
+
     def ask_images(self, a: set[Marking], sets_a: dict[str, Any]) -> None:
         places = self.places()
         images = ImageStore(len(places))
@@ -179,6 +222,13 @@ class Questions:
         for name, space in self.spaces.items():
             found = space.image(sets_a[name], places, images)
             assert found == expected, name
+            parts = {marked: members(space, part) for marked, part in partition(space, sets_a[name], places)}
+            assert parts == {
+                frozenset(places[i] for i in row): {
+                    m for m in a if tuple(i for i, p in enumerate(places) if m[p]) == row
+                }
+                for row in rows
+            }, name
             assert sorted(images.minimal(found), key=lambda r: (len(r), r)) == least
 
     def ask_runs(

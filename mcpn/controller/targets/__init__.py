@@ -8,7 +8,7 @@ from mcpn.controller.hierarchy import Controller
 from mcpn.net.compose import MissionNet
 
 Writer = Callable[[Controller, MissionNet], dict[str, str]]
-TARGETS = ("json", "c", "python")
+TARGETS = ("json", "c", "python", "scxml")
 
 
 def files(controller: Controller, mission_net: MissionNet, target: str) -> dict[str, str]:
@@ -27,6 +27,10 @@ def _writer(target: str) -> Writer:
         from mcpn.controller.targets.c import write_c
 
         return write_c
+    if target == "scxml":
+        from mcpn.controller.targets.scxml import write_scxml
+
+        return write_scxml
     if target == "python":
         from mcpn.controller.targets.python import write_python
 

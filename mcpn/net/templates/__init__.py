@@ -20,7 +20,12 @@ from mcpn.mission.model import Activity, Hardware, Software
 from mcpn.net.templates.activities import draw_activity
 from mcpn.net.templates.canvas import Canvas, Role
 from mcpn.net.templates.control import draw_control
-from mcpn.net.templates.resources import draw_hardware, draw_shared_software, draw_software
+from mcpn.net.templates.resources import (
+    draw_hardware,
+    draw_served_software,
+    draw_shared_hardware,
+    draw_software,
+)
 
 __all__ = ["Canvas", "PaperTemplates", "Role", "TemplateSet"]
 
@@ -45,14 +50,17 @@ class PaperTemplates:
     """The templates of the paper, with what general missions need beyond its example."""
 
     def hardware(self, canvas: Canvas, resource: Hardware) -> None:
-        """Paper, 6.1 and Fig. 6."""
-        draw_hardware(canvas, resource)
+        """Paper, 6.1 and Fig. 6; what several activities may use at a time has an interface for each."""
+        if resource.name in canvas.usage.sharing.consumers:
+            draw_shared_hardware(canvas, resource)
+        else:
+            draw_hardware(canvas, resource)
 
     def software(self, canvas: Canvas, resource: Software) -> None:
-        """Paper, 6.1 and Fig. 7; one output of several takes the shared form."""
+        """Paper, 6.1 and Fig. 7; what is shared, or one output of several, has a form of its own."""
         producer = canvas.usage.activities[canvas.usage.producer[resource.name]]
-        if len(producer.produces) > 1:
-            draw_shared_software(canvas, resource, producer)
+        if canvas.usage.sharing.serves(producer.name):
+            draw_served_software(canvas, resource, producer)
         else:
             draw_software(canvas, resource, producer)
 

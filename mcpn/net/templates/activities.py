@@ -16,14 +16,13 @@ from mcpn.mission.model import Activity, Alternative
 from mcpn.net.templates.canvas import Canvas, Pen
 
 MAX_TOGETHER = 12
-"""Resources of one alternative, or outputs of one activity, whose subsets each take a transition."""
+"""Resources of one alternative, whose subsets each take a transition."""
 
 
 @dataclass(frozen=True)
 class _Ending:
-    """One way in which an activity may be stopped: which of its resources are free, what its stop does."""
+    """How an activity is stopped: what the stopping transition takes, puts and tests."""
 
-    released: tuple[str, ...] = ()
     consume: list[str] = field(default_factory=list)
     produce: list[str] = field(default_factory=list)
     read: list[str] = field(default_factory=list)
@@ -37,15 +36,18 @@ class _Life:
         start: The evaluation place of the first alternative.
         refuse: Places marked where no alternative is possible.
         activate: Places marked when an alternative starts to run.
-        endings: The ways in which it is stopped.
+        ending: How it is stopped.
         quiet: The place that says that no activation is on its way, where one is needed.
+        again: Interfaces of its products, as resource and owner; while one is held it evaluates its
+            alternatives again when another is given back.
     """
 
     start: str
     refuse: list[str]
     activate: list[str]
-    endings: list[_Ending]
+    ending: _Ending
     quiet: list[str] = field(default_factory=list)
+    again: list[tuple[str, str | None]] = field(default_factory=list)
 
 
 def draw_activity(canvas: Canvas, activity: Activity) -> None:
@@ -61,13 +63,12 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
         activity: The activity.
 
     Raises:
-        LimitError: An alternative consumes, or the activity produces, more resources than have subsets that
-            can be drawn one by one.
+        LimitError: An alternative consumes more resources than have subsets that can be drawn one by one.
     """
     _refuse_excess(activity)
     pen = canvas.of("activity", activity.name, activity.source)
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
-    running = pen.place("running") if _counts_running(activity) else None
+    running = pen.place("running") if _counts_running(canvas, activity) else None
     evaluation = life.start
     last = len(activity.alternatives) - 1
     for i, alternative in enumerate(activity.alternatives):
@@ -89,21 +90,24 @@ def running_place(canvas: Canvas, activity: Activity) -> str | None:
     """
     if not any(alternative.consumes for alternative in activity.alternatives):
         return None
-    return canvas.place_of("activity", activity.name, "running" if _counts_running(activity) else "active1")
+    return canvas.place_of(
+        "activity", activity.name, "running" if _counts_running(canvas, activity) else "active1"
+    )
 
 
-def _counts_running(activity: Activity) -> bool:
-    """One place must say *running* whatever the alternative, to an objective or to several resources."""
-    return len(activity.alternatives) > 1 and len(activity.produces) != 1
+def _counts_running(canvas: Canvas, activity: Activity) -> bool:
+    """One place must say *running* whatever the alternative, to an objective or to several interfaces."""
+    asked = not activity.produces or canvas.usage.sharing.serves(activity.name)
+    return asked and len(activity.alternatives) > 1
 
 
 def _refuse_excess(activity: Activity) -> None:
     widest = max(len(alternative.consumes) for alternative in activity.alternatives)
-    for count, what in ((widest, "consumed by one alternative"), (len(activity.produces), "produced")):
-        if count > MAX_TOGETHER:
-            raise LimitError(
-                f"activity {activity.name}: {count} resources {what}, the limit is {MAX_TOGETHER}"
-            )
+    if widest > MAX_TOGETHER:
+        raise LimitError(
+            f"activity {activity.name}: {widest} resources consumed by one alternative, "
+            f"the limit is {MAX_TOGETHER}"
+        )
 
 
 def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
@@ -114,34 +118,29 @@ def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     if usage.refusable(a):
         refuse = [canvas.role(pen.place("error"), ("refused", a))]
         pen.transition("errstop", [*refuse, stop], idle)
-    return _Life(start, refuse, [], [_Ending(consume=[stop], produce=idle)])
+    return _Life(start, refuse, [], _Ending(consume=[stop], produce=idle))
 
 
 def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     a, outputs, of = activity.name, activity.produces, canvas.resource
     start = pen.place("StartByRes")
-    if len(outputs) == 1:
+    sharing = canvas.usage.sharing
+    if not sharing.serves(a):
         (s,) = outputs
         quiet = [of(s, "quiet")] if canvas.usage.released_unasked(s) else []
         ending = _Ending(produce=[of(s, "deactivation")], read=[of(s, "free"), *quiet])
-        return _Life(start, [of(s, "deactivation")], [of(s, "activation")], [ending], quiet)
+        return _Life(start, [of(s, "deactivation")], [of(s, "activation")], ending, quiet)
     idle = pen.place("idle", initial=1)
-    for s in outputs:
-        pen.transition(("start", s), [idle], [start], read=[of(s, "waiting")])
+    served = [(s, owner) for s in outputs for owner in canvas.owners(s)]
+    unused = [of(s, "unused", owner) for s, owner in served]
+    for number, (s, owner) in enumerate(served):
+        pen.transition(f"start{number}", [idle], [start], read=[of(s, "waiting", owner)])
     refuse = []
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
-        pen.transition("refused", refuse, [idle], read=[of(s, "unused") for s in outputs])
-    endings = [
-        _Ending(
-            released,
-            consume=[of(s, "free") for s in released],
-            produce=[idle, *(of(s, p) for s in released for p in ("notAvailable", "available", "unused"))],
-            read=[of(s, "unused") for s in outputs if s not in released],
-        )
-        for released in _subsets(outputs)
-    ]
-    return _Life(start, refuse, [], endings)
+        pen.transition("refused", refuse, [idle], read=unused)
+    again = served if sharing.evaluated_on_release(a) else []
+    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused), again=again)
 
 
 class _AlternativeDrawing:
@@ -166,7 +165,7 @@ class _AlternativeDrawing:
         self.life = life
         self.consumes = alternative.consumes
         self.hardware = [k for k in self.consumes if k in self.usage.hardware]
-        self.of = canvas.resource
+        self.canvas = canvas
         self.pen = canvas.of_alternative(activity, alternative)
         self.number = index + 1
         name = self.pen.provenance.name
@@ -190,6 +189,7 @@ class _AlternativeDrawing:
         else:
             self._draw("sel", [self.evaluation, *self.life.quiet], self.runs_and_says)
         self.stop()
+        self.evaluate_again()
         if self.usage.waits_for_release(self.activity.name, self.index):
             self.stop_while_evaluated()
         if self.usage.waits_for_answer(self.activity.name, self.index):
@@ -199,7 +199,10 @@ class _AlternativeDrawing:
         """All resources are available: take them."""
         available = [self.of(k, "available") for k in self.consumes]
         taken = [self.of(k, "take") for k in self.consumes]
-        self._draw("sel", [self.evaluation, *available], [self.wait, *taken])
+        # Shared hardware is available to this activity until it is out of service.
+        shared = [k for k in self.hardware if k in self.usage.sharing.consumers]
+        in_service = [self.canvas.resource(k, "free") for k in shared]
+        self._draw("sel", [self.evaluation, *available], [self.wait, *taken], read=in_service)
 
     def go(self) -> None:
         """All resources have answered: run."""
@@ -209,7 +212,7 @@ class _AlternativeDrawing:
         """A hardware resource is out of service: try the next alternative, or refuse."""
         for k in self.hardware:
             if self.usage.can_fail(k):
-                read = [self.of(k, "OOS"), *self.quiet_to_refuse]
+                read = [self.canvas.resource(k, "OOS"), *self.quiet_to_refuse]
                 self._draw("else", [self.evaluation], self.otherwise, k, read=read)
 
     def error_while_waiting(self) -> None:
@@ -236,13 +239,25 @@ class _AlternativeDrawing:
 
     def stop(self) -> None:
         """It runs and is stopped: give all back."""
-        for ending in self.life.endings:
-            self._end("stop", ending, [*self.runs, *self._answers(())], self._releases())
+        self._end("stop", [*self.runs, *self._answers(())], self._releases())
+
+    def evaluate_again(self) -> None:
+        """A product is given back while another is held: evaluate every alternative again."""
+        of = self.canvas.resource
+        for i, (resource, owner) in enumerate(self.life.again):
+            for j, held in enumerate(self.life.again):
+                if i != j:
+                    self._draw(
+                        "again",
+                        [*self.runs, *self._answers(()), of(resource, "free", owner)],
+                        [*self._releases(), self.life.start, of(resource, "available", owner)],
+                        f"{i}.{j}",
+                        read=[self.canvas.answer(*held)],
+                    )
 
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""
-        for ending in self.life.endings:
-            self._end("cancel", ending, [self.evaluation], [])
+        self._end("cancel", [self.evaluation], [])
 
     def error_while_asking(self) -> None:
         """A resource answers with an error while others have not answered yet, for a producer waits itself.
@@ -267,8 +282,7 @@ class _AlternativeDrawing:
         way, an answer could still come in between and stay behind.
         """
         for stages, asking, given in self._while_asking():
-            for ending in self.life.endings:
-                self._end("giveup", ending, [self.wait, *asking], given, _initials(stages))
+            self._end("giveup", [self.wait, *asking], given, _initials(stages))
 
     def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str], list[str]]]:
         """How far its requests may be, not all answered: places that say so, places that give all back."""
@@ -276,6 +290,9 @@ class _AlternativeDrawing:
             if "waiting" in stages:
                 both = list(zip(self.consumes, stages, strict=True))
                 given = [self.of(k, "free" if stage == "waiting" else "release") for k, stage in both]
+                asked = [k for k, stage in both if stage == "waiting"]
+                serving = [k for k in asked if self.usage.sharing.serves(self.usage.producer[k])]
+                given += [self.of(k, "unused") for k in serving]
                 yield stages, [self.of(k, stage) for k, stage in both], given
 
     def _stages(self, resource: str) -> Iterator[str]:
@@ -292,9 +309,13 @@ class _AlternativeDrawing:
     def _releases(self) -> list[str]:
         return [self.of(k, "release") for k in self.consumes]
 
-    def _end(self, verb: str, ending: _Ending, consume: list[str], produce: list[str], *stages: str) -> None:
-        taken, put = [*consume, *ending.consume], [*produce, *ending.produce]
-        self._draw(verb, taken, put, *stages, *ending.released, read=ending.read)
+    def of(self, resource: str, part: str) -> str:
+        """The name of a place of the interface by which the activity uses a resource."""
+        return self.canvas.resource(resource, part, self.usage.sharing.owner(resource, self.activity.name))
+
+    def _end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
+        ending = self.life.ending
+        self._draw(verb, [*consume, *ending.consume], [*produce, *ending.produce], *stages, read=ending.read)
 
     def _draw(
         self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None

@@ -59,6 +59,11 @@ class Canvas(NetBuilder):
         self.names = names_of(usage)
         self.roles: dict[str, Role] = {}
 
+    def owners(self, resource: str) -> list[str | None]:
+        """Whose interfaces of a resource are drawn (``None``: it has one for all)."""
+        owners = self.usage.sharing.owners(resource)
+        return [o for o in owners if o is None or ("activity", o) not in self.left_out]
+
     def role(self, place: str, role: Role) -> str:
         """Notes what the place says when it is marked, and returns the place."""
         self.roles[place] = role
@@ -68,13 +73,22 @@ class Canvas(NetBuilder):
         """The name of a place of an element, drawn already or not."""
         return self.names.of(kind, element, *part)
 
-    def resource(self, name: str, part: str) -> str:
-        """The name of a place of a resource, hardware or software."""
-        return self.names.of("hardware" if name in self.usage.hardware else "software", name, part)
+    def resource(self, name: str, part: str, owner: str | None = None) -> str:
+        """The name of a place of a resource, hardware or software, or of one owner's interface of it."""
+        kind = "hardware" if name in self.usage.hardware else "software"
+        return self.names.of(kind, name, part, *([] if owner is None else [owner]))
 
     def of(self, kind: str, name: str, source: Source | None) -> Pen:
         """A pen that draws for one element of the mission."""
         return Pen(self, Provenance(kind, name, source), (kind, name))
+
+    def answer(self, resource: str, owner: str | None) -> str:
+        """The place that says that an interface is held."""
+        return self.resource(resource, "answer", owner)
+
+    def of_interface(self, kind: str, name: str, source: Source | None, owner: str | None) -> Pen:
+        """A pen that draws one owner's interface of a resource."""
+        return Pen(self, Provenance(kind, name, source), (kind, name), () if owner is None else (owner,))
 
     def of_alternative(self, activity: Activity, alternative: Alternative) -> Pen:
         """A pen that draws for one alternative; what it draws is called after the activity."""
@@ -89,12 +103,16 @@ class Pen:
         canvas: Where to draw.
         provenance: The element.
         called: Kind and name of the element after which places and transitions are called.
+        owner: What is added to the part: whose interface it is.
     """
 
-    def __init__(self, canvas: Canvas, provenance: Provenance, called: tuple[str, str]) -> None:
+    def __init__(
+        self, canvas: Canvas, provenance: Provenance, called: tuple[str, str], owner: tuple[str, ...] = ()
+    ) -> None:
         self.canvas = canvas
         self.provenance = provenance
         self.called = called
+        self.owner = owner
 
     def place(self, *part: str, initial: int = 0, of: tuple[str, str] | None = None) -> str:
         """Draws a place and returns its name.
@@ -104,7 +122,7 @@ class Pen:
             initial: Tokens of the initial marking.
             of: Kind and name of the element, where it is another than the pen's.
         """
-        name = self.canvas.place_of(*(of or self.called), *part)
+        name = self.canvas.place_of(*(of or self.called), *part, *self.owner)
         return self.canvas.place(name, initial=initial, provenance=self.provenance)
 
     def transition(
@@ -118,7 +136,7 @@ class Pen:
     ) -> None:
         """Draws a transition, internal unless an event is given; its part is a word, or one with names."""
         self.canvas.transition(
-            self.canvas.names.of(*self.called, *((part,) if isinstance(part, str) else part)),
+            self.canvas.names.of(*self.called, *((part,) if isinstance(part, str) else part), *self.owner),
             consume=consume,
             produce=produce,
             read=read or [],

@@ -166,8 +166,11 @@ class _Control:
             self.canvas.role(gate, ("pending", section.name))
             own = tuple(a for a in section.activities if a in handover.with_idle)
         others = [a for a in awaited.activities if a not in own and ("activity", a) not in left_out]
-        software = [s for s in awaited.software if ("software", s) not in left_out]
-        back = [self.canvas.resource(s, "available") for s in software]
+        back = [
+            self.canvas.resource(s, "available", owner)
+            for s, owner in awaited.interfaces
+            if ("software", s) not in left_out and ("activity", owner) not in left_out
+        ]
         taken, idle = self.of_activities(own, "idle"), self.of_activities(others, "idle")
         read = [*idle, *back, *self.around.running]
         pen.transition("begin", [gate, *taken], self.begin(section), read=read)

@@ -73,44 +73,86 @@ def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> Non
     canvas.unit([available, take, answer, release, error])
 
 
-def draw_shared_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
-    """Draws one of several resources of one producer: 11 places.
+def draw_served_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
+    """Draws a resource whose producer serves several interfaces: 10 places for each interface.
 
-    The producer is started once, serves whichever of its resources are requested, and stops when none is.
-    So it needs no activation and no deactivation of each; instead the place ``unused`` is marked while the
-    resource is neither requested nor held, ``deactivation`` while its consumer has yet to take note of an
-    error, and ``free`` from its release on until it is known whether the producer goes on: it does while a
-    consumer holds another of its resources, and then the resource is available again; otherwise the producer
-    stops and takes all its free resources with it.
+    The interfaces are those of each consumer, where it is shared, and those of the producer's other products.
+    The producer is started with the first request, serves whoever asks while it runs, and is stopped when
+    nobody asks or holds; if it fails, each consumer gets the error. So it needs no activation and no
+    deactivation; instead, of each interface, ``unused`` is marked while it is neither asked nor held, and
+    ``deactivation`` while its owner has yet to take note of an error. ``free`` is marked from its release on
+    until it is known whether the producer goes on, because another interface is held; then it is available
+    again. Otherwise the producer stops first. Where that must not depend on who comes first, the producer
+    that goes on evaluates its alternatives again (:meth:`mcpn.mission.sharing.Sharing.evaluated_on_release`),
+    which is drawn with these.
 
     Args:
         canvas: Where to draw.
         resource: The resource.
-        producer: The activity that produces it and others.
+        producer: The activity that produces it.
     """
     s, a = resource.name, producer.name
-    pen = canvas.of("software", s, resource.source)
     running = canvas.place_of("activity", a, "active1" if len(producer.alternatives) == 1 else "running")
-    free, busy = pen.place("free"), pen.place("busy")
-    not_available, waiting = pen.place("notAvailable", initial=1), pen.place("waiting")
-    deactivation, unused = pen.place("deactivation"), pen.place("unused", initial=1)
-    available, take = pen.place("available", initial=1), pen.place("take")
-    answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
-    back = [not_available, available, unused]
-    pen.transition("1", [take, not_available, unused], [waiting])
-    pen.transition("2", [waiting], [busy, answer], read=[running])
-    pen.transition("4", [busy, release], [free])
-    for other in producer.produces:
-        if other != s:
-            pen.transition(("9", other), [free], back, read=[canvas.place_of("software", other, "answer")])
-    if canvas.usage.may_wait(a):
-        # A request may be given up before the producer has even been started.
-        pen.transition("10", [free], back, read=[canvas.place_of("activity", a, "idle")])
-    if canvas.usage.refusable(a):
-        refusing = canvas.place_of("activity", a, "refusing")
-        pen.transition("3", [waiting], [deactivation, error, unused], read=[refusing])
-        pen.transition("6", [busy, answer], [deactivation, error, unused], read=[refusing])
-        pen.transition("5", [free], back, read=[refusing])
-        pen.transition("8", [deactivation, release], [not_available, available])
-    canvas.unit([not_available, waiting, free, busy, deactivation])
-    canvas.unit([available, take, answer, release, error])
+    idle, refusing = (canvas.place_of("activity", a, part) for part in ("idle", "refusing"))
+    every = [(product, owner) for product in producer.produces for owner in canvas.owners(product)]
+    goes_on = not canvas.usage.sharing.evaluated_on_release(a)
+    for owner in canvas.owners(s):
+        pen = canvas.of_interface("software", s, resource.source, owner)
+        free, busy = pen.place("free"), pen.place("busy")
+        waiting, unused = pen.place("waiting"), pen.place("unused", initial=1)
+        available, take = pen.place("available", initial=1), pen.place("take")
+        answer, release = pen.place("answer"), pen.place("release")
+        pen.transition("1", [take, unused], [waiting])
+        pen.transition("2", [waiting], [busy, answer], read=[running])
+        pen.transition("4", [busy, release], [free, unused])
+        pen.transition("10", [free], [available], read=[idle])
+        for number, other in enumerate(every):
+            if goes_on and other != (s, owner):
+                pen.transition(f"9.{number}", [free], [available], read=[canvas.answer(*other)])
+        interface = [available, take, waiting, answer, release, free]
+        if canvas.usage.refusable(a):
+            error, deactivation = pen.place("error"), pen.place("deactivation")
+            pen.transition("3", [waiting], [deactivation, error, unused], read=[refusing])
+            pen.transition("6", [busy, answer], [deactivation, error, unused], read=[refusing])
+            pen.transition("5", [free], [available], read=[refusing])
+            pen.transition("8", [deactivation, release], [available])
+            interface.append(error)
+        canvas.unit(interface)
+        canvas.unit([unused, busy])
+
+
+def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
+    """Draws a hardware resource that several activities may use at a time: 3 places, and 5 for each of them.
+
+    It is *free* as long as it is in service, whoever uses it. If it fails, each activity that uses it gets
+    the error; when all of them have given it back it is out of service, and not available to any.
+
+    Args:
+        canvas: Where to draw.
+        resource: The resource.
+    """
+    r = resource.name
+    pen = canvas.of("hardware", r, resource.source)
+    free = pen.place("free", initial=1)
+    if resource.faulty:
+        oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+    every = []
+    for owner in canvas.owners(r):
+        its = canvas.of_interface("hardware", r, resource.source, owner)
+        available, take = its.place("available", initial=1), its.place("take")
+        answer, release = its.place("answer"), its.place("release")
+        its.transition("7", [take], [answer], read=[free])
+        its.transition("8", [release], [available])
+        every.append(available)
+        interface = [available, take, answer, release]
+        if resource.faulty:
+            error = its.place("error")
+            its.transition("6", [answer], [error], read=[failing])
+            interface.append(error)
+        canvas.unit(interface)
+    if resource.faulty:
+        fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
+        pen.transition("EV_OOS", [free], [failing], event=fails)
+        pen.transition("3", [failing, *every], [oos])
+        pen.transition("EV_RD", [oos], [free, *every], event=returns)
+        canvas.unit([free, failing, oos])

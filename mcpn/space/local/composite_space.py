@@ -71,8 +71,59 @@ class CompositeSpace(Runs):
         """States that mark at least one of some places."""
         found = self.nothing
         for place in places:
-            found |= self.everything - self.at_most({place: 1}, 0)
+            if place in self._shared or self.net.initial[place]:
+                found |= self.everything - self.at_most({place: 1}, 0)
+                continue
+            for name in self._holding.get(place, ()):
+                part = self.everything.parts.get(name)
+                if part is not None:
+                    found |= self.restricted(CompositeSet(self, {name: part}), [place], ())
         return found
+
+    @cached_property
+    def _shared(self) -> frozenset[int]:
+        """Places that every section knows: of hardware, and of the mission itself."""
+        mission = self.mission_net
+        return frozenset({*self._slot_of_place, mission.beginning, mission.success, mission.failure})
+
+    @cached_property
+    def _holding(self) -> Mapping[int, list[str]]:
+        """By place of the whole net, the sections whose local nets have it."""
+        found: dict[int, list[str]] = {}
+        for name, placed in self.sections.items():
+            for place in placed.places:
+                found.setdefault(place, []).append(name)
+        return found
+
+    def restricted(
+        self, states: CompositeSet, marked: Collection[int], unmarked: Collection[int]
+    ) -> CompositeSet:
+        """Those of some states that mark all of some places, and none of others."""
+        found = {}
+        for name, part in states.parts.items():
+            placed = self.sections.get(name)
+            yes, no = set[int](), set[int]()
+            possible = True
+            for wanted, places in ((True, marked), (False, unmarked)):
+                for place in places:
+                    bit = self._bit(name, placed, place)
+                    if isinstance(bit, bool):
+                        possible = possible and bit == wanted
+                    else:
+                        (yes if bit[1] != wanted else no).add(bit[0])
+            if possible and not yes & no:
+                found[name] = part.subset(sorted(yes), sorted(no))
+        return self.of(found)
+
+    def varying(self, states: CompositeSet) -> Collection[int]:
+        """Places of the sections that these states are of, but for those of hardware and of the mission."""
+        return frozenset(
+            place
+            for name in states.parts
+            if name in self.sections
+            for place in self.sections[name].places
+            if place not in self._shared
+        )
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
         """States whose weighted sum of tokens is at most a bound."""
@@ -127,35 +178,57 @@ class CompositeSpace(Runs):
 
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
-        found = {}
-        for name, part in self.everything.parts.items():
-            placed, allowed = self.sections.get(name), self.allowed_in(name, transitions)
+        wanted, found = frozenset(transitions), dict[str, Zdd]()
+        beside_all = any(t in wanted for kinds in self.toggles.values() for t in kinds.values())
+        names = self.everything.parts if beside_all else {n for t in wanted for n in self._firing.get(t, ())}
+        for name in names:
+            part, placed = self.everything.parts.get(name), self.sections.get(name)
+            if part is None:
+                continue
+            allowed = self.allowed_in(name, wanted)
             states = part & self._able(name, part, allowed)
             if placed is not None:
                 states |= part & placed.type.enabling(allowed)
-            elif name == BEGIN and self.mission_net.start in transitions:
+            elif name == BEGIN and self.mission_net.start in wanted:
                 states = part
             found[name] = states
         return self.of(found)
+
+    @cached_property
+    def _firing(self) -> Mapping[int, list[str]]:
+        """By transition of the whole net, the sections whose local nets have it."""
+        found: dict[int, list[str]] = {self.mission_net.start: [BEGIN]}
+        for name, placed in self.sections.items():
+            for t in placed.transitions:
+                found.setdefault(t, []).append(name)
+        return found
 
     def firings(self, states: CompositeSet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         counts: dict[int, int] = {}
         for name, part in states.parts.items():
-            placed, states_once = self.sections.get(name), self.closed(name, part)
+            placed, once = self.sections.get(name), self.closed(name, part)
+            own: Collection[str] = () if placed is None else placed.faulty
+            found = {self.mission_net.start: once.count()} if name == BEGIN else {}
             if placed is not None:
-                for local, number in placed.type.firings(states_once).items():
-                    t = placed.transitions[local]
-                    counts[t] = counts.get(t, 0) + number
-            elif name == BEGIN:
-                counts[self.mission_net.start] = states_once.count()
-            own = set() if placed is None else set(placed.faulty)
-            for hardware in self.layout.hardware:
-                if hardware not in own:
-                    for kind, (marked, unmarked) in self.layout.needs(hardware).items():
-                        t = self.toggles[hardware][kind]
-                        counts[t] = counts.get(t, 0) + states_once.subset(marked, unmarked).count()
+                found = {placed.transitions[t]: n for t, n in placed.type.firings(once).items()}
+            beside_it = [(t, c) for h in self.layout.hardware if h not in own for t, c in self._needing[h]]
+            numbers = once.counts([condition for _, condition in beside_it])
+            found.update(zip([t for t, _ in beside_it], numbers, strict=True))
+            for t, number in found.items():
+                counts[t] = counts.get(t, 0) + number
         return {t: number for t, number in counts.items() if number}
+
+    @cached_property
+    def _needing(self) -> dict[str, list[tuple[int, int]]]:
+        """By hardware, its transitions while nobody uses it, each with the condition on slots for it."""
+        return {
+            name: [
+                (self.toggles[name][kind], self.layout.store.condition(marked, unmarked))
+                for kind, (marked, unmarked) in self.layout.needs(name).items()
+            ]
+            for name in self.layout.hardware
+        }
 
     def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""

@@ -7,7 +7,7 @@ and the state of all hardware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -15,8 +15,9 @@ import numpy as np
 from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
+from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.section_type import ALL, Allowed, Exit, beside
+from mcpn.space.local.local_states import ALL, Allowed, Exit, beside
 from mcpn.space.local.sections import BEGIN, ENDS, PlacedSection
 from mcpn.space.local.sets import CompositeSet, Waiting
 
@@ -65,7 +66,7 @@ class Glued:
     @cached_property
     def everything(self) -> CompositeSet:
         """All reachable states."""
-        return self._reached(self.initial, None, None)
+        return self._reached(self.initial, None)
 
     @cached_property
     def stable(self) -> CompositeSet:
@@ -87,30 +88,41 @@ class Glued:
             found[event.element][kinds[event.what]] = t
         return found
 
-    def allowed_in(self, name: str, transitions: Collection[int] | None) -> Allowed:
+    def allowed_in(
+        self, name: str, wanted: frozenset[int] | None, guards: Guards[CompositeSet] = None
+    ) -> Allowed:
         """What edges may carry, as a section sees it."""
-        if transitions is None:
+        if wanted is None and not guards:
             return ALL
-        wanted = transitions if isinstance(transitions, set | frozenset) else frozenset(transitions)
-        pairs = frozenset(
-            (hardware, kind)
-            for hardware, kinds in self.toggles.items()
-            for kind, t in kinds.items()
-            if t in wanted
-        )
-        placed = self.sections.get(name)
-        if placed is None:
-            return Allowed(frozenset({0}) if self.mission_net.start in wanted else frozenset(), pairs)
-        return Allowed(frozenset(local for local, t in enumerate(placed.transitions) if t in wanted), pairs)
+        pairs, local, placed = None, None, self.sections.get(name)
+        if wanted is not None:
+            pairs = frozenset(
+                (hardware, kind)
+                for hardware, kinds in self.toggles.items()
+                for kind, t in kinds.items()
+                if t in wanted
+            )
+            if placed is None:
+                return Allowed(frozenset({0}) if self.mission_net.start in wanted else frozenset(), pairs)
+            local = frozenset(own for own, t in enumerate(placed.transitions) if t in wanted)
+        found: list[tuple[int, Zdd]] = []
+        if placed is not None:
+            for t, states in (guards or {}).items():
+                own = placed.local_transition(t)
+                if own is not None:
+                    found.append((own, states.parts.get(name, self.layout.store.empty())))
+        return Allowed(local, pairs, tuple(found))
 
-    def filtered(self, transitions: Collection[int] | None) -> Callable[[str], Allowed]:
-        """The same, worked out once for each section that it is asked of."""
+    def filtered(
+        self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None
+    ) -> Callable[[str], Allowed]:
+        """The same, worked out once for each section that it is asked of; guards are of sections' events."""
         wanted = None if transitions is None else frozenset(transitions)
         known: dict[str, Allowed] = {}
 
         def of(name: str) -> Allowed:
             if name not in known:
-                known[name] = self.allowed_in(name, wanted)
+                known[name] = self.allowed_in(name, wanted, guards)
             return known[name]
 
         return of
@@ -134,9 +146,14 @@ class Glued:
         ended = placed.type.from_slots(hardware, placed.faulty, exit_) & placed.type.ended[exit_]
         return placed.type.before_step(ended, allowed)
 
-    def before(self, states: CompositeSet, transitions: Collection[int] | None = None) -> CompositeSet:
+    def before(
+        self,
+        states: CompositeSet,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> CompositeSet:
         """States with an edge into some states."""
-        allowed, found = self.filtered(transitions), dict[str, Zdd]()
+        allowed, found = self.filtered(transitions, guards), dict[str, Zdd]()
 
         def add(name: str, part: Zdd) -> None:
             part = part & self.everything.parts.get(name, self.layout.store.empty())
@@ -152,9 +169,14 @@ class Glued:
                 add(before, self.leaving(before, exit_, self.entries(name, part), allowed(before)))
         return CompositeSet(self, found)
 
-    def after(self, states: CompositeSet, transitions: Collection[int] | None = None) -> CompositeSet:
+    def after(
+        self,
+        states: CompositeSet,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> CompositeSet:
         """States that an edge leads to from some states."""
-        allowed, found = self.filtered(transitions), dict[str, Zdd]()
+        allowed, found = self.filtered(transitions, guards), dict[str, Zdd]()
 
         def add(name: str, part: Zdd) -> None:
             if part:
@@ -189,10 +211,11 @@ class Glued:
         goal: CompositeSet,
         along: CompositeSet | None = None,
         transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = (self.everything if along is None else along).parts
-        allowed = self.filtered(transitions)
+        allowed = self.filtered(transitions, guards)
         found = dict(goal.parts)
         waiting = Waiting(found, lambda name: -self._order[name])
         for name in waiting:
@@ -219,15 +242,20 @@ class Glued:
         begin: CompositeSet,
         along: CompositeSet | None = None,
         transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
-        return self._reached(begin, self.everything if along is None else along, transitions)
+        return self._reached(begin, self.everything if along is None else along, transitions, guards)
 
     def _reached(
-        self, begin: CompositeSet, along: CompositeSet | None, transitions: Collection[int] | None
+        self,
+        begin: CompositeSet,
+        along: CompositeSet | None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """The same; without ``along`` through all that local nets allow."""
-        allowed = self.filtered(transitions)
+        allowed = self.filtered(transitions, guards)
 
         def within(name: str) -> Zdd | None:
             if along is not None:
@@ -253,6 +281,34 @@ class Glued:
                 if onward is not None:
                     waiting.widen(route, self.enter(route, hardware) & onward)
         return self.of(found)
+
+    def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
+        """Transitions with edges from some states into others, each with the states before it."""
+        found: dict[int, dict[str, Zdd]] = {}
+        for name, part in (self.before(into) & among).parts.items():
+            placed, inside = self.sections.get(name), into.parts.get(name, self.layout.store.empty())
+            own = () if placed is None else placed.faulty
+            for hardware in self.layout.hardware:
+                for kind, pair in self.layout.toggles(hardware).items() if hardware not in own else ():
+                    before = inside.images([pair[1]]) & part
+                    if before:
+                        found.setdefault(self.toggles[hardware][kind], {})[name] = before
+            goal = inside
+            for route, exit_ in self.exits(name):
+                onward = self.entries(route, into.parts[route]) if route in into.parts else None
+                if onward and placed is not None:
+                    ended = placed.type.from_slots(onward, placed.faulty, exit_)
+                    goal |= ended & placed.type.ended[exit_]
+                elif onward and onward & part:
+                    found.setdefault(self.mission_net.start, {})[name] = onward & part
+            if placed is not None:
+                for t, before in placed.type.crossing(part, goal):
+                    found.setdefault(placed.transitions[t], {})[name] = before
+        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
+
+    def pieces(self, states: CompositeSet) -> Iterator[CompositeSet]:
+        """The states, section by section."""
+        return (CompositeSet(self, {name: part}) for name, part in states.parts.items())
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.algebra import Edge
+from mcpn.space.algebra import Edge, Guards
 from mcpn.space.local.glued import Glued
-from mcpn.space.local.section_type import ALL, Allowed
+from mcpn.space.local.local_states import ALL, Allowed
 from mcpn.space.local.sections import BEGIN, PlacedSection
 from mcpn.space.local.sets import CompositeSet, Member
 
@@ -81,15 +81,17 @@ class Runs(Glued):
         goal: CompositeSet,
         along: CompositeSet | None = None,
         transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
     ) -> list[Edge] | None:
         """A run from a member into a goal through as few sections as can be.
 
         Within each section it is a shortest one; see :meth:`mcpn.space.algebra.Space.run`.
         """
-        hops = self._hops(begin, goal, along, transitions)
+        allowed = self.filtered(transitions, guards)
+        hops = self._hops(begin, goal, along, allowed)
         if hops is None:
             return None
-        allowed, run, state = self.filtered(transitions), list[Edge](), begin
+        run, state = list[Edge](), begin
         while True:
             hop = next(
                 i for i, found in enumerate(hops) if state[0] in found and self._in(state, found[state[0]][0])
@@ -101,22 +103,25 @@ class Runs(Glued):
             state = legs[-1].target if legs else state
             if hop == 0:
                 return run
-            run.append(
-                next(e for e in self.edges(state) if self._leads_on(e, state, hops[hop - 1], transitions))
-            )
+            run.append(next(e for e in self.edges(state) if self._leads_on(e, state, hops[hop - 1], allowed)))
             state = run[-1].target
 
     def _in(self, state: Member, part: Zdd) -> bool:
         return bool(self.single(state).parts[state[0]] & part)
 
     def _leads_on(
-        self, edge: Edge, state: Member, hop: dict[str, tuple[Zdd, Zdd]], transitions: Collection[int] | None
+        self,
+        edge: Edge,
+        state: Member,
+        hop: dict[str, tuple[Zdd, Zdd]],
+        allowed: Callable[[str], Allowed],
     ) -> bool:
         """Whether an edge leaves a section for states from which the goal is one section nearer."""
         after = edge.target
         leaves = edge.transition == self.mission_net.start or self._ends_section(state, edge.transition)
-        allowed = transitions is None or edge.transition in transitions
-        return leaves and allowed and after[0] in hop and self._in(after, hop[after[0]][0])
+        if not leaves or not self._carried(edge, state, allowed(state[0])):
+            return False
+        return after[0] in hop and self._in(after, hop[after[0]][0])
 
     def _ends_section(self, state: Member, transition: int) -> bool:
         placed = self.sections.get(state[0])
@@ -127,11 +132,10 @@ class Runs(Glued):
         begin: Member,
         goal: CompositeSet,
         along: CompositeSet | None,
-        transitions: Collection[int] | None,
+        allowed: Callable[[str], Allowed],
     ) -> list[dict[str, tuple[Zdd, Zdd]]] | None:
         """By number of sections to leave before the goal: from which states, and to where in a section."""
         within = (self.everything if along is None else along).parts
-        allowed = self.filtered(transitions)
         seen: dict[str, Zdd] = {}
         targets = dict(goal.parts)
         hops: list[dict[str, tuple[Zdd, Zdd]]] = []
@@ -177,19 +181,25 @@ class Runs(Glued):
             edge = next(
                 e
                 for e in self.edges(state)
-                if e.target[0] == name and self._carried(e, name, allowed) and self._in(e.target, layer)
+                if e.target[0] == name and self._carried(e, state, allowed) and self._in(e.target, layer)
             )
             run.append(edge)
             state = edge.target
         return run
 
-    def _carried(self, edge: Edge, name: str, allowed: Allowed) -> bool:
-        """Whether an edge within a section is allowed."""
+    def _carried(self, edge: Edge, state: Member, allowed: Allowed) -> bool:
+        """Whether an edge out of a state is allowed."""
         if allowed is ALL:
             return True
-        placed = self.sections.get(name)
-        if placed is not None and (local := placed.local_transition(edge.transition)) is not None:
-            return allowed.local is None or local in allowed.local
+        placed = self.sections.get(state[0])
+        local = None if placed is None else placed.local_transition(edge.transition)
+        if local is not None:
+            guard = dict(allowed.guards).get(local)
+            return (allowed.local is None or local in allowed.local) and (
+                guard is None or self._in(state, guard)
+            )
+        if edge.transition == self.mission_net.start:
+            return allowed.local is None or bool(allowed.local)
         return allowed.beside is None or any(
             self.toggles[hardware][kind] == edge.transition for hardware, kind in allowed.beside
         )

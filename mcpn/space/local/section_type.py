@@ -1,28 +1,14 @@
-"""One type of sections on the store of a composite: its local states, and steps and closures among them.
-
-A set of local states is a diagram over the places of the local net and the slots of the hardware beside it;
-the section's own slots are open in it. What is computed once for a set serves every section of the type.
-"""
+"""One type of sections: its local states, and its interface to the sections before and after it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import TypeVar
+from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.errors import SemanticsError
-from mcpn.net.compose import MissionNet
-from mcpn.net.sections import LocalPart
-from mcpn.space.encoding import Encoding, distinct
-from mcpn.space.local.layout import Layout
-from mcpn.space.symbolic import SymbolicSpace, chained, elements
-
-Exit = str
-"""The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""
-
-Known = TypeVar("Known")
+from mcpn.space.local.local_states import Exit, LocalStates
 
 
 class PremiseError(SemanticsError):
@@ -43,22 +29,6 @@ class PremiseError(SemanticsError):
 
 
 @dataclass(frozen=True, slots=True)
-class Allowed:
-    """What edges may carry, as a type of sections sees it; hashable, so that results are remembered.
-
-    Args:
-        local: Event transitions of the local net; ``None`` for all.
-        beside: Events of hardware beside the section, as pairs (resource, kind); ``None`` for all.
-    """
-
-    local: frozenset[int] | None = None
-    beside: frozenset[tuple[str, str]] | None = None
-
-
-ALL = Allowed()
-
-
-@dataclass(frozen=True, slots=True)
 class _Patterns:
     """What an idle resource marks in each of its states.
 
@@ -73,8 +43,8 @@ class _Patterns:
     by_state: Mapping[tuple[int, ...], frozenset[int]]
 
 
-class SectionType:
-    """The local states of one type of sections.
+class SectionType(LocalStates):
+    """Local states, with what is handed from section to section: the state of all hardware, in slots.
 
     Args:
         part: The section that stands for the type.
@@ -82,181 +52,6 @@ class SectionType:
         explored: Its reachable markings, from every state of its hardware, on a store of their own.
         layout: The store of the composite.
     """
-
-    def __init__(self, part: LocalPart, net: MissionNet, explored: SymbolicSpace, layout: Layout) -> None:
-        self.part = part
-        self.net = net
-        self.layout = layout
-        self.faulty = part.faulty
-        self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
-        assert explored.stable is not None, "nets of missions have priorities"
-        self._reachable, self._stable = (
-            layout.store.from_bytes(states.to_bytes()) for states in (explored.reachable, explored.stable)
-        )
-        self._known: dict[Hashable, object] = {}
-
-    def remembered(self, key: Hashable, compute: Callable[[], Known]) -> Known:
-        """What was computed for a key before, or is now."""
-        if key not in self._known:
-            self._known[key] = compute()
-        return self._known[key]  # type: ignore[return-value]
-
-    # --- sets ---
-
-    def _opened(self, states: Zdd) -> Zdd:
-        """Local states with hardware beside them in any state."""
-        return self.layout.opened(states, self.layout.all_slots)
-
-    @cached_property
-    def reachable(self) -> Zdd:
-        """Local markings, transient ones included, beside any state of the other hardware."""
-        return self._opened(self._reachable)
-
-    @cached_property
-    def stable(self) -> Zdd:
-        """Those that are stable."""
-        return self._opened(self._stable)
-
-    @cached_property
-    def before(self) -> Zdd:
-        """Stable states before the section is entered."""
-        return self.encoding.marking_all([self.net.beginning], self.stable)
-
-    @cached_property
-    def ends(self) -> Mapping[Exit, int]:
-        """By exit, the place that says that the section has ended so."""
-        return {"success": self.net.success, "failure": self.net.failure}
-
-    def _ended(self, stable: Zdd, exit_: Exit) -> Zdd:
-        return self.encoding.marking_all([self.ends[exit_]], stable)
-
-    @cached_property
-    def ended(self) -> Mapping[Exit, Zdd]:
-        """Stable states after the section, by its exit."""
-        return {exit_: self._ended(self.stable, exit_) for exit_ in self.ends}
-
-    @cached_property
-    def inside(self) -> Zdd:
-        """Stable states of the section itself."""
-        found = self.stable - self.before
-        for states in self.ended.values():
-            found -= states
-        return found
-
-    @cached_property
-    def size(self) -> int:
-        """Number of stable states of the local net."""
-        return self._stable.count()
-
-    @cached_property
-    def dead(self) -> Zdd:
-        """States inside in which no event of the section is enabled."""
-        return self.inside.without([c for t in self._every if (c := self.encoding.enabling[t]) is not None])
-
-    # --- events ---
-
-    @cached_property
-    def _by_element(self) -> list[list[int]]:
-        """Event transitions of the local net but for the start, by the element that they are of."""
-        return [of for of in elements(self.encoding) if self.net.start not in of]
-
-    @cached_property
-    def _every(self) -> list[int]:
-        return [t for of in self._by_element for t in of]
-
-    def _local(self, events: Mapping[int, int], allowed: Allowed) -> list[list[int]]:
-        """Events of the store for the local transitions that are allowed, element by element."""
-        groups = (
-            distinct(events[t] for t in of if allowed.local is None or t in allowed.local)
-            for of in self._by_element
-        )
-        return [group for group in groups if group]
-
-    def _beside(self, allowed: Allowed, *, undone: bool) -> list[int]:
-        """Events of the store for what hardware beside the section does, or what undoes it."""
-        return beside(self.layout, allowed, undone=undone)
-
-    def settled(self, after: Zdd) -> Zdd:
-        """The stable markings in which internal evolution ends."""
-        return after.saturate(self.encoding.internal) & self.stable
-
-    def ending(self, goal: Zdd) -> Zdd:
-        """Markings from which internal evolution ends in a goal."""
-        return goal.saturate(self.encoding.internal_back, within=self.reachable)
-
-    def enabling(self, allowed: Allowed) -> Zdd:
-        """States inside with an event of the section that is allowed."""
-        wanted = [t for t in self._every if allowed.local is None or t in allowed.local]
-        conditions = [c for t in wanted if (c := self.encoding.enabling[t]) is not None]
-        return self.inside - self.inside.without(conditions) if conditions else self.inside - self.inside
-
-    def firings(self, states: Zdd) -> dict[int, int]:
-        """In how many of some states inside each event transition of the local net is enabled."""
-        wanted = [(t, c) for t in self._every if (c := self.encoding.enabling[t]) is not None]
-        counts = states.counts([c for _, c in wanted])
-        return {t: n for (t, _), n in zip(wanted, counts, strict=True) if n}
-
-    def begun(self, inside: Zdd, entering: Zdd) -> Zdd:
-        """Markings just after an event, before any internal firing.
-
-        Args:
-            inside: States inside, for the section's own events.
-            entering: States before the entry, for the start.
-        """
-        events = self.encoding.events
-        return inside.images(distinct(events[t] for t in self._every)) | entering.images(
-            [events[self.net.start]]
-        )
-
-    # --- steps: inside the section, or from inside to its ends ---
-
-    def after(self, states: Zdd, allowed: Allowed = ALL) -> Zdd:
-        """States, inside or at the ends, one event of the section after some states inside."""
-
-        def compute() -> Zdd:
-            events = [e for group in self._local(self.encoding.events, allowed) for e in group]
-            return self.settled(states.images(events))
-
-        return self.remembered(("after", states, allowed), compute)
-
-    def before_step(self, goal: Zdd, allowed: Allowed = ALL) -> Zdd:
-        """States inside with an event of the section that leads to a goal, inside or at the ends."""
-
-        def compute() -> Zdd:
-            events = [e for group in self._local(self.encoding.undoing, allowed) for e in group]
-            return self.ending(goal).images(events, within=self.inside)
-
-        return self.remembered(("before", goal, allowed), compute)
-
-    def reached(self, begin: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
-        """States to which runs through a set of states inside lead from some of them."""
-
-        def ahead(states: Zdd, events: list[int]) -> Zdd:
-            return self.settled(states.images(events)) & along
-
-        def compute() -> Zdd:
-            steps = [partial(ahead, events=group) for group in self._local(self.encoding.events, allowed)]
-            toggles = self._beside(allowed, undone=False)
-            return chained(begin & along, [*steps, lambda states: states.saturate(toggles, within=along)])
-
-        return self.remembered(("reached", begin, along, allowed), compute)
-
-    def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
-        """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
-
-        def back(states: Zdd, events: list[int]) -> Zdd:
-            return self.ending(states).images(events, within=along)
-
-        def compute() -> Zdd:
-            steps = [partial(back, events=group) for group in self._local(self.encoding.undoing, allowed)]
-            toggles = self._beside(allowed, undone=True)
-            return chained(
-                goal, [*steps, lambda states: states.saturate(toggles, within=along | goal) & (along | goal)]
-            )
-
-        return self.remembered(("reaching", goal, along, allowed), compute)
-
-    # --- the interface: states of all hardware in slots, and back ---
 
     @cached_property
     def _idle(self) -> list[int]:
@@ -392,21 +187,3 @@ class SectionType:
                 hardware = frozenset[int]().union(*(known.levels for known in self._patterns))
                 first = min(self.encoding.places[level] for level in (levels - hardware) or levels)
                 raise PremiseError(section, self.net.net.places[first].name)
-
-
-def beside(layout: Layout, allowed: Allowed, *, undone: bool, but: Collection[str] = ()) -> list[int]:
-    """Events of the store for what idle hardware does, or what undoes it.
-
-    Args:
-        layout: The store.
-        allowed: Which of them are wanted.
-        undone: Whether those are wanted that undo it.
-        but: Hardware whose events are not wanted.
-    """
-    return [
-        pair[undone]
-        for name in layout.hardware
-        if name not in but
-        for kind, pair in layout.toggles(name).items()
-        if allowed.beside is None or (name, kind) in allowed.beside
-    ]

@@ -13,7 +13,8 @@ from mcpn.net.petri import Provenance
 from mcpn.net.sections import LocalPart, Renaming
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.section_type import Exit, SectionType
+from mcpn.space.local.local_states import Exit
+from mcpn.space.local.section_type import SectionType
 
 BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""

@@ -13,11 +13,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import Goal, holds
-from mcpn.space.search.searches import Run, Searches
+from mcpn.net.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
+from mcpn.space.search.goal import Dead, Goal, asks_dead, holds, renamed, wanted
+from mcpn.space.search.searches import Run, Searches, leads_to, replay, shortened
 
 INITIAL_STATE, RANDOM_WALK, STUBBORN_SETS = "INITIAL_STATE", "RANDOM_WALK", "STUBBORN_SETS"
-EXPLICIT = "EXPLICIT"
+EXPLICIT, REDUCTION = "EXPLICIT", "STRUCTURAL_REDUCTION"
+STATE_EQUATION, TRAPS = "STATE_EQUATION", "TRAPS"
+MOST_LEFT = 100_000
+"""Firings after a lifted run before its end must be dead."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +46,15 @@ class Round:
     Args:
         steps: Firings of a walk.
         states: Markings of a search.
+        equation: Whether the state equation is asked as well.
     """
 
     steps: int
     states: int
+    equation: bool = False
 
 
-ROUNDS = (Round(20_000, 2_000), Round(100_000, 20_000), Round(400_000, 200_000))
+ROUNDS = (Round(20_000, 2_000), Round(100_000, 20_000, equation=True), Round(400_000, 200_000))
 
 
 class Portfolio:
@@ -87,6 +93,7 @@ class Portfolio:
                 waiting.append(index)
         if not self.searches.fits:
             return
+        tasks: dict[int, _Task] = {}
         for number, budget in enumerate(rounds):
             if not waiting:
                 return
@@ -98,17 +105,79 @@ class Portfolio:
             waiting = [index for position, index in enumerate(waiting) if position not in walked]
             left = []
             for index in waiting:
-                finding = self._search(goals[index], budget)
+                task = tasks.get(index) or tasks.setdefault(index, _Task(self.net, goals[index]))
+                finding = task.search(budget, seed=number)
                 if finding is None:
                     left.append(index)
                 else:
                     yield index, finding
             waiting = left
 
-    def _search(self, goal: Goal, budget: Round) -> Finding | None:
-        found = self.searches.seek(goal, max_states=budget.states)
+
+class _Task:
+    """One goal, on the net reduced for it.
+
+    Args:
+        net: The net.
+        goal: What is looked for.
+    """
+
+    def __init__(self, net: PetriNet, goal: Goal) -> None:
+        self.net, self.goal = net, goal
+        self.reduction = _reduced(net, goal)
+        smaller = net if self.reduction is None else self.reduction.net
+        self.searches = Searches(smaller)
+        self.inner = goal if self.reduction is None else renamed(goal, self.reduction.place_index.__getitem__)
+        self.techniques = () if self.reduction is None else (REDUCTION,)
+
+    def search(self, budget: Round, seed: int) -> Finding | None:
+        """Walks and searches, within a budget; nothing where neither decides."""
+        if self.reduction is not None:
+            if not self.searches.fits:
+                return None
+            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed)
+            if walked:
+                return self._reached(walked[0], RANDOM_WALK)
+        found = self.searches.seek(self.inner, max_states=budget.states)
         if found.outcome == "reached":
-            return Finding(True, found.run, (EXPLICIT, STUBBORN_SETS))
+            return self._reached(found.run, EXPLICIT, STUBBORN_SETS)
         if found.outcome == "unreachable":
-            return Finding(False, None, (EXPLICIT, STUBBORN_SETS))
+            return Finding(False, None, (*self.techniques, EXPLICIT, STUBBORN_SETS))
+        return self._by_equation(budget, seed) if budget.equation else None
+
+    def _by_equation(self, budget: Round, seed: int) -> Finding | None:
+        from mcpn.space.search.equation import StateEquation
+
+        found = StateEquation(self.searches.net).solve(self.inner)
+        if found.kind == "unreachable":
+            traps = (TRAPS,) if found.traps else ()
+            return Finding(False, None, (*self.techniques, STATE_EQUATION, *traps))
+        if found.kind == "possible":
+            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=found.counts)
+            if walked:
+                return self._reached(walked[0], STATE_EQUATION, RANDOM_WALK)
         return None
+
+    def _reached(self, run: Run, *ways: str) -> Finding:
+        if self.reduction is not None:
+            run = shortened(self.net, self.reduction.lift(run))
+            if isinstance(self.goal, Dead) and self.goal.holds:
+                run = shortened(self.net, _gone_on(self.net, run))
+        assert leads_to(self.net, run, self.goal), "a run to a goal replays"
+        return Finding(True, run, (*self.techniques, *ways))
+
+
+def _reduced(net: PetriNet, goal: Goal) -> Reduction | None:
+    if isinstance(goal, Dead) and goal.holds:
+        return reduce_for_deadlock(net)
+    return None if asks_dead(goal) else reduce_for_goal(net, wanted(goal))
+
+
+def _gone_on(net: PetriNet, run: Run) -> Run:
+    """A run that goes on until nothing may fire."""
+    fired = list(run)
+    marking = replay(net, run)
+    while (enabled := net.enabled(marking)) and len(fired) < len(run) + MOST_LEFT:
+        fired.append(enabled[0])
+        marking = net.fire(marking, enabled[0])
+    return tuple(fired)

@@ -1,0 +1,129 @@
+"""Merges states of machines that no run of events can tell apart (partition refinement, Moore 1956).
+
+Two states may be merged where they show the same (objectives, mode, what waits, what was refused, branches
+that have ended, hardware out of service), allow the same events, order the same actions on each, and lead to
+states that may be merged. The coarsest such partition is a bisimulation; :func:`is_bisimulation` checks one
+on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+
+from mcpn.controller.hierarchy import Controller, Move, SectionMachine
+
+
+def minimise(controller: Controller) -> Controller:
+    """The same controller with machines as small as they can be.
+
+    Args:
+        controller: Any controller.
+
+    Returns:
+        One that does the same on every run of events; :attr:`Controller.states` tells what was gained.
+    """
+    types = tuple(quotient(machine, partition(machine)) for machine in controller.types)
+    return replace(controller, types=types, minimised=True)
+
+
+def partition(machine: SectionMachine) -> list[int]:
+    """The coarsest bisimulation: the number of its class by state, in the order of their first states."""
+    moves = _moves(machine)
+    classes = _numbered([_shown(machine, number) for number in range(len(machine.states))])
+    while True:
+        keys: list[Hashable] = [
+            (
+                classes[number],
+                tuple(
+                    (m.event, m.actions, classes[m.target] if isinstance(m.target, int) else m.target)
+                    for m in moves[number]
+                ),
+            )
+            for number in range(len(classes))
+        ]
+        finer = _numbered(keys)
+        if finer == classes:
+            return classes
+        classes = finer
+
+
+def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:
+    """Whether states of one class show the same and do the same on every event, up to classes.
+
+    It compares each state with the first of its class, one move at a time, and shares no code with
+    :func:`partition`.
+
+    Args:
+        machine: The machine.
+        classes: The number of its class by state.
+    """
+    first: dict[int, int] = {}
+    by_source: dict[int, dict[int, Move]] = {number: {} for number in range(len(machine.states))}
+    for move in machine.moves:
+        by_source[move.source][move.event] = move
+    for number, found in enumerate(classes):
+        other = first.setdefault(found, number)
+        if machine.states[number] != machine.states[other]:
+            return False
+        mine, theirs = by_source[number], by_source[other]
+        if mine.keys() != theirs.keys():
+            return False
+        for event, move in mine.items():
+            same = theirs[event]
+            if move.actions != same.actions or type(move.target) is not type(same.target):
+                return False
+            if isinstance(move.target, int) and isinstance(same.target, int):
+                if classes[move.target] != classes[same.target]:
+                    return False
+            elif move.target != same.target:
+                return False
+    return True
+
+
+def quotient(machine: SectionMachine, classes: Sequence[int]) -> SectionMachine:
+    """The machine with one state for each class, which stands for its first state."""
+    first: dict[int, int] = {}
+    for number, found in enumerate(classes):
+        first.setdefault(found, number)
+    kept = set(first.values())
+    return replace(
+        machine,
+        states=tuple(machine.states[number] for number in first.values()),
+        entries=tuple(e and replace(e, target=classes[e.target]) for e in machine.entries),
+        moves=tuple(
+            Move(
+                classes[m.source],
+                m.event,
+                classes[m.target] if isinstance(m.target, int) else m.target,
+                m.actions,
+            )
+            for m in machine.moves
+            if m.source in kept
+        ),
+    )
+
+
+def _shown(machine: SectionMachine, number: int) -> Hashable:
+    state = machine.states[number]
+    return (
+        state.objectives,
+        state.pending,
+        state.done,
+        tuple(state.mode.items()),
+        tuple(state.waiting.items()),
+        state.refused,
+        state.out_of_service,
+    )
+
+
+def _moves(machine: SectionMachine) -> list[list[Move]]:
+    found: list[list[Move]] = [[] for _ in machine.states]
+    for move in machine.moves:
+        found[move.source].append(move)
+    return found
+
+
+def _numbered(keys: Sequence[Hashable]) -> list[int]:
+    known: dict[Hashable, int] = {}
+    return [known.setdefault(key, len(known)) for key in keys]

@@ -1,0 +1,95 @@
+"""Who shares what: which resources several activities may use at a time, and by which interfaces.
+
+Software carries data, so any number of activities may use it at a time, unless it is declared exclusive;
+hardware is exclusive, unless it is declared shared. Where no two activities can want a resource at the same
+moment there is nothing to share, and the resource has the one interface of the paper. Elsewhere each activity
+that consumes it has an interface of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mcpn.mission.usage import Usage
+
+
+class Sharing:
+    """Static facts on sharing.
+
+    Args:
+        usage: Static facts of the mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self.usage = usage
+        self._under: dict[tuple[str, str], frozenset[str]] = {}
+
+    @cached_property
+    def consumers(self) -> Mapping[str, tuple[str, ...]]:
+        """By resource that is shared, the activities that consume it, in document order."""
+        usage = self.usage
+        wanted = {r for r in usage.wanted_together if not usage.is_exclusive(r)}
+        return {
+            resource: tuple(a for a in usage.started if resource in usage.resources_of({a}))
+            for resource in wanted
+        }
+
+    def owners(self, resource: str) -> tuple[str | None, ...]:
+        """Whose interfaces a resource has: its consumers', or one of nobody in particular."""
+        return self.consumers.get(resource, (None,))
+
+    def owner(self, resource: str, consumer: str) -> str | None:
+        """The owner of the interface by which an activity uses a resource."""
+        return consumer if resource in self.consumers else None
+
+    def serves(self, activity: str) -> bool:
+        """Whether an activity's products have several interfaces, so that it goes on while one is in use."""
+        produces = self.usage.activities[activity].produces
+        return len(produces) > 1 or any(s in self.consumers for s in produces)
+
+    def evaluated_on_release(self, activity: str) -> bool:
+        """Whether a producer evaluates its alternatives again each time that a consumer gives a product back.
+
+        A producer that serves goes on if another consumer asks before the last one releases, and is started
+        anew if it asks after. Both may come of one failure, in either order, and make a difference where the
+        producer, or one that serves it, has several alternatives: the one that goes on keeps its alternative.
+        There, and only there, it evaluates them again, so that both orders end alike.
+        """
+        usage = self.usage
+        if not self.serves(activity):
+            return False
+        if all(len(usage.activities[a].alternatives) == 1 for a in usage.closure(activity)):
+            return False
+        # By interface, the activities that ask and release by it.
+        asking = [
+            tuple(a for a in usage.started if product in usage.resources_of({a}) and owner in (None, a))
+            for product in usage.activities[activity].produces
+            for owner in self.owners(product)
+        ]
+        if any(self.serves(a) for consumers in asking for a in consumers):
+            return True
+        affected = [self._affecting(consumers, activity) for consumers in asking]
+        return any(not one.isdisjoint(other) for one, other in combinations(affected, 2))
+
+    def _affecting(self, consumers: tuple[str, ...], producer: str) -> frozenset[str]:
+        """Hardware whose failure may make some activities ask or release, the producer's failure aside."""
+        usage = self.usage
+        above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
+        return frozenset[str]().union(*(self._under_all(a, producer) for a in above))
+
+    def _under_all(self, activity: str, without: str) -> frozenset[str]:
+        key = (activity, without)
+        if key not in self._under:
+            usage = self.usage
+            found = frozenset[str]()
+            for k in usage.resources_of({activity}):
+                if k in usage.hardware:
+                    found |= usage.hardware_under(k)
+                elif usage.producer[k] != without:
+                    found |= self._under_all(usage.producer[k], without)
+            self._under[key] = found
+        return self._under[key]

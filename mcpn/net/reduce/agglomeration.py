@@ -1,0 +1,114 @@
+"""Agglomeration: two transitions in sequence become one, and the place between them goes.
+
+References: G. Berthelot, *Transformations and decompositions of nets*, LNCS 254, 1987; S. Haddad, J.-F.
+Pradat-Peyre, *New efficient Petri nets reductions for parallel programs verification*, 2006; Y. Thierry-Mieg,
+*Structural reductions revisited*, Petri Nets 2020.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+
+from mcpn.net.reduce.draft import LONGEST, Draft
+
+MOST_FIRED_AT_FIRST = 1000
+
+
+def agglomerate(draft: Draft, kept: Set[int], *, growth: int) -> bool:
+    """Agglomerates around every place that allows it.
+
+    Args:
+        draft: The net.
+        kept: Places that the question speaks of; empty for deadlocks.
+        growth: How many more transitions a place may cost than it takes away.
+
+    Returns:
+        Whether something has changed.
+    """
+    changed = False
+    for place in sorted(draft.places):
+        if place in kept:
+            continue
+        before, after = draft.feeders[place], draft.users[place]
+        if not before or not after or before & after:
+            continue
+        if len(before) * len(after) > len(before) + len(after) + growth:
+            continue
+        if _post_allowed(draft, place, kept) or _pre_allowed(draft, place, kept):
+            changed |= _fuse(draft, place)
+    return changed
+
+
+def _post_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
+    """Whether what follows can follow at once: it needs nothing but this place.
+
+    A marking with tokens here is no deadlock; and where the question speaks of other places, some
+    transition that follows leaves them as they are, so that it can empty this one unseen. Tokens that are
+    here at first are taken away by firing the only one that follows.
+    """
+    after = draft.users[place]
+    weights = {draft.post[t][place] for t in draft.feeders[place]} | {draft.pre[t][place] for t in after}
+    if len(weights) > 1 or any(len(draft.pre[t]) > 1 for t in after):
+        return False
+    if all(draft.post[t].keys() & kept for t in after):
+        return False
+    tokens, (weight,) = draft.initial[place], weights
+    if tokens == 0:
+        return True
+    (only, *others), count = after, tokens // weight
+    if others or tokens % weight or count * draft.lengths[only] > MOST_FIRED_AT_FIRST:
+        return False
+    for produced, more in draft.post[only].items():
+        draft.initial[produced] += more * count
+    draft.initial[place] = 0
+    draft.prefix += flat(draft, only) * count
+    return True
+
+
+def _pre_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
+    """Whether what comes before can wait: it does nothing but mark this place, with tokens of its own."""
+    if draft.initial[place]:
+        return False
+    for t in draft.feeders[place]:
+        if draft.post[t] != {place: 1} or not draft.pre[t]:
+            return False
+        if any(input_ in kept or draft.users[input_] != {t} for input_ in draft.pre[t]):
+            return False
+    return all(draft.pre[t][place] == 1 for t in draft.users[place])
+
+
+def _fuse(draft: Draft, place: int) -> bool:
+    """Replaces the transitions around a place by their sequences, and takes the place out."""
+    before, after = sorted(draft.feeders[place]), sorted(draft.users[place])
+    if max(draft.lengths[t] for t in before) + max(draft.lengths[t] for t in after) > LONGEST:
+        return False
+    for first in before:
+        for second in after:
+            pre, post = dict(draft.pre[first]), dict(draft.post[second])
+            for needed, weight in draft.pre[second].items():
+                missing = weight - draft.post[first].get(needed, 0)
+                if missing > 0:
+                    pre[needed] = pre.get(needed, 0) + missing
+            for left, weight in draft.post[first].items():
+                more = weight - draft.pre[second].get(left, 0)
+                if more > 0:
+                    post[left] = post.get(left, 0) + more
+            run = (draft.runs[first], draft.runs[second])
+            draft.add(pre, post, run, draft.lengths[first] + draft.lengths[second])
+    for transition in (*before, *after):
+        draft.drop(transition)
+    draft.drop_place(place)
+    return True
+
+
+def flat(draft: Draft, transition: int) -> list[int]:
+    """The firings of the original net that a transition stands for."""
+    found: list[int] = []
+    stack = [draft.runs[transition]]
+    while stack:
+        run = stack.pop()
+        if isinstance(run, int):
+            found.append(run)
+        else:
+            stack += run[::-1]
+    return found

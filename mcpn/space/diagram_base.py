@@ -1,0 +1,238 @@
+"""What both spaces of decision diagrams share: what states say, single states, shortest runs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import cached_property
+
+from mcpn._kernel import Zdd
+from mcpn.net.petri import Marking
+from mcpn.space.algebra import Edge, Guards
+from mcpn.space.encoding import distinct
+from mcpn.space.images import ImageStore
+from mcpn.space.symbolic import SymbolicSpace, elements
+
+FARTHEST = 2**62
+"""Sums of tokens are far from this bound, which the kernel can say."""
+
+
+class Diagrams:
+    """What both spaces of diagrams share.
+
+    Args:
+        space: The reachable markings of a net.
+        states: Those that are states of the graph.
+    """
+
+    def __init__(self, space: SymbolicSpace, states: Zdd, initial: Zdd) -> None:
+        self.space = space
+        self.encoding = space.encoding
+        self.net = space.encoding.net
+        self.everything = states
+        self.initial = initial
+        self.nothing = self.encoding.store.empty()
+        free = {
+            t for t in self.encoding.events if self.net.transitions[t].internal or not self.net.priorities
+        }
+        self.free = [t for t in self.encoding.events if t in free]
+        """Transitions that fire wherever they have their tokens."""
+        self.waiting = [t for t in self.encoding.events if t not in free]
+        """Transitions that priorities let fire in stable markings only."""
+
+    @property
+    def regions(self) -> Sequence[Zdd]:
+        """One region: the diagram does not know where cycles are."""
+        return (self.everything,)
+
+    @cached_property
+    def dead(self) -> Zdd:
+        """States without an edge; a dead marking is stable."""
+        return self.space.dead
+
+    @cached_property
+    def stable(self) -> Zdd:
+        """States that enable no internal transition; all where the net has no priorities."""
+        return self.everything if self.space.stable is None else self.space.stable
+
+    # --- what states say ---
+
+    def single(self, state: Sequence[int]) -> Zdd:
+        """The set that holds one state, given as its marked levels."""
+        return self.encoding.store.singleton(list(state))
+
+    def marking(self, state: Sequence[int]) -> Marking:
+        """The marking of a state, as tokens by place."""
+        return self.encoding.marking(state)
+
+    def marked(self, places: Collection[int]) -> Zdd:
+        """States that mark at least one of some places."""
+        conditions = [self.encoding.condition([place]) for place in places]
+        return self.everything - self.everything.without([c for c in conditions if c is not None])
+
+    def restricted(self, states: Zdd, marked: Collection[int], unmarked: Collection[int]) -> Zdd:
+        """Those of some states that mark all of some places, and none of others."""
+        condition = self.encoding.condition(marked, unmarked)
+        return self.nothing if condition is None else states - states.without([condition])
+
+    def varying(self, states: Zdd) -> Collection[int]:
+        """All places."""
+        return range(len(self.net.places))
+
+    def pieces(self, states: Zdd) -> Iterator[Zdd]:
+        """One piece, unless there is none."""
+        return iter((states,) if states else ())
+
+    def at_most(self, weights: Mapping[int, int], bound: int) -> Zdd:
+        """States whose weighted sum of tokens is at most a bound."""
+        levels, constant = self.encoding.weigh(weights)
+        return self.everything.weighing(levels, -FARTHEST, max(-FARTHEST, min(bound - constant, FARTHEST)))
+
+    def enabling(self, transitions: Collection[int]) -> Zdd:
+        """States with an edge of some of these transitions."""
+        found, enabling = self.nothing, self.encoding.enabling
+        for states, group in ((self.everything, self._edges_anywhere), (self.stable, self.waiting)):
+            wanted = set(group).intersection(transitions)
+            conditions = [c for t in sorted(wanted) if (c := enabling[t]) is not None]
+            if conditions:
+                found |= states - states.without(conditions)
+        return found
+
+    def firings(self, states: Zdd) -> Mapping[int, int]:
+        """In how many of some states each transition has an edge."""
+        found: dict[int, int] = {}
+        for among, group in ((states, self._edges_anywhere), (states & self.stable, self.waiting)):
+            wanted = [(t, c) for t in group if (c := self.encoding.enabling[t]) is not None]
+            counts = among.counts([c for _, c in wanted])
+            found.update((t, n) for (t, _), n in zip(wanted, counts, strict=True) if n)
+        return found
+
+    @property
+    def _edges_anywhere(self) -> list[int]:
+        """Transitions that label edges out of any state that has their tokens."""
+        return self.free
+
+    def image(self, states: Zdd, places: Sequence[int], images: ImageStore) -> Zdd:
+        """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
+        return images.of_diagram(states, self.encoding.store, [self.encoding.bit(p) for p in places])
+
+    # --- helpers ---
+
+    def grouped(
+        self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
+    ) -> list[list[int]]:
+        """Events of waiting transitions without a guard, by the element of the mission that they are of."""
+        wanted = set(self.waiting) if transitions is None else set(self.waiting).intersection(transitions)
+        wanted.difference_update(guards or ())
+        groups = (distinct(events[t] for t in of if t in wanted) for of in elements(self.encoding))
+        return [group for group in groups if group]
+
+    def of(
+        self,
+        events: Mapping[int, int],
+        group: Sequence[int],
+        transitions: Collection[int] | None,
+        guards: Guards[Zdd] = None,
+    ) -> list[int]:
+        """Events of the store for those transitions of a group that are asked for and have no guard."""
+        wanted = None if transitions is None else set(transitions)
+        return distinct(
+            events[t]
+            for t in group
+            if (wanted is None or t in wanted) and (guards is None or t not in guards)
+        )
+
+    def guarded(
+        self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
+    ) -> list[tuple[int, Zdd]]:
+        """Events of the store for transitions with a guard that are asked for, with where they may fire."""
+        found = []
+        for t, states in (guards or {}).items():
+            if t in events and (transitions is None or t in transitions):
+                found.append((events[t], states & (self.stable if t in self._waits else self.everything)))
+        return found
+
+    @cached_property
+    def _waits(self) -> frozenset[int]:
+        return frozenset(self.waiting)
+
+    def _shortest(
+        self,
+        begin: Sequence[int],
+        goal: Zdd,
+        along: Zdd | None,
+        transitions: Collection[int] | None,
+        guards: Guards[Zdd],
+    ) -> list[Zdd] | None:
+        """Layers back from a goal until one holds a state: by the length of shortest runs from there."""
+        start = self.single(begin)
+        layers, seen = [goal], goal
+        while not layers[-1] & start:
+            earlier = self.before(layers[-1], transitions, guards) - seen
+            if along is not None:
+                earlier &= along
+            if not earlier:
+                return None
+            seen |= earlier
+            layers.append(earlier)
+        return layers
+
+    def run(
+        self,
+        begin: Sequence[int],
+        goal: Zdd,
+        along: Zdd | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[Zdd] = None,
+    ) -> list[Edge] | None:
+        """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
+        layers = self._shortest(begin, goal, along, transitions, guards)
+        if layers is None:
+            return None
+        run, state = list[Edge](), begin
+        wanted = None if transitions is None else set(transitions)
+        for layer in reversed(layers[:-1]):
+            edge = next(
+                e
+                for e in self.edges(state)
+                if (wanted is None or e.transition in wanted)
+                and self.single(e.target) & layer
+                and (not guards or e.transition not in guards or self.single(state) & guards[e.transition])
+            )
+            run.append(edge)
+            state = edge.target
+        return run
+
+    def before(
+        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """States with an edge into some states."""
+        raise NotImplementedError
+
+    def crossing(self, among: Zdd, into: Zdd) -> Iterator[tuple[int, Zdd]]:
+        """Transitions with edges from some states into others, each with the states before it."""
+        candidates = self.before(into) & among
+        for t in sorted(self.firings(candidates)) if candidates else ():
+            states = self.before(into, [t]) & candidates
+            if states:
+                yield t, states
+
+    def edges(self, state: Sequence[int]) -> Iterator[Edge]:
+        """The edges of one state."""
+        raise NotImplementedError
+
+    def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
+        """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`.
+
+        Greatest fixpoint: states without a successor in the set are dropped until none is left; only what
+        led into states just dropped is looked at again.
+        """
+        found, ends = along, self.dead
+        lost = self._leaving(along - ends, along)
+        while lost and (asked is None or asked & found):
+            found -= lost
+            lost = self._leaving((self.before(lost) & found) - ends, found)
+        return found
+
+    def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
+        """Those of some states that have no edge into a set."""
+        return states - self.before(into)

@@ -1,0 +1,279 @@
+"""The state equation: markings that firings could reach if their order did not matter.
+
+Each reachable marking is the initial one and what some numbers of firings change. Where no such marking
+satisfies a goal, none is reachable. What the equation lets pass is made narrower by traps: one that is marked
+at first stays marked. J. Esparza, S. Melzer, *Verification of safety properties using integer programming:
+beyond the state equation*, Formal Methods in System Design 16, 2000.
+
+Conditions become rows of a mixed integer program, which HiGHS solves. Each row of the goal is made a little
+wider (:data:`MARGIN`), so that rounding in the solver does not refute what an exact solution satisfies. An
+alternative that no finite bound is known for is left out, which only lets more pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from mcpn.net.petri import PetriNet
+from mcpn.net.structure import incidence, invariants, state_machine_units
+from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable, needs
+
+MARGIN = 1e-3
+LARGEST = 10_000
+"""Weights and tokens beyond this are not given to the solver."""
+MOST_ENTRIES = 200_000
+NODES = 100
+TRAPS = 30
+
+Kind: TypeAlias = Literal["unreachable", "possible", "unknown"]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What the state equation says of a goal.
+
+    Args:
+        kind: No marking of the goal is reachable, some numbers of firings may lead to one, or the solver
+            has not decided.
+        counts: Numbers of firings, by transition.
+        traps: How many traps were needed.
+    """
+
+    kind: Kind
+    counts: tuple[int, ...] = ()
+    traps: int = 0
+
+
+class StateEquation:
+    """The state equation of a net.
+
+    Args:
+        net: The net.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+
+    @cached_property
+    def bounds(self) -> list[float]:
+        """Most tokens of each place, as far as invariants say."""
+        found = [inf] * len(self.net.places)
+        for vector in invariants(self.net):
+            if min(vector.values()) > 0:
+                total = sum(weight * self.net.initial[place] for place, weight in vector.items())
+                for place, weight in vector.items():
+                    found[place] = min(found[place], total // weight)
+        for unit in state_machine_units(self.net):
+            for place in unit:
+                found[place] = min(found[place], 1)
+        return found
+
+    def solve(self, goal: Goal) -> Solution:
+        """Whether the equation, with traps, rules a goal out.
+
+        Args:
+            goal: Any goal.
+
+        Returns:
+            The answer; ``unknown`` also where the net or the goal is too large for the solver.
+        """
+        arcs = [w for t in self.net.transitions for side in (t.consume, t.produce, t.read) for _, w in side]
+        if max((*arcs, *self.net.initial), default=0) > LARGEST or len(arcs) > MOST_ENTRIES:
+            return Solution("unknown")
+        program = _Program(self.net, self.bounds)
+        if not program.require(goal):
+            return Solution("unknown")
+        traps, values = 0, np.zeros(0)
+        for whole in (False, True):
+            while True:
+                kind, values = program.solve(whole=whole)
+                if kind != "possible":
+                    return Solution(kind, traps=traps)
+                empty = {
+                    p
+                    for p, tokens in enumerate(values[program.first_place :][: len(self.bounds)])
+                    if tokens < 0.5 * MARGIN
+                }
+                trap = self._trap(empty) if traps < TRAPS else frozenset()
+                if not trap:
+                    break
+                program.at_least(dict.fromkeys(trap, 1.0), 1.0)
+                traps += 1
+        counts = tuple(int(np.ceil(value - MARGIN)) for value in values[: len(self.net.transitions)])
+        return Solution("possible", counts, traps)
+
+    def _trap(self, within: Iterable[int]) -> frozenset[int]:
+        """A small trap of some places that is marked at first, or none."""
+        found = self._largest_trap(within)
+        if not any(self.net.initial[p] for p in found):
+            return frozenset()
+        for place in sorted(found):
+            if place in found:
+                smaller = self._largest_trap(found - {place})
+                if any(self.net.initial[p] for p in smaller):
+                    found = smaller
+        return found
+
+    def _largest_trap(self, within: Iterable[int]) -> frozenset[int]:
+        """The largest set of some places such that what takes from it also puts in it."""
+        found = set(within)
+        queue = list(found)
+        while queue:
+            place = queue.pop()
+            if place not in found:
+                continue
+            if any(found.isdisjoint(self._puts[t]) for t in self._takers[place]):
+                found.discard(place)
+                queue += (p for t in self._feeders[place] for p in self._needs[t] if p in found)
+        return frozenset(found)
+
+    @cached_property
+    def _needs(self) -> list[frozenset[int]]:
+        return [frozenset(p for p, _ in t.consume) for t in self.net.transitions]
+
+    @cached_property
+    def _puts(self) -> list[frozenset[int]]:
+        """Places that hold a token after a firing."""
+        found = []
+        for t in self.net.transitions:
+            taken = dict(t.consume)
+            stays = (p for p, weight in t.read if weight > taken.get(p, 0))
+            found.append(frozenset(p for p, _ in t.produce).union(stays))
+        return found
+
+    @cached_property
+    def _takers(self) -> list[list[int]]:
+        return _by_place(self._needs, len(self.net.places))
+
+    @cached_property
+    def _feeders(self) -> list[list[int]]:
+        return _by_place(self._puts, len(self.net.places))
+
+
+def _by_place(sides: list[frozenset[int]], places: int) -> list[list[int]]:
+    found: list[list[int]] = [[] for _ in range(places)]
+    for t, side in enumerate(sides):
+        for place in side:
+            found[place].append(t)
+    return found
+
+
+class _Program:
+    """Rows of a mixed integer program: numbers of firings, tokens, and choices between alternatives."""
+
+    def __init__(self, net: PetriNet, bounds: list[float]) -> None:
+        self.net = net
+        self.bounds = bounds
+        self.first_place = len(net.transitions)
+        self.first_choice = self.first_place + len(net.places)
+        self.choices = 0
+        self.rows: list[tuple[dict[int, float], float]] = []  # weights by variable, and the least sum
+        self.equations: list[tuple[dict[int, float], float]] = []
+        for place, row in enumerate(incidence(net)):
+            weights = {t: float(change) for t, change in row.items()}
+            weights[self.first_place + place] = -1.0
+            self.equations.append((weights, float(-net.initial[place])))
+
+    def at_least(self, weights: dict[int, float], least: float, choice: int | None = None) -> None:
+        """A weighted sum of places is at least so much, where an alternative is chosen if one is given."""
+        row = {self.first_place + place: weight for place, weight in weights.items()}
+        if choice is not None:
+            lowest = sum(w * self.bounds[p] if w < 0 else 0.0 for p, w in weights.items())
+            if lowest == -inf or lowest >= least:
+                return
+            row[choice] = lowest - least
+            least = lowest
+        self.rows.append((row, least))
+
+    def require(self, goal: Goal, choice: int | None = None) -> bool:
+        """Adds a goal; whether its numbers are within what the solver is given."""
+        match goal:
+            case AtMost(weights, bound):
+                if max([abs(bound), *(abs(weight) for _, weight in weights)]) > LARGEST:
+                    return False
+                self.at_least({p: -float(w) for p, w in weights}, -bound - MARGIN, choice)
+                return True
+            case AllOf(goals):
+                return all(self.require(inside, choice) for inside in goals)
+            case AnyOf((only,)):
+                return self.require(only, choice)
+            case AnyOf(goals):
+                return self._clause(goals, choice) or self._choose(goals, choice)
+            case Dead() if goal.holds:
+                alternatives = (
+                    AnyOf(tuple(AtMost(((p, 1),), w - 1) for p, w in needs(self.net, t).items()))
+                    for t in range(len(self.net.transitions))
+                )
+                return all(self.require(inside, choice) for inside in alternatives)
+            case Dead():
+                some = AnyOf(tuple(fireable(self.net, t) for t in range(len(self.net.transitions))))
+                return self.require(some, choice)
+
+    def _clause(self, goals: tuple[Goal, ...], choice: int | None) -> bool:
+        """One row for alternatives that each ask whether a place of at most one token is marked."""
+        weights: dict[int, float] = {}
+        least = 1.0
+        for goal in goals:
+            match goal:
+                case AtMost(((place, 1),), 0) if self.bounds[place] <= 1 and place not in weights:
+                    weights[place] = -1.0
+                    least -= 1.0
+                case AtMost(((place, -1),), -1) if self.bounds[place] <= 1 and place not in weights:
+                    weights[place] = 1.0
+                case _:
+                    return False
+        self.at_least(weights, least - MARGIN, choice)
+        return True
+
+    def _choose(self, goals: tuple[Goal, ...], choice: int | None) -> bool:
+        chosen = []
+        for goal in goals:
+            number = self.first_choice + self.choices
+            self.choices += 1
+            chosen.append(number)
+            if not self.require(goal, number):
+                return False
+        row = dict.fromkeys(chosen, 1.0)
+        if choice is not None:
+            row[choice] = -1.0
+        self.rows.append((row, 1.0 if choice is None else 0.0))
+        return True
+
+    def solve(self, *, whole: bool) -> tuple[Kind, npt.NDArray[np.float64]]:
+        """Looks for a solution; of whole numbers of tokens and choices, where so asked."""
+        from scipy.optimize import Bounds, LinearConstraint, milp
+        from scipy.sparse import csr_array
+
+        count = self.first_choice + self.choices
+        every = [*self.equations, *self.rows]
+        cells = [(i, v, weight) for i, (row, _) in enumerate(every) for v, weight in row.items()]
+        matrix = csr_array(
+            ([w for _, _, w in cells], ([i for i, _, _ in cells], [v for _, v, _ in cells])),
+            shape=(len(every), count),
+        )
+        least = np.array([value for _, value in every])
+        most = np.full(len(every), np.inf)
+        most[: len(self.equations)] = least[: len(self.equations)]
+        upper = np.concatenate((np.full(self.first_place, np.inf), self.bounds, np.ones(self.choices)))
+        integral = np.zeros(count, dtype=np.int64)
+        if whole:
+            integral[self.first_place :] = 1
+        cost = np.zeros(count)
+        cost[: self.first_place] = 1.0
+        found = milp(
+            cost,
+            integrality=integral,
+            bounds=Bounds(np.zeros(count), upper),
+            constraints=LinearConstraint(matrix, least, most),
+            options={"node_limit": NODES, "mip_rel_gap": 1e6},
+        )
+        if found.x is not None:
+            return "possible", np.asarray(found.x, dtype=np.float64)
+        return ("unreachable" if found.status == 2 else "unknown"), np.zeros(0)

@@ -1,0 +1,57 @@
+"""How large generated missions are, and what is drawn in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Bounds on generated missions.
+
+    Args:
+        hardware: Most hardware resources.
+        producers: Most activities that produce; later ones may consume what earlier ones produce.
+        alternatives: Most alternatives of an activity.
+        outputs: Most resources that one activity produces.
+        activities: Most activities that objectives start, unless ``shared_activities`` asks for more.
+        sections: Most elementary objectives in all, uses expanded.
+        objectives: Most blocks in a series.
+        depth: How deep blocks nest.
+        parallel: Whether parallel blocks are drawn.
+        protocols: Whether protocols are drawn and used.
+        loops: Whether routes may go back.
+        rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
+            may be shared.
+        events: Most declared events; with some, blocks and the mission handle them.
+        shared_activities: Whether two objectives may start the same activity.
+        disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
+            objective, the chain under one activity) shares no resource and no activity, so that nothing
+            contends.
+        own_hardware: Whether hardware that one activity consumes is consumed by no other, and all software is
+            shared; with ``shared_activities`` off as well nothing contends, whatever runs together.
+        text: Whether descriptions and parameters are drawn.
+        numbers: Whether rates, durations and probabilities are drawn, each or none.
+        awkward_names: Whether names are drawn that look like parts of one another and of what nets and
+            events are called, the same one for elements of different kinds.
+    """
+
+    hardware: int = 3
+    producers: int = 3
+    alternatives: int = 3
+    outputs: int = 2
+    activities: int = 4
+    sections: int = 16
+    objectives: int = 3
+    depth: int = 2
+    parallel: bool = True
+    protocols: bool = True
+    loops: bool = True
+    rounds: bool = True
+    events: int = 0
+    shared_activities: bool = True
+    disjoint_branches: bool = False
+    own_hardware: bool = False
+    text: bool = False
+    numbers: bool = False
+    awkward_names: bool = False

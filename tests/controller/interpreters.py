@@ -1,0 +1,55 @@
+"""Independent SCXML interpreters: Qt's and python-statemachine's, each given lines of events."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Answers = list[tuple[list[str], set[str]]]
+"""For each event the labels logged, and the active states that have no children."""
+
+
+def qt(path: Path, events: list[str]) -> Answers:
+    """QScxmlStateMachine of PySide6."""
+    if find_spec("PySide6") is None:
+        pytest.skip("needs PySide6")
+    program = Path(__file__).with_name("qt_program.py")
+    run = subprocess.run(
+        [sys.executable, str(program), str(path)],
+        input="\n".join(events) + "\n",
+        capture_output=True,
+        text=True,
+        env={**os.environ, "QT_LOGGING_RULES": "*.debug=false;*.info=false"},
+    )
+    assert run.returncode == 0, run.stderr
+    return [(labels, set(states)) for labels, states in map(json.loads, run.stdout.splitlines())]
+
+
+def python_statemachine(path: Path, events: list[str]) -> Answers:
+    """The interpreter of python-statemachine."""
+    module = pytest.importorskip("statemachine.io.scxml.processor")
+    processor = module.SCXMLProcessor()
+    processor.parse_scxml(path.stem, path.read_text())
+    found: Answers = []
+    machine: Any = None
+    for event in ["", *events]:
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            if event:
+                machine.send(event)
+            else:
+                machine = processor.start()
+        if event:
+            names = set(machine.configuration_values)
+            leaves = {n for n in names if "." in n or n in ("before", "success", "failure")}
+            found.append((printed.getvalue().splitlines(), leaves))
+    return found

@@ -1,0 +1,135 @@
+"""Minimisation: a bisimulation, the coarsest one, and nothing is lost with it."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.check.modes import Situation
+from mcpn.controller.actions import Action
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import Entry, Move, SectionMachine
+from mcpn.controller.minimise import is_bisimulation, minimise, partition, quotient
+from mcpn.controller.targets.json import document
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
+from mcpn.testing import missions
+from tests.controller.test_lockstep import walk
+from tests.controller.traces import Traced, random_events
+
+
+@st.composite
+def machines(draw: st.DrawFn) -> SectionMachine:
+    """Small machines with few outputs, so that many states are alike."""
+    size = draw(st.integers(1, 8))
+    states = tuple(
+        Situation(objectives=(draw(st.sampled_from("ab")),)) if draw(st.booleans()) else Situation()
+        for _ in range(size)
+    )
+    moves = [
+        Move(
+            source,
+            event,
+            draw(st.integers(0, size - 1) | st.sampled_from(["success", "failure"])),
+            draw(st.sampled_from([(), (Action("stop", "x"),)])),
+        )
+        for source in range(size)
+        for event in range(2)
+        if draw(st.booleans())
+    ]
+    events = (Event.parse("a_EV"), Event.parse("b_EV"))
+    entry = Entry(draw(st.integers(0, size - 1)), ())
+    return SectionMachine((), events, states, (entry,), tuple(moves))
+
+
+def told_apart(machine: SectionMachine) -> set[tuple[int, int]]:
+    """Pairs of states that some run tells apart, found pair by pair from what they show."""
+    table = [{m.event: m for m in machine.moves if m.source == s} for s in range(len(machine.states))]
+    size = range(len(table))
+    apart = {
+        (a, b)
+        for a in size
+        for b in size
+        if machine.states[a] != machine.states[b]
+        or {(e, m.actions) for e, m in table[a].items()} != {(e, m.actions) for e, m in table[b].items()}
+    }
+    while True:
+        more = {
+            (a, b)
+            for a in size
+            for b in size
+            if (a, b) not in apart
+            and any(
+                (m.target, table[b][e].target) in apart
+                if isinstance(m.target, int) and isinstance(table[b][e].target, int)
+                else m.target != table[b][e].target
+                for e, m in table[a].items()
+            )
+        }
+        if not more:
+            return apart
+        apart |= more
+
+
+@given(machines())
+def test_it_is_the_coarsest_bisimulation(machine: SectionMachine) -> None:
+    classes = partition(machine)
+    assert is_bisimulation(machine, classes)
+    apart = told_apart(machine)
+    size = range(len(classes))
+    assert {(a, b) for a in size for b in size if classes[a] != classes[b]} == apart
+    small = quotient(machine, classes)
+    assert partition(small) == list(range(len(small.states)))
+
+
+@given(machines(), st.data())
+def test_what_is_no_bisimulation_is_seen(machine: SectionMachine, data: st.DataObject) -> None:
+    size = len(machine.states)
+    classes = data.draw(st.lists(st.integers(0, size - 1), min_size=size, max_size=size))
+    joined = {(a, b) for a in range(size) for b in range(size) if classes[a] == classes[b]}
+    if joined & told_apart(machine):
+        assert not is_bisimulation(machine, classes)
+
+
+def test_the_gain_on_ulysse(ulysse_net: MissionNet) -> None:
+    sizes = {}
+    for form in ("flat", "hierarchical"):
+        found = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
+        small = minimise(found)
+        sizes[form] = (found.states, small.states)
+        assert all(is_bisimulation(t, partition(t)) for t in found.types)
+        assert minimise(small) == small
+    assert sizes["flat"][0] == 236
+    assert sizes["flat"][1] < 236
+    assert sizes["hierarchical"][1] < sizes["hierarchical"][0] == 200
+
+
+@given(missions(max_objectives=3, max_depth=2), st.integers(0, 2**32), st.booleans())
+def test_a_small_controller_does_the_same(mission: Mission, seed: int, flat: bool) -> None:
+    mission_net = compose(mission)
+    try:
+        found = generate(mission_net, "flat" if flat else "hierarchical", max_states=2000)
+    except (SemanticsError, LimitError):
+        return
+    small = minimise(found)
+    assert small.states <= found.states
+    walk(mission_net, [found, small], random.Random(seed), 40)
+    large, little = Traced(document(found, mission_net)), Traced(document(small, mission_net))
+    events = random_events(large, random.Random(seed), 100)
+    large.restart()
+    assert little.lines(events) == large.lines(events)
+
+
+def test_a_changed_machine_is_no_longer_told_alike(ulysse_net: MissionNet) -> None:
+    machine = generate(ulysse_net).types[0]
+    classes = partition(machine)
+    for number, move in enumerate(machine.moves):
+        if classes.count(classes[move.source]) > 1:
+            broken = list(machine.moves)
+            broken[number] = replace(move, actions=(*move.actions, Action("stop", "nothing")))
+            assert not is_bisimulation(replace(machine, moves=tuple(broken)), classes)

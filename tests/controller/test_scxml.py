@@ -1,0 +1,133 @@
+"""The SCXML target, run by interpreters that know nothing of mcpn."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import Controller
+from mcpn.controller.targets import files
+from mcpn.controller.targets.json import document
+from mcpn.controller.targets.names import identifiers
+from mcpn.controller.targets.scxml import NAMESPACE, event_name
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.testing import missions
+from tests.controller.interpreters import Answers, python_statemachine, qt
+from tests.controller.traces import Traced, random_events, tour
+
+INTERPRETERS = {"Qt": qt, "python-statemachine": python_statemachine}
+
+
+def expected(controller: Controller, traced: Traced, events: list[str]) -> Answers:
+    """What the runtime does, in the words of SCXML."""
+    sections = identifiers([s.name for s in controller.sections], prefix="section_")
+    hardware = identifiers(controller.hardware, prefix="hardware_")
+    traced.restart()
+    found: Answers = []
+    for event in events:
+        if not event:
+            traced.restart()
+            continue
+        said = traced.line(event).split(" | ")[0].partition(":")[2].strip()
+        section, state, gone, outcome = traced.place
+        inside = f"{sections[section]}.{state}" if section else outcome or "before"
+        regions = {f"{i}.{'out' if name in gone else 'ready'}" for name, i in hardware.items()}
+        found.append((said.split("; ") if said else [], {inside, *regions}))
+    return found
+
+
+def check(name: str, path: Path, controller: Controller, traced: Traced, events: list[str]) -> None:
+    answers = INTERPRETERS[name](path, [event_name(event) for event in events])
+    assert answers == expected(controller, traced, events)
+
+
+@pytest.mark.parametrize("name", list(INTERPRETERS))
+@pytest.mark.parametrize("form", ["flat", "hierarchical"])
+def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
+    controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
+    ((file, text),) = files(controller, ulysse_net, "scxml").items()
+    (tmp_path / file).write_text(text)
+    traced = Traced(document(controller, ulysse_net))
+    if name == "Qt":
+        events, edges = tour(traced)
+        assert len(edges) == 1332
+        events += random_events(traced, random.Random(1), 500)
+    else:  # a hundred times slower
+        events = random_events(traced, random.Random(1), 200)
+    check(name, tmp_path / file, controller, traced, events)
+
+
+@pytest.mark.long
+@settings(
+    max_examples=10,
+    suppress_health_check=list(HealthCheck),
+    deadline=None,
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),
+)
+@given(missions(max_objectives=3, max_depth=1), st.integers(0, 2**32), st.booleans())
+def test_any_mission(
+    tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool
+) -> None:
+    mission_net = compose(mission)
+    try:
+        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=300)
+    except (SemanticsError, LimitError):
+        return
+    ((file, text),) = files(controller, mission_net, "scxml").items()
+    path = tmp_path_factory.mktemp("scxml") / file
+    path.write_text(text)
+    traced = Traced(document(controller, mission_net))
+    check("Qt", path, controller, traced, random_events(traced, random.Random(seed), 60))
+
+
+@pytest.mark.parametrize("form", ["flat", "hierarchical"])
+def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: MissionNet) -> None:
+    """Every rule of the Recommendation that concerns the elements used; no schema is at hand here."""
+    controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
+    ((_, text),) = files(controller, ulysse_net, "scxml").items()
+    root = etree.fromstring(text.encode())
+    children = {
+        "scxml": {"parallel"},
+        "parallel": {"state"},
+        "state": {"state", "final", "transition"},
+        "transition": {"log"},
+        "final": set(),
+        "log": set(),
+    }
+    attributes = {
+        "scxml": {"version", "datamodel", "initial", "name"},
+        "parallel": {"id"},
+        "state": {"id", "initial"},
+        "transition": {"event", "cond", "target"},
+        "final": {"id"},
+        "log": {"label"},
+    }
+    ids = [e.get("id") for e in root.iter("{*}state", "{*}parallel", "{*}final")]
+    assert len(ids) == len(set(ids))
+    for element in root.iter(etree.Element):
+        name = etree.QName(element)
+        assert name.namespace == NAMESPACE
+        assert {etree.QName(c).localname for c in element.iterchildren(etree.Element)} <= children[
+            name.localname
+        ]
+        assert set(map(str, element.attrib)) <= attributes[name.localname]
+        for key in ("target", "initial"):
+            assert element.get(key) is None or element.get(key) in ids
+        if name.localname == "state" and element.get("initial"):
+            assert element.get("initial") in {c.get("id") for c in element.iterdescendants()}
+        if name.localname == "transition":
+            # No descriptor of an event may match another one: none has a dot, a blank or a star.
+            assert not set(element.get("event") or "") & set(". *")
+            assert element.get("event") or element.get("target")
+
+
+def test_events_whose_names_begin_alike_are_told_apart() -> None:
+    assert event_name("OBJ_a.b_EV_OK") == "OBJ_a-b_EV_OK"
