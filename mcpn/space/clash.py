@@ -19,8 +19,8 @@ from mcpn.net.petri import Marking, Provenance, Transition
 
 _RESOURCE = ("let one of them use another resource", "give one of them an alternative without {wanted}")
 REMEDIES = {
-    "hardware": _RESOURCE,
-    "software": _RESOURCE,
+    "hardware": (*_RESOURCE, 'declare {wanted} with shared="true"'),
+    "software": (*_RESOURCE, 'declare {wanted} without exclusive="true"'),
     "activity": ("give one of them an activity of its own",),
     "producer": ("put in sequence what needs its resources", "produce them by activities of their own"),
 }

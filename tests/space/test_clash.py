@@ -169,7 +169,7 @@ def test_two_branches_want_one_resource() -> None:
         "not confluent: advance (objective advance) and film (objective film), both in parallel block "
         "census, ask for h at the same moment, and what follows depends on which comes first; to change "
         "this, put the two in sequence, or let one of them use another resource, or give one of them an "
-        "alternative without h"
+        'alternative without h, or declare h with shared="true"'
     )
 
 
