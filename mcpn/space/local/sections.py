@@ -9,7 +9,7 @@ from functools import cached_property
 from mcpn.mission.flatten import Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import Provenance
+from mcpn.net.petri import PetriNet, Provenance
 from mcpn.net.sections import LocalPart, Renaming
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.layout import Layout
@@ -93,18 +93,35 @@ class PlacedSection:
     @cached_property
     def places(self) -> list[int]:
         """By place of the local net, the place of the whole net."""
-        return self._placed([place.provenance for place in self.type.net.net.places], self.elements.places)
+        found = self._placed([place.provenance for place in self.type.net.net.places], self.elements.places)
+        if found is None:
+            index = self.elements.mission_net.net.place_index
+            found = [index[place.name] for place in self._own_net.places]
+        return found
 
     @cached_property
     def transitions(self) -> list[int]:
-        """By transition of the local net, the transition of the whole net."""
+        """By transition of the local net, the transition of the whole net; -1 for one of other arcs there."""
         origins = [transition.provenance for transition in self.type.net.net.transitions]
-        return self._placed(origins, self.elements.transitions)
+        found = self._placed(origins, self.elements.transitions)
+        if found is None:
+            index = self.elements.mission_net.net.transition_index
+            found = [index.get(transition.name, -1) for transition in self._own_net.transitions]
+        return found
+
+    @cached_property
+    def _own_net(self) -> PetriNet:
+        """The local net with the section's own names, which the whole net has, too."""
+        return self.part.net(self.templates).net
 
     def _placed(
         self, origins: list[Provenance | None], whole: Mapping[tuple[str, str], list[int]]
-    ) -> list[int]:
-        """Each element is drawn alike in both nets, so its places and transitions correspond in order."""
+    ) -> list[int] | None:
+        """By order: an element drawn alike in both nets has its places and transitions in the same order.
+
+        Returns:
+            ``None`` where the whole has more of some element: interfaces for activities of other sections.
+        """
         own, mission = self.renaming.elements, self.type.net.mission.name
         taken: dict[tuple[str, str], int] = {}
         found = []
@@ -114,10 +131,8 @@ class PlacedSection:
             mine = key if key == ("mission", mission) else (origin.kind, own[key])
             found.append(whole[mine][taken.setdefault(mine, 0)])
             taken[mine] += 1
-        assert all(len(whole[mine]) == count for mine, count in taken.items() if mine[0] != "mission"), (
-            "each element is drawn alike in both nets"
-        )
-        return found
+        alike = all(len(whole[mine]) == count for mine, count in taken.items() if mine[0] != "mission")
+        return found if alike else None
 
     @cached_property
     def _local_places(self) -> Mapping[int, int]:
