@@ -8,7 +8,7 @@ that consumes it has an interface of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -72,11 +72,15 @@ class Sharing:
         ]
         if any(self.serves(a) for consumers in asking for a in consumers):
             return True
-        affected = [self._affecting(consumers, activity) for consumers in asking]
+        affected = [self.affecting(consumers, activity) for consumers in asking]
         return any(not one.isdisjoint(other) for one, other in combinations(affected, 2))
 
-    def _affecting(self, consumers: tuple[str, ...], producer: str) -> frozenset[str]:
-        """Hardware whose failure may make some activities ask or release, the producer's failure aside."""
+    def affecting(self, consumers: Collection[str], producer: str) -> frozenset[str]:
+        """Hardware whose failure may make some activities ask or release, the producer's failure aside.
+
+        It reaches them from below, by an error of something else that they consume, and from above, where it
+        makes their own consumers release.
+        """
         usage = self.usage
         above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
         return frozenset[str]().union(*(self._under_all(a, producer) for a in above))
@@ -89,7 +93,7 @@ class Sharing:
             for k in usage.resources_of({activity}):
                 if k in usage.hardware:
                     found |= usage.hardware_under(k)
-                elif usage.producer[k] != without:
+                elif usage.producer[k] != without and usage.can_fail(k):
                     found |= self._under_all(usage.producer[k], without)
             self._under[key] = found
         return self._under[key]

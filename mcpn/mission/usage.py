@@ -158,22 +158,20 @@ class Usage:
     def released_unasked(self, resource: str) -> bool:
         """Whether the resource may be released while its producer, evaluating, still brings or takes it.
 
-        So it is where some activity consumes it beside another that fails with what makes the producer
-        evaluate again, and where the producer may have waited for another activity's release.
+        So it is where one failure makes the producer evaluate again, and somebody above, with something
+        else, give the resource back; and where the producer may have waited for another activity's release.
         """
         return resource in self._released_unasked or self.may_wait(self.producer[resource])
 
     @cached_property
     def _released_unasked(self) -> frozenset[str]:
-        found: set[str] = set()
-        for activity in self.started:
-            for alternative in self.activities[activity].alternatives:
-                for s in alternative.consumes:
-                    if s in self.producer:
-                        beside = (self.hardware_under(k) for k in alternative.consumes if k != s)
-                        if self._evaluated_after(self.producer[s]) & frozenset[str]().union(*beside):
-                            found.add(s)
-        return frozenset(found)
+        return frozenset(
+            s
+            for name in self.started
+            for s in self.activities[name].produces
+            if self._evaluated_after(name)
+            & self.sharing.affecting([a for a in self.started if s in self.resources_of({a})], name)
+        )
 
     def _evaluated_after(self, activity: str) -> frozenset[str]:
         """The hardware whose failure may make the activity evaluate its alternatives again."""
