@@ -21,6 +21,7 @@ from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSec
 from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
 from mcpn.mission.sharing import Sharing
+from mcpn.mission.switching import Switching
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""
@@ -291,6 +292,11 @@ class Usage:
     def sharing(self) -> Sharing:
         """Which resources several activities may use at a time."""
         return Sharing(self)
+
+    @cached_property
+    def switching(self) -> Switching:
+        """Which activities return to a better alternative, and when."""
+        return Switching(self)
 
     @cached_property
     def handover(self) -> Handover:
