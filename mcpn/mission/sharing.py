@@ -26,6 +26,7 @@ class Sharing:
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
+        self._again: dict[str, bool] = {}
         self._under: dict[tuple[str, str], frozenset[str]] = {}
 
     @cached_property
@@ -55,10 +56,16 @@ class Sharing:
         """Whether a producer evaluates its alternatives again each time that a consumer gives a product back.
 
         A producer that serves goes on if another consumer asks before the last one releases, and is started
-        anew if it asks after. Both may come of one failure, in either order, and make a difference where the
-        producer, or one that serves it, has several alternatives: the one that goes on keeps its alternative.
+        anew if it asks after. Both may come of one failure, or of one event that leads several branches of a
+        block onward, in either order, and make a difference where the producer, or one that serves it, has
+        several alternatives: the one that goes on keeps its alternative.
         There, and only there, it evaluates them again, so that both orders end alike.
         """
+        if activity not in self._again:
+            self._again[activity] = self._order_matters(activity)
+        return self._again[activity]
+
+    def _order_matters(self, activity: str) -> bool:
         usage = self.usage
         if not self.serves(activity):
             return False
@@ -70,10 +77,18 @@ class Sharing:
             for product in usage.activities[activity].produces
             for owner in self.owners(product)
         ]
+        if len(asking) > 1 and self._branches_are_interrupted:
+            return True
         if any(self.serves(a) for consumers in asking for a in consumers):
             return True
         affected = [self.affecting(consumers, activity) for consumers in asking]
         return any(not one.isdisjoint(other) for one, other in combinations(affected, 2))
+
+    @cached_property
+    def _branches_are_interrupted(self) -> bool:
+        """Whether one event may lead several branches of a block onward at once."""
+        inner = (graph for graph in self.usage.graphs() if graph is not self.usage.graph)
+        return any(section.interruptions for graph in inner for section in graph.sections)
 
     def affecting(self, consumers: Collection[str], producer: str) -> frozenset[str]:
         """Hardware whose failure may make some activities ask or release, the producer's failure aside.
