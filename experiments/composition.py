@@ -26,8 +26,7 @@ from missions import Parameters, generate
 
 from mcpn import __version__
 from mcpn.check.verdicts.mission import check
-from mcpn.controller.hierarchy import hierarchical_controller
-from mcpn.controller.machine import controller
+from mcpn.controller.hierarchy import flat_controller, hierarchical_controller
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
@@ -140,11 +139,8 @@ def ulysse() -> None:
         ratio = seconds["reduction"] / seconds[name]
         print(f"ulysse, {name:18} {sizes[0]} states, {sizes[1]} edges, {seconds[name]:.4f} s, {ratio:6.1f} x")
     composite = glue(mission_net.usage, mission_net.graph, Making(most_listed=None))
-    types = hierarchical_controller(composite).types
-    flat = controller(mission_net, direct(net))
-    for name, machines in (("flat", (flat,)), ("hierarchical", types)):
-        states, edges = (sum(len(getattr(m, part)) for m in machines) for part in ("states", "edges"))
-        print(f"ulysse, {name} controller: {len(machines)} machines, {states} states, {edges} edges")
+    for controller in (flat_controller(mission_net, direct(net)), hierarchical_controller(composite)):
+        print(f"ulysse, {controller.form} controller: {controller.size}")
 
 
 def plot(points: dict[str, list[tuple[int, float]]], path: Path) -> None:

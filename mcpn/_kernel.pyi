@@ -102,6 +102,9 @@ class Store:
     def from_bytes(self, data: bytes) -> Zdd:
         """The set that :meth:`Zdd.to_bytes` told; a ValueError for anything else."""
 
+    def from_markings(self, rows: npt.NDArray[np.uint64], bits: Sequence[int]) -> Zdd:
+        """The set of markings given as rows of words; ``bits`` says by level which bit tells of it."""
+
     def singleton(self, marked: Sequence[int]) -> Zdd: ...
     def event(
         self,
@@ -135,6 +138,10 @@ class Store:
     @property
     def steps(self) -> int:
         """Steps of the last operation: results that the store did not remember."""
+
+    @property
+    def closed(self) -> int:
+        """How far the last closure came: levels from this one on are closed; the number of levels: none."""
 
     @property
     def collections(self) -> int: ...

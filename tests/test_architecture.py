@@ -24,6 +24,7 @@ WAY = [
     "controller",
     "report",
     "testing",
+    "face",
     "cli",
 ]
 MODULES = sorted(PACKAGE.rglob("*.py"))

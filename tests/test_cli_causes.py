@@ -62,9 +62,11 @@ def test_unknown_objectives_are_told_with_the_known_ones() -> None:
 def test_a_person_reads_conditions(tmp_path: Path) -> None:
     run = mcpn("causes", ULYSSE)
     assert run.returncode == 0, run.stderr
-    told = "transect.going_up fails if thruster_actuator, or if GPS_sensor and IMU_sensor"
+    told = "transect.advancing, transect.going_up fail if thruster_actuator, or if GPS_sensor and IMU_sensor"
     assert told in run.stdout
-    assert "transect.filming can succeed whatever hardware fails" in run.stdout
+    assert (
+        "transect.filming, transect.measuring_temperature can succeed whatever hardware fails" in run.stdout
+    )
 
 
 def test_fmeca_and_fault_tree_are_written(tmp_path: Path) -> None:

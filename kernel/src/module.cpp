@@ -4,6 +4,7 @@
 // to match, while the calling thread looks for signals; else they run on the calling thread, without the GIL, and
 // look for signals themselves now and then.
 #include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -407,6 +408,15 @@ NB_MODULE(_kernel, module) {
         if (!rows.empty()) std::memcpy(rows.data(), data.c_str(), data.size());
         return computed(s, [&](Store& store) { return store.from_table(rows); });
       }, nb::arg("data"))
+      .def("from_markings", [](std::shared_ptr<PyStore> s, const nb::ndarray<const std::uint64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& rows,
+                               const std::vector<std::int64_t>& bits) {
+        const std::size_t count = rows.shape(0), words = rows.shape(1);
+        if (bits.size() != s->store.levels) throw std::invalid_argument("one bit for each level");
+        for (const std::int64_t bit : bits)
+          if (bit < 0 || std::size_t(bit) >= words * 64) throw std::invalid_argument("no such bit");
+        if (count > 0xFFFFFFFFu) throw std::invalid_argument("more markings than 32 bits can name");
+        return computed(s, [&](Store& store) { return store.from_rows(rows.data(), count, words, bits); });
+      }, nb::arg("rows"), nb::arg("bits"))
       .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {
         return s.id(s.touches(
             {{Touch::consume, consume}, {Touch::produce, produce}, {Touch::read, read}, {Touch::zero, zero}}));
@@ -421,6 +431,7 @@ NB_MODULE(_kernel, module) {
       .def_prop_ro("live_nodes", [](const PyStore& s) { return s.store.live(); })
       .def_prop_ro("peak_nodes", [](const PyStore& s) { return s.store.peak(); })
       .def_prop_ro("steps", [](const PyStore& s) { return s.store.steps(); })
+      .def_prop_ro("closed", [](const PyStore& s) { return s.store.closed(); })
       .def_prop_ro("collections", [](const PyStore& s) { return s.store.collections(); })
       .def_prop_ro("bytes", [](const PyStore& s) { return s.store.bytes(); });
 }

@@ -56,6 +56,7 @@ void Store::declare(const std::vector<std::uint32_t>& events) {
 }
 
 Node Store::saturate(Node a, Node within) {
+  closed_ = levels;
   if (within == kAnything) return saturate_from(0, a, within);
   const Held start(*this, meet(a, within));
   return saturate_from(0, start, within);
@@ -68,11 +69,15 @@ Node Store::saturate_from(Level from, Node a, Node within) {
   if (at == levels) return a;
   within = below(within, at);
   Node result;
-  if (recall(tag(op_saturate, at, program_), 0, a, within, result)) return result;
+  if (recall(tag(op_saturate, at, program_), 0, a, within, result)) {
+    closed_ = std::min(closed_, at);
+    return result;
+  }
   const Branches x = split(a, at), w = limits(within, at);
   const Held low(*this, saturate_from(at + 1, x.lo, w.lo));
   const Held high(*this, saturate_from(at + 1, x.hi, w.hi));
   result = close(at, low, high, w);
+  closed_ = std::min(closed_, at);
   remember(tag(op_saturate, at, program_), 0, a, within, result);
   if (within != kAnything) remember(tag(op_saturate, at, program_), 0, result, within, result);
   return result;

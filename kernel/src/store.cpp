@@ -33,7 +33,7 @@ Store::Store(Level levels, std::uint64_t memory_limit) : levels(levels), memory_
 
 std::uint64_t Store::bytes() const {
   return nodes_.capacity() * sizeof(Cell) + buckets_.capacity() * sizeof(Node) + cache_.capacity() * sizeof(Line) +
-         seen_.capacity() * sizeof(std::uint32_t) + program_bytes_ + scratch_;
+         seen_.capacity() * sizeof(std::uint32_t) + program_bytes_ + pending_bytes_ + scratch_;
 }
 
 void Store::require(std::uint64_t more) const {
@@ -296,42 +296,6 @@ Node Store::image(Node a, std::uint32_t event, Node within) {
   }
   remember(tag(op_image), event, a, within, result);
   return result;
-}
-
-// Conditions are taken out one after the other: what is left only shrinks.
-Node Store::without(Node a, const std::vector<std::uint32_t>& conditions) {
-  Held left(*this, a);
-  const std::vector<bool> marked = support(a);
-  for (const std::uint32_t condition : conditions) {
-    if (!possible(condition, marked)) continue;
-    const Held met(*this, filter(left, condition));
-    left = minus(left, met);
-  }
-  return left;
-}
-
-Node Store::images(Node a, const std::vector<std::uint32_t>& events, Node within) {
-  Held all(*this, 0);
-  const std::vector<bool> marked = support(a);
-  for (const std::uint32_t event : events) {
-    if (!possible(event, marked)) continue;
-    const Held after(*this, image(a, event, within));
-    all = join(all, after);
-  }
-  return all;
-}
-
-// Each event takes out what it makes of the others, so that less and less is looked for.
-Node Store::beyond(Node a, Node from, const std::vector<std::uint32_t>& events) {
-  Held left(*this, a);
-  const std::vector<bool> marked = support(from);
-  for (const std::uint32_t event : events) {
-    if (left == 0) break;
-    if (!possible(event, marked)) continue;
-    const Held made(*this, image(from, event, left));
-    left = minus(left, made);
-  }
-  return left;
 }
 
 Node Store::singleton(const std::vector<Level>& marked) {

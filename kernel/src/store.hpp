@@ -84,6 +84,7 @@ class Store {
   bool possible(std::uint32_t suffix, const std::vector<bool>& support) const;  // no level wanted that none marks
   bool pick(Node a, std::vector<Level>& marking);
   std::vector<std::uint32_t> table(Node a);  // triples (level, lo, hi), children first; 0 and 1 are the terminals
+  Node from_rows(const std::uint64_t* rows, std::size_t count, std::size_t words, const std::vector<std::int64_t>& bits);
   Node from_table(const std::vector<std::uint32_t>& rows);  // the set of the last triple, the others being parts of it
 
   // --- life ---
@@ -109,6 +110,7 @@ class Store {
   std::uint64_t peak() const { return peak_; }
   std::uint64_t collections() const { return collections_; }
   std::uint64_t steps() const { return steps_; }  // of the last operation
+  Level closed() const { return closed_; }  // the first level of what the last saturation has closed
   std::uint64_t bytes() const;  // what the memory limit bounds
 
  private:
@@ -116,7 +118,8 @@ class Store {
   struct Cached { std::uint32_t tag = 0, x, y, z; Node result; };  // tag 0: nothing
   struct alignas(64) Line { Cached ways[3]; };                     // the last one remembered stands first
   struct Branches { Node lo, hi; };
-  enum Op : std::uint32_t { op_join = 1, op_meet, op_minus, op_filter, op_onto, op_image, op_saturate, op_fire };
+  enum Op : std::uint32_t { op_join = 1, op_meet, op_minus, op_filter, op_onto, op_image,
+    op_saturate, op_fire, op_meeting, op_images };  // from op_saturate on, results of declared lists
 
   template <class F> void walk(Node a, F body);
   std::vector<std::vector<Node>> nodes_by_level(Node a, Scratch& scratch);
@@ -151,6 +154,15 @@ class Store {
     return within == kAnything ? Branches{kAnything, kAnything} : split(within, at);
   }
 
+  // --- many conditions or events at once ---
+  struct Pending { std::vector<std::uint32_t> suffixes; Level least; };  // least: the first level of any
+  struct Asked { std::uint32_t sets[2]; bool met[2]; };
+  std::uint32_t pending(std::vector<std::uint32_t>& suffixes);
+  void begin_pending();
+  Asked ask(std::uint32_t set, Level at);
+  Node meeting_none(Node a, Level from, std::uint32_t set);
+  Node images_from(Node a, Level from, std::uint32_t set, bool more, Node within);
+
   friend class Held;
   friend class Scratch;
 
@@ -172,8 +184,12 @@ class Store {
   std::vector<bool> is_condition_;  // by suffix
   std::vector<Program> programs_;
   std::map<std::vector<std::uint32_t>, std::uint32_t> program_index_;
-  std::uint64_t program_bytes_ = 0;
+  std::vector<Pending> pending_;
+  std::map<std::vector<std::uint32_t>, std::uint32_t> pending_index_;
+  std::size_t most_pending_ = 0;
+  std::uint64_t program_bytes_ = 0, pending_bytes_ = 0;
   std::uint32_t program_ = 0;
+  Level closed_ = 0;
 };
 
 // A node that garbage collection must leave alone while this lives.

@@ -70,6 +70,25 @@ Tokens Goals::distance(std::uint32_t number, const std::vector<Tokens>& sums, st
   return kFar;
 }
 
+bool Goals::holds(std::uint32_t number, const std::vector<Tokens>& sums, std::uint64_t enabled) const {
+  const Node& node = nodes[number];
+  const auto inside = [&](std::uint32_t n) { return holds(n, sums, enabled); };
+  switch (node.kind) {
+    case at_most: return sums[node.atom] <= bounds[node.atom];
+    case dead: return enabled == 0;
+    case not_dead: return enabled != 0;
+    case all: return std::all_of(node.inside.begin(), node.inside.end(), inside);
+    case any: return std::any_of(node.inside.begin(), node.inside.end(), inside);
+  }
+  return false;
+}
+
+void Goals::atoms(std::uint32_t number, std::vector<std::uint32_t>& found) const {
+  const Node& node = nodes[number];
+  if (node.kind == at_most) found.push_back(node.atom);
+  for (const std::uint32_t inside : node.inside) atoms(inside, found);
+}
+
 std::vector<Tokens> Goals::sums(const Marking& marking) const {
   std::vector<Tokens> found(bounds.size(), 0);
   for (std::size_t atom = 0; atom < found.size(); ++atom)

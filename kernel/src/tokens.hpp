@@ -63,7 +63,9 @@ class Goals {
 
   // How far sums of tokens are from a goal; 0 where it holds. `enabled`: how many transitions may fire.
   Tokens distance(std::uint32_t node, const std::vector<Tokens>& sums, std::uint64_t enabled) const;
+  bool holds(std::uint32_t node, const std::vector<Tokens>& sums, std::uint64_t enabled) const;
   std::vector<Tokens> sums(const Marking& marking) const;
+  void atoms(std::uint32_t node, std::vector<std::uint32_t>& found) const;  // that a goal is made of
   bool asks_dead(std::uint32_t node) const;
 
   std::vector<Node> nodes;

@@ -30,8 +30,17 @@ class Draw {
 // A marking that is changed in place, with the transitions that it enables and the sums that goals ask for.
 class Walker {
  public:
-  Walker(const TokenNet& net, const Marking& initial, const Goals& goals)
-      : net_(net), goals_(goals), initial_(initial), missing0_(net.rules.size(), 0), sums0_(goals.sums(initial)) {
+  Walker(const TokenNet& net, const Marking& initial, const Goals& goals, const std::vector<std::uint32_t>& roots)
+      : touched(roots.size(), true), net_(net), goals_(goals), initial_(initial), missing0_(net.rules.size(), 0),
+        sums0_(goals.sums(initial)), askers_(goals.bounds.size()), always_() {
+    std::vector<std::uint32_t> atoms;
+    for (std::uint32_t g = 0; g < roots.size(); ++g) {
+      atoms.clear();
+      goals.atoms(roots[g], atoms);
+      for (const std::uint32_t atom : atoms)
+        if (askers_[atom].empty() || askers_[atom].back() != g) askers_[atom].push_back(g);
+      if (goals.asks_dead(roots[g])) always_.push_back(g);
+    }
     for (Transition t = 0; t < net.rules.size(); ++t)
       for (const auto& [place, weight] : net.rules[t].need) missing0_[t] += initial[place] < weight;
   }
@@ -63,9 +72,16 @@ class Walker {
           if (missing_[user]++ == 0) remove(user);
         }
       }
-      for (const auto& [atom, weight] : goals_.watch[place]) sums_[atom] += sign * weight * change;
+      for (const auto& [atom, weight] : goals_.watch[place]) {
+        const bool held = sums_[atom] <= goals_.bounds[atom];
+        sums_[atom] += sign * weight * change;
+        if (held != (sums_[atom] <= goals_.bounds[atom]))
+          for (const std::uint32_t g : askers_[atom]) touched[g] = true;
+      }
     }
+    for (const std::uint32_t g : always_) touched[g] = true;
   }
+  bool holds(std::uint32_t root) const { return goals_.holds(root, sums_, enabled().size()); }
   Tokens distance(std::uint32_t root) const { return goals_.distance(root, sums_, enabled().size()); }
   // The distance after one more firing.
   Tokens distance_after(Transition t, std::uint32_t root, bool asks_dead) {
@@ -85,6 +101,7 @@ class Walker {
   }
 
   bool crowded = false, flooded = false;
+  std::vector<bool> touched;  // goals that may have changed since they were looked at
 
  private:
   void shift(Transition t, Tokens sign) {
@@ -108,6 +125,8 @@ class Walker {
   const Marking& initial_;
   std::vector<std::uint32_t> missing0_;  // needs that the initial marking does not meet
   std::vector<Tokens> sums0_;
+  std::vector<std::vector<std::uint32_t>> askers_;  // by atom: the goals that it is in
+  std::vector<std::uint32_t> always_;               // goals that ask what may fire
   Marking tokens_;
   std::vector<std::uint32_t> missing_, at_;
   std::vector<Tokens> sums_;
@@ -119,7 +138,7 @@ class Walker {
 std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goals& goals,
                           const std::vector<std::uint32_t>& roots, const WalkOptions& options, const GoOn& go_on) {
   Draw draw(options.seed);
-  Walker walker(net, initial, goals);
+  Walker walker(net, initial, goals, roots);
   std::vector<Reached> found;
   std::vector<bool> open(roots.size(), true), asks_dead;
   for (const std::uint32_t root : roots) asks_dead.push_back(goals.asks_dead(root));
@@ -131,7 +150,9 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
 
   const auto look = [&] {
     for (std::uint32_t g = 0; g < roots.size(); ++g)
-      if (open[g] && walker.distance(roots[g]) == 0) {
+      if (walker.touched[g] && open[g]) {
+        walker.touched[g] = false;
+        if (!walker.holds(roots[g])) continue;
         found.push_back({g, run});
         open[g] = false;
         --left;
@@ -148,6 +169,7 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
     walker.begin();
     walker.crowded = walker.flooded = false;
     run.clear();
+    if (round == 0) walker.touched.assign(roots.size(), true);
     look();
     Mode mode = Mode(round % 3);
     if (!options.counts.empty() && round % 2 == 0) mode = counted;

@@ -1,1 +1,39 @@
-"""What holds of a state space: verdicts, their witnesses, functioning modes."""
+"""Questions about missions and nets: verdicts, temporal logic, causes of failure, properties of nets.
+
+The room is also what ``mcpn.check(mission)`` calls.
+
+>>> import mcpn
+>>> found = mcpn.check(mcpn.read_mission("experiments/ulysse/mission.xml"), engine="local")
+>>> found.passed
+True
+>>> [str(event) for event in found.verdicts["failure_reachable"].runs[0].events]
+... # doctest: +NORMALIZE_WHITESPACE
+['MISSION_EV_START', 'OBJ_coral_head.manual_moving_EV_FAIL', 'OBJ_transect.diving_EV_FAIL',
+ 'OBJ_transect.going_up_EV_FAIL']
+"""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mcpn.check.spaces import Engine
+    from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.mission.model import Mission
+    from mcpn.net.compose import MissionNet
+
+
+class _Room(ModuleType):
+    def __call__(
+        self, of: Mission | MissionNet, *, engine: Engine = "explicit", max_states: int | None = None
+    ) -> MissionCheck:
+        """Checks a mission: see :func:`mcpn.check.verdicts.mission.check`."""
+        from mcpn.check.verdicts.mission import check
+        from mcpn.net.compose import as_net
+
+        return check(as_net(of), engine=engine, max_states=max_states)
+
+
+sys.modules[__name__].__class__ = _Room

@@ -106,7 +106,7 @@ def what_happens(event: Event, mission: str) -> str:
         mission: The mission's name.
 
     Returns:
-        For example "GPS_sensor goes out of service".
+        For example "GPS_sensor fails".
     """
     name = event.element
     match event.what:
@@ -117,11 +117,11 @@ def what_happens(event: Event, mission: str) -> str:
         case What.FAILURE:
             return f"objective {name} fails"
         case What.OUT_OF_SERVICE:
-            return f"{name} goes out of service"
+            return f"{name} fails"
         case What.LOST:
             return f"{event.element} is lost for good"
         case What.REPAIRED:
-            return f"{name} is ready again"
+            return f"{name} works again"
         case What.DECLARED:
             return f"event {name} happens"
         case What.NAMED:

@@ -15,6 +15,7 @@ from mcpn import __version__
 from mcpn.cli import causes, check, ctl, outputs, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import InputError, McpnError, SemanticsError
+from mcpn.report.terminal import plain
 
 TRACEBACK = "MCPN_TRACEBACK"
 """Variable of the environment that shows where an internal error comes from."""
@@ -116,7 +117,8 @@ def _answer(arguments: list[str]) -> int:
 def _tell(message: str) -> None:
     """Says on standard error what is wrong, if anybody can hear it."""
     with suppress(OSError):
-        click.echo(f"error: {message}", err=True)
+        for line in f"error: {message}".split("\n"):
+            click.echo(plain(line), err=True)
 
 
 def _show(error: click.ClickException) -> None:

@@ -168,8 +168,8 @@ def emit_counts(counts: dict[str, Any], as_json: bool) -> None:
         print_counts(counts)
 
 
-STATES_AND_EDGES = "exploring: {:,} states, {:,} edges"
-SECTIONS = "sections on their own, and junctions: {:,} of {:,}"
+STATES_AND_EDGES, SECTIONS = "exploring", "sections"
+"""What the two numbers of a progress callback say: functions of :mod:`mcpn.report.progress`."""
 
 
 @contextmanager
@@ -180,10 +180,10 @@ def progress_line(quiet: bool, told: str = STATES_AND_EDGES) -> Iterator[Callabl
         quiet: Whether nothing is to be told.
         told: What the two numbers of a progress callback say.
     """
-    if quiet or not sys.stderr.isatty():
+    if quiet or sys.stderr is None or not sys.stderr.isatty():
         yield None
         return
-    from mcpn.report.terminal import terminal
+    from mcpn.report import progress
 
-    with terminal(error=True).status("exploring") as status:
-        yield lambda one, other: status.update(told.format(one, other))
+    with progress.progress_on_terminal(getattr(progress, told)) as update:
+        yield update

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -300,9 +301,17 @@ def _events_of(path: Path) -> Iterator[tuple[int, Event | None]]:
             raise InputError.at(Source(str(path)), "expected a JSON list of events")
         yield from ((1, Event.parse(item)) for item in listed)
         return
+    within_step = False
     for number, line in enumerate(text.splitlines(), 1):
         words = line.split()
         if not words or words[0].startswith("#"):
+            continue
+        # A step as other commands print it, perhaps on several lines: "1. GPS fails  [GPS_EV_OOS]".
+        identifier = re.fullmatch(r".*\[(\S+)\]\s*", line)
+        if identifier is not None:
+            yield number, Event.parse(identifier[1])
+        within_step = identifier is None and (within_step or re.fullmatch(r"\d+\.", words[0]) is not None)
+        if identifier is not None or within_step:
             continue
         event = Event.parse(words[0])
         if event.what is not What.NAMED:

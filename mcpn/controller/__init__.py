@@ -1,1 +1,35 @@
-"""The controller: a finite state machine made from the alternatives graph."""
+"""The controller: a finite state machine made from the alternatives graph.
+
+The room is also what ``mcpn.controller(mission)`` calls.
+
+>>> import mcpn
+>>> machine = mcpn.controller(mcpn.read_mission("experiments/ulysse/mission.xml"))
+>>> len(machine.sections), len(machine.types)
+(5, 2)
+"""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mcpn.controller.generate import Form
+    from mcpn.controller.hierarchy import Controller
+    from mcpn.mission.model import Mission
+    from mcpn.net.compose import MissionNet
+
+
+class _Room(ModuleType):
+    def __call__(
+        self, of: Mission | MissionNet, form: Form = "hierarchical", *, max_states: int | None = None
+    ) -> Controller:
+        """Generates the controller of a mission: see :func:`mcpn.controller.generate.generate`."""
+        from mcpn.controller.generate import generate
+        from mcpn.net.compose import as_net
+
+        return generate(as_net(of), form, max_states=max_states)
+
+
+sys.modules[__name__].__class__ = _Room

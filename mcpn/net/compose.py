@@ -109,6 +109,11 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
     return compose_parts(usage, parts, templates)
 
 
+def as_net(of: Mission | MissionNet) -> MissionNet:
+    """The net of a mission, composed unless it is one already."""
+    return compose(of) if isinstance(of, Mission) else of
+
+
 @dataclass(frozen=True, slots=True)
 class Parts:
     """What a net is made of: elements of a mission in the order in which they are drawn.

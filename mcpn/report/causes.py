@@ -10,20 +10,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.table import Table
-
-from mcpn.check.causes import Causes, GoalCauses
+from mcpn.check.causes import Causes, GoalCauses, Survival
 from mcpn.check.conditions import enumeration, sentence
 from mcpn.check.cutsets import CutSet
 from mcpn.check.fmeca import Row, Severity
 from mcpn.check.losing import CriticalEvent
 from mcpn.check.risk import Risk
-from mcpn.check.runs import Step
+from mcpn.check.runs import Step, what_happens
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.events import Event
-from mcpn.report.terminal import terminal
+from mcpn.report.terminal import Terminal
+from mcpn.report.text import print_counts, print_steps
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
@@ -172,76 +170,124 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
 
 def print_causes(causes: Causes) -> None:
     """Prints conditions of failure, what is survived, runs to failure, and critical events."""
-    console = terminal()
-    console.print(sentence(causes.mission.name, causes.mission.cut_sets), style="bold")
+    terminal = Terminal()
+    terminal.print(sentence(causes.mission.name, causes.mission.cut_sets), style="bold")
+    shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
-        console.print(f"  {sentence(name, goal.cut_sets)}")
-    console.print()
-    table = Table("from the entry of", "the mission is lost with", "survives any", "at most")
-    for found in causes.survival:
-        lost = "\n".join(enumeration(names) if names else "nothing more" for names in found.cut_sets)
-        counts = ["-" if n is None else str(n) for n in (found.always, found.at_most)]
-        table.add_row(found.section or "the start", lost or "no loss of hardware", *counts)
-    console.print(table)
-    for names, run in causes.mission.runs.items():
-        what = f"by {enumeration(names)}" if names else "without any loss of hardware"
-        _print_run(console, f"failure {what}", run)
-    _print_run(console, "success in spite of the most failures", causes.survival[0].run)
-    _print_critical(console, causes.mission)
+        shared.setdefault(tuple(goal.cut_sets), []).append(name)
+    for cut_sets, names in shared.items():
+        condition = sentence(", ".join(names), cut_sets)
+        if len(names) > 1:
+            condition = condition.replace(" fails if ", " fail if ")
+        terminal.print(condition, indent=2)
+    terminal.print()
+    _print_survival(terminal, causes.survival)
+    for lost, run in causes.mission.runs.items():
+        _print_run(terminal, f"failure by {enumeration(lost)}" if lost else "failure without any loss", run)
+    _print_run(terminal, "success in spite of the most failures", causes.survival[0].run)
+    _print_critical(terminal, causes)
     for goal in (causes.mission, *causes.objectives.values()):
         if goal.nonmonotone is not None:
-            lost = enumeration(goal.nonmonotone.lost or ("nothing",))
-            larger = enumeration(goal.nonmonotone.larger)
-            told = f"{goal.name} may be lost with {lost}, but not with {larger}"
-            console.print(f"not monotone: {told}", style="yellow")
+            fewer = enumeration(goal.nonmonotone.lost or ("nothing",))
+            more = enumeration(goal.nonmonotone.larger)
+            told = f"{goal.name} may be lost with {fewer}, but not with {more}"
+            terminal.print(f"not monotone: {told}", style="yellow")
 
 
-def _print_run(console: Console, what: str, run: Sequence[Step] | None) -> None:
+def _print_survival(terminal: Terminal, survival: Sequence[Survival]) -> None:
+    """Moments that survive the same stand together."""
+    shared: dict[tuple[tuple[CutSet, ...], int | None, int | None], list[str | None]] = {}
+    for found in survival:
+        shared.setdefault((tuple(found.cut_sets), found.always, found.at_most), []).append(found.section)
+    terminal.print("what the mission survives", style="bold")
+    for (cut_sets, always, at_most), sections in shared.items():
+        if len(shared) == 1:
+            moments = "at any moment"
+        else:
+            named = ", ".join(name for name in sections if name)
+            moments = " and ".join(
+                [*(["from its start"] if None in sections else []), *([f"from {named} on"] if named else [])]
+            )
+        losses = ", or of ".join(enumeration(names) for names in cut_sets if names)
+        if always is None or at_most is None:
+            told = "the mission can no longer succeed"
+        elif not losses:
+            told = "no loss of hardware defeats the mission"
+        else:
+            told = f"the loss of {losses} defeats it; it survives {_survived(always, at_most)}"
+        terminal.print(f"{moments}: {told}", indent=2)
+
+
+def _survived(always: int, at_most: int) -> str:
+    def losses(number: int) -> str:
+        return "1 loss" if number == 1 else f"{number} losses"
+
+    if always == at_most:
+        return f"any {losses(always)}" if always else "none"
+    return f"at most {losses(at_most)}, and " + (
+        f"any {losses(always)}" if always else "not every loss by itself"
+    )
+
+
+def _print_run(terminal: Terminal, what: str, run: Sequence[Step] | None) -> None:
     if run is None:
         return
-    console.print(f"\n{what}:")
-    for step in run:
-        console.print(f"    {step.event!s:34} {step.words}")
+    terminal.print()
+    terminal.print(f"{what}:", style="bold")
+    print_steps(terminal, ((step.event, step.words) for step in run), indent=2)
 
 
-def _print_critical(console: Console, goal: GoalCauses) -> None:
-    during: dict[str, dict[str, None]] = {}
-    for critical in goal.critical or ():
-        during.setdefault(str(critical.event), {}).update(
-            dict.fromkeys(critical.objectives or ("no objective",))
-        )
-    if during:
-        table = Table("critical event: after it nothing but repair can help", "while one of these runs")
-        for event, objectives in during.items():
-            table.add_row(event, "\n".join(objectives))
-        console.print()
-        console.print(table)
+def _print_critical(terminal: Terminal, causes: Causes) -> None:
+    """Events that decide, those that do so at the same moments together, with their identifiers."""
+    during: dict[Event, dict[str, None]] = {}
+    for critical in causes.mission.critical or ():
+        during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("",)))
+    if not during:
+        return
+    shared: dict[frozenset[str], list[Event]] = {}
+    for event, objectives in during.items():
+        shared.setdefault(frozenset(objectives), []).append(event)
+    terminal.print()
+    terminal.print("critical events: after them nothing but repair can help", style="bold")
+    everything = frozenset((*causes.objectives, ""))
+    for moments, events in shared.items():
+        for event in events:
+            terminal.print(f"{what_happens(event, causes.mission.name)}  [{event}]", indent=2)
+        names = sorted(moments - {""})
+        if moments == everything:
+            told = "at any moment"
+        elif not names:
+            told = "while no objective runs"
+        else:
+            running = f"{names[0]} runs" if len(names) == 1 else f"one of these runs: {', '.join(names)}"
+            told = f"while {running}{', or none' if '' in moments else ''}"
+        terminal.print(told, indent=6)
 
 
 def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
-    """Prints the table in short: what fails where, what happens, how bad it is.
+    """Prints the table in short: what fails while what runs, what happens, how bad it is.
 
-    Objectives on which a resource has the same effect share a line.
+    Objectives on which a resource has the same effect stand together.
     """
-    table = Table()
-    for header in ("hardware", "objectives", "effect and compensation", "severity", "worse in company"):
-        table.add_column(header, overflow="fold")
-    shared: dict[tuple[str, ...], list[str]] = {}
+    terminal = Terminal()
+    shared: dict[str, dict[tuple[str, str, str], list[str]]] = {}
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
         effects = [t for t in (row.local_effect, row.compensation) if t not in ("none", "none needed")]
-        key = row.hardware, "; ".join(effects), told["severity"], told["with_others"]
-        shared.setdefault(key, []).append(row.objective)
-    for (hardware, *cells), objectives in shared.items():
-        table.add_row(hardware, "\n".join(objectives), *cells)
-    terminal().print(table)
+        key = told["severity"], told["with_others"], "; ".join(effects)
+        shared.setdefault(row.hardware, {}).setdefault(key, []).append(row.objective)
+    for hardware, effects_of in shared.items():
+        terminal.print()
+        terminal.print(f"if {hardware} fails", style="bold")
+        for (severity, with_others, effect), objectives in effects_of.items():
+            terminal.print(f"during {', '.join(objectives)}", indent=2)
+            terminal.print(severity + (f"; {with_others}" if with_others else ""), indent=6)
+            if effect:
+                terminal.print(effect, indent=6)
 
 
 def print_risk(numbers: Risk) -> None:
     """Prints probabilities, degraded modes and importances."""
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in asdict(numbers).items():
-        if name != "importance":
-            table.add_row(name.replace("_", " "), f"{value:.6g}")
+    counts = {name: value for name, value in asdict(numbers).items() if name != "importance"}
     for hardware, value in sorted(numbers.importance.items(), key=lambda pair: -pair[1]):
-        table.add_row(f"importance of {hardware}", f"{value:.6g}")
-    terminal().print(table)
+        counts[f"importance of {hardware}"] = value
+    print_counts({name: f"{value:.6g}" for name, value in counts.items()})

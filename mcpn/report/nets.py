@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from rich.console import Console
-
 from mcpn.check.nets.properties import NetCheck, Structure, marking_after
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
-from mcpn.report.terminal import terminal
+from mcpn.report.terminal import Terminal
 from mcpn.space.tokens import OMEGA
 
 SHOWN = 20
@@ -70,50 +68,50 @@ def structure_object(structure: Structure) -> dict[str, Any]:
 
 def print_net(check: NetCheck) -> None:
     """Prints the behaviour of a net."""
-    console = terminal()
+    terminal = Terminal()
     net = check.net
     sizes = f"{len(net.places)} places, {len(net.transitions)} transitions"
     states = "" if check.states is None else f", {check.states} markings"
-    console.print(f"net {net.name}: {sizes}{states}")
+    terminal.print(f"net {net.name}: {sizes}{states}")
     answers = {True: "yes", False: "no", None: "not known"}
-    console.print(f"1-safe          {answers[check.safe]}")
+    terminal.print(f"1-safe          {answers[check.safe]}")
     bound = "" if check.bound is None else f"  at most {check.bound} tokens in a place"
-    console.print(f"bounded         {answers[check.bounded.bounded]}{bound}  {check.bounded.reason}")
+    terminal.print(f"bounded         {answers[check.bounded.bounded]}{bound}  {check.bounded.reason}")
     if check.bounded.pump:
-        console.print(f"    run: {' '.join(check.bounded.run)}")
-        console.print(f"    repeat: {' '.join(check.bounded.pump)}")
-    console.print(f"deadlock free   {answers[check.deadlock_free]}")
+        terminal.print(f"run: {' '.join(check.bounded.run)}", indent=4)
+        terminal.print(f"repeat: {' '.join(check.bounded.pump)}", indent=4)
+    terminal.print(f"deadlock free   {answers[check.deadlock_free]}")
     if check.deadlock is not None:
-        console.print(f"    run: {' '.join(check.deadlock)}")
+        terminal.print(f"run: {' '.join(check.deadlock)}", indent=4)
         told = (p if n == 1 else f"{p} {n}" for p, n in marking_after(net, check.deadlock).items())
-        console.print(f"    dead marking: {', '.join(told)}")
+        terminal.print(f"dead marking: {', '.join(told)}", indent=4)
     for word, names in (("quasi-live", check.dead_transitions), ("live", check.not_live)):
         holds = None if names is None else not names
         without = f"  not: {_some(names)}" if names else ""
-        console.print(f"{word:15} {answers[holds]}{without}")
-    console.print(f"reversible      {answers[check.reversible]}")
+        terminal.print(f"{word:15} {answers[holds]}{without}")
+    terminal.print(f"reversible      {answers[check.reversible]}")
     if check.home_markings is not None:
-        console.print(f"home markings   {check.home_markings}")
+        terminal.print(f"home markings   {check.home_markings}")
 
 
 def print_structure(structure: Structure) -> None:
     """Prints the structure of a net; long lists are cut, and said to be."""
-    console = terminal()
+    terminal = Terminal()
     net = structure.net
-    console.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}")
+    terminal.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}")
     transitions = [t.name for t in net.transitions]
-    _list(console, "P-semiflows", _told(structure.p_semiflows, lambda flow: _invariant(net, flow)))
-    _list(console, "T-semiflows", _told(structure.t_semiflows, lambda flow: _combined(flow, transitions)))
+    _list(terminal, "P-semiflows", _told(structure.p_semiflows, lambda flow: _invariant(net, flow)))
+    _list(terminal, "T-semiflows", _told(structure.t_semiflows, lambda flow: _combined(flow, transitions)))
     for title, found in (
         ("minimal siphons", structure.siphons),
         ("minimal traps", structure.traps),
         ("state machine components", structure.components),
     ):
-        _list(console, title, _told(found, lambda members: ", ".join(net.places[p].name for p in members)))
+        _list(terminal, title, _told(found, lambda members: ", ".join(net.places[p].name for p in members)))
     for sentence in structure.proves:
-        console.print(f"proved: {sentence}")
+        terminal.print(f"proved: {sentence}")
     for part, reason in structure.left_out.items():
-        console.print(f"left out: {part.replace('_', ' ')}: {reason}")
+        terminal.print(f"left out: {part.replace('_', ' ')}: {reason}")
 
 
 def _bounds(check: NetCheck) -> dict[str, int | None] | None:
@@ -147,11 +145,11 @@ def _some(names: Iterable[str]) -> str:
     return ", ".join(listed[:SHOWN]) + more
 
 
-def _list(console: Console, title: str, lines: list[str] | None) -> None:
+def _list(terminal: Terminal, title: str, lines: list[str] | None) -> None:
     if lines is None:
         return  # told among what is left out
-    console.print(f"{title}: {len(lines)}")
+    terminal.print(f"{title}: {len(lines)}")
     for line in lines[:SHOWN]:
-        console.print(f"    {line}")
+        terminal.print(line, indent=4)
     if len(lines) > SHOWN:
-        console.print(f"    and {len(lines) - SHOWN} more (--json lists all)")
+        terminal.print(f"and {len(lines) - SHOWN} more (--json lists all)", indent=4)

@@ -1,83 +1,170 @@
-"""What a person reads on a terminal."""
+"""What a person reads of a mission on a terminal: verdicts, modes, runs, answers, sizes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.table import Table
-
-from mcpn.check.logic.questions import Answer
-from mcpn.check.modes import Mode
-from mcpn.check.verdicts.mission import MissionCheck, Verdict
-from mcpn.errors import Problem
-from mcpn.net.compose import MissionNet
-from mcpn.net.petri import PetriNet
-from mcpn.report.terminal import terminal
+from mcpn.report.terminal import Terminal
 from mcpn.report.words import in_words
-from mcpn.space.compare import Measurement
 from mcpn.space.local.composite_space import CompositeSpace
+
+if TYPE_CHECKING:
+    from mcpn.check.logic.questions import Answer
+    from mcpn.check.modes import Mode
+    from mcpn.check.verdicts.mission import MissionCheck, Verdict
+    from mcpn.errors import Problem
+    from mcpn.net.compose import MissionNet
+    from mcpn.net.events import Event
+    from mcpn.net.petri import PetriNet
+    from mcpn.space.compare import Measurement
+
+SENTENCES: Mapping[str, tuple[str, str, str]] = {
+    "success_reachable": (
+        "The mission can succeed.",
+        "The mission can never succeed.",
+        "Whether the mission can succeed is not known.",
+    ),
+    "failure_reachable": (
+        "The mission can fail.",
+        "The mission can never fail.",
+        "Whether the mission can fail is not known.",
+    ),
+    "can_always_finish": (
+        "Whatever has happened, the mission can still end.",
+        "The mission can come to where it can no more end.",
+        "Whether the mission can always end is not known.",
+    ),
+    "deadlock_free": (
+        "The robot never gets stuck before the mission ends.",
+        "The robot can get stuck: no event is possible, and the mission has not ended.",
+        "Whether the robot can get stuck is not known.",
+    ),
+    "confluent": (
+        "The reaction to an event is always the same, and ends.",
+        "The reaction to an event depends on chance, or never ends.",
+        "Whether the reaction to an event is always the same is not known.",
+    ),
+    "safe": (
+        "Nothing is started or counted twice.",
+        "Something can be started or counted twice.",
+        "Whether something can be started twice is not known.",
+    ),
+    "bounded": (
+        "Nothing piles up without end.",
+        "Something can pile up without end.",
+        "Whether something can pile up is not known.",
+    ),
+    "unselectable": (
+        "Some parts of the mission can never be used; the warnings name them.",
+        "Every part of the mission can be used.",
+        "Whether every part of the mission can be used is not known.",
+    ),
+}
+"""Each verdict where it holds, where it does not, where that is not known; in the order people read them."""
+
+_INFORMATIVE = "note"
 
 
 def print_counts(counts: Mapping[str, object]) -> None:
     """Prints names and values in two columns; what is not known is left out."""
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in counts.items():
-        if value is not None:
-            shown = f"{value:.3f}" if isinstance(value, float) else str(value)
-            table.add_row(name.replace("_", " "), shown)
-    terminal().print(table)
+    terminal = Terminal()
+    known = {name.replace("_", " "): value for name, value in counts.items() if value is not None}
+    width = max(map(len, known), default=0)
+    for name, value in known.items():
+        shown = f"{value:.3f}" if isinstance(value, float) else str(value)
+        terminal.print(f"{name.ljust(width)}  {shown}")
 
 
 def print_comparison(found: Sequence[Measurement]) -> None:
     """Prints what each engine found and took, and its speed against the slowest."""
+    terminal = Terminal()
     ran = [m for m in found if m.sizes is not None]
     slowest = max((m.seconds for m in ran), default=0.0)
     counted = ("states", "edges", "stable_states", "dead_states")
     heads = ("engine", "states", "edges", "stable", "dead", "seconds", "speed", "MB", "nodes")
-    table = Table(*heads)
+    rows: list[tuple[str, ...]] = [heads]
     for m in ran:
         sizes = ["" if (size := (m.sizes or {})[name]) is None else str(size) for name in (*counted, "nodes")]
         took = (f"{m.seconds:.3f}", f"{slowest / m.seconds:.1f} x", str(m.megabytes))
-        table.add_row(m.engine, *sizes[:-1], *took, sizes[-1])
-    console = terminal()
-    console.print(table)
+        rows.append((m.engine, *sizes[:-1], *took, sizes[-1]))
+    terminal.columns(rows)
     for m in found:
         if m.sizes is None:
-            console.print(f"{m.engine}: {m.reason}")
+            terminal.print(f"{m.engine}: {m.reason}")
+
+
+def print_steps(
+    terminal: Terminal, steps: Iterable[tuple[Event | str, str]], *, indent: int, identifiers: bool = False
+) -> None:
+    """Prints a run, one event a line, numbered.
+
+    In a pipe or a file each event is followed by its identifier in brackets, as formulas, controllers and
+    ``mcpn simulate --events`` write and read it.
+
+    Args:
+        terminal: Where.
+        steps: The events of a run and what happens at each.
+        indent: Spaces before it.
+        identifiers: Whether to say identifiers on a terminal, too.
+    """
+    for number, (event, words) in enumerate(steps, 1):
+        identifier = f"  [{event}]" if identifiers or not terminal.watched else ""
+        terminal.print(f"{number}. {words}{identifier}", indent=indent, hang=3)
 
 
 def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: MissionNet | None = None) -> None:
     """Prints answers to formulas with the runs that show them."""
-    console = terminal()
+    terminal = Terminal()
     for answer in answers:
         colour, word = ("green", "holds") if answer.holds else ("red", "fails")
-        console.print(f"{word}  {answer.formula}", style=colour)
+        terminal.print(f"{word}  {answer.formula}", style=colour, hang=7)
         witness = answer.witness
         if mission_net is not None:
-            for event, words in in_words(mission_net, witness.run):
-                console.print(f"    {event!s:34} {words}")
+            print_steps(terminal, in_words(mission_net, witness.run), indent=4, identifiers=True)
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
-                    console.print("    from here on for ever:")
-                console.print(f"    {net.transitions[t].name}")
+                    terminal.print("from here on for ever:", indent=4)
+                terminal.print(net.transitions[t].name, indent=4)
         if mission_net is not None and witness.cycle is not None:
             events = [str(e) for t in witness.repeated if (e := net.transitions[t].event)]
-            console.print(f"    for ever: {' '.join(events) or 'internal firings'}")
+            terminal.print(f"for ever: {' '.join(events) or 'internal firings'}", indent=4)
         for note in witness.notes:
-            console.print(f"    {note}")
+            terminal.print(note, indent=4)
 
 
 def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:
-    """Prints a mission's sizes, verdicts with their runs, functioning modes and warnings.
+    """Prints a mission's verdicts with their runs, functioning modes, warnings and sizes.
 
     Args:
         check: What was found.
         warnings: What reading the mission found suspicious.
         seconds: Time for all of it.
     """
-    console = terminal()
+    terminal = Terminal()
+    terminal.print(f"mission {check.mission_net.mission.name}", style="bold")
+    terminal.print()
+    for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
+        if name in check.verdicts:
+            _print_verdict(terminal, check.mission_net, check.verdicts[name])
+    if check.modes:
+        terminal.print()
+        _print_modes(terminal, check.modes)
+    terminal.print()
+    contentions = check.mission_net.usage.contentions
+    warned = [*map(str, (*warnings, *check.unselectable)), *(f"{c.source}: {c}" for c in contentions)]
+    for problem in dict.fromkeys(warned):
+        terminal.print(f"warning: {problem}", style="yellow")
+    terminal.print(_sizes(check, seconds), style="dim")
+    if check.passed:
+        terminal.print("all required verdicts hold", style="green")
+    else:
+        failing = [name for name, verdict in check.verdicts.items() if verdict.required and not verdict.holds]
+        terminal.print(f"verdicts fail: {', '.join(failing)}", style="red")
+
+
+def _sizes(check: MissionCheck, seconds: float) -> str:
     net = check.mission_net.net
     sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
     if check.marking_sizes is not None:
@@ -89,40 +176,41 @@ def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float
     if isinstance(check.alternatives, CompositeSpace):
         sections = check.alternatives.sections.values()
         sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
-    console.print(
-        f"mission {check.mission_net.mission.name}: {'; '.join(sizes)}; {seconds:.2f} s", style="bold"
-    )
-    console.print()
-    for verdict in check.verdicts.values():
-        _print_verdict(console, check.mission_net, verdict)
-    console.print()
-    _print_modes(console, check.modes)
-    contentions = check.mission_net.usage.contentions
-    warnings = [*warnings, *check.unselectable, *(Problem(c.source, f"{c}") for c in contentions)]
-    for problem in dict.fromkeys(warnings):
-        console.print(f"warning: {problem}", style="yellow")
-    if check.passed:
-        console.print("all required verdicts hold", style="green")
-    else:
-        console.print("verdicts fail", style="red")
+    return "; ".join([*sizes, f"{seconds:.2f} s"])
 
 
-def _print_verdict(console: Console, mission_net: MissionNet, verdict: Verdict) -> None:
-    answer = {True: "yes", False: "no", None: "not known"}[verdict.holds]
-    colour = "dim" if not verdict.required else "green" if verdict.holds else "red"
-    console.print(f"{verdict.name:18} {answer:10} {verdict.explanation}", style=colour)
+def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict) -> None:
+    """A sentence and the verdict's name; why, where it is not as it should be; the runs that show it."""
+    sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
+    sentence = sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
+    mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "red")}[verdict.holds]
+    if not verdict.required:
+        mark, colour = _INFORMATIVE, "dim"
+    line = f"{mark:4} {sentence:58} {verdict.name}"
+    if terminal.width is not None and len(line) + 2 > terminal.width:
+        line = f"{mark:4} {sentence} ({verdict.name})"
+    terminal.print(line, style=colour, indent=2, hang=5)
+    if verdict.required and not verdict.holds:
+        terminal.print(verdict.explanation, indent=7)
     for number, run in enumerate(verdict.runs, 1):
         if len(verdict.runs) > 1:
-            console.print(f"    run {number}")
-        for event, words in in_words(mission_net, run):
-            console.print(f"    {event!s:34} {words}")
+            terminal.print(f"run {number}", indent=7)
+        print_steps(terminal, in_words(mission_net, run), indent=9)
 
 
-def _print_modes(console: Console, modes: Mapping[str, list[Mode]]) -> None:
-    if not modes:
-        return
-    table = Table("objective", "functioning modes (alternatives that differ from their activity's name)")
+def _print_modes(terminal: Terminal, modes: Mapping[str, list[Mode]]) -> None:
+    """Objectives of the same functioning modes together; alternatives named like their activity go unsaid."""
+    shared: dict[tuple[str, ...], list[str]] = {}
     for objective, found in modes.items():
-        rows = [", ".join(f"{a}: {alt}" for a, alt in mode.items() if a != alt) or "one" for mode in found]
-        table.add_row(objective, "\n".join(rows) or "none")
-    console.print(table)
+        told = tuple(", ".join(f"{a}: {way}" for a, way in mode.items() if a != way) for mode in found)
+        shared.setdefault(told, []).append(objective)
+    terminal.print("functioning modes", style="bold")
+    for ways, objectives in shared.items():
+        terminal.print(", ".join(objectives), indent=2)
+        if not ways:
+            terminal.print("never runs", indent=6)
+        elif ways == ("",):
+            terminal.print("always in the same way", indent=6)
+        else:
+            for way in ways:
+                terminal.print(way or "with the alternatives that are named like their activities", indent=6)

@@ -39,15 +39,10 @@ def candidates(net: PetriNet, seed: int | None = None) -> Iterator[tuple[str, Or
         Pairs of name and order, without repeats; the same for the same net and seed.
     """
     seen: set[Order] = set()
-    # What composes missions declares resources first and sections in sequence last: read backwards, the
-    # sections stand on top in sequence, over the activities that they start and the resources under these.
-    named = _of_missions(net) if net.priorities else _named(net)
-    for name, order in chain(_drawn(net, seed), named):
-        ways = (("", order), ("-reversed", order[::-1]))
-        for suffix, way in reversed(ways) if net.priorities else ways:
-            if way not in seen:
-                seen.add(way)
-                yield name + suffix, way
+    for name, order in chain(_drawn(net, seed), _of_missions(net) if net.priorities else _named(net)):
+        if order not in seen:
+            seen.add(order)
+            yield name, order
 
 
 def read_order(path: Path, net: PetriNet) -> Order:
@@ -114,23 +109,36 @@ def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
 
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
+    # What composes missions declares resources first and sections in sequence last: read backwards, the
+    # sections stand on top in sequence, over the activities that they start and the resources under these.
     file = tuple(range(len(net.places)))
-    yield "force", force(net, file)
-    yield "file", file
-    yield "force-rcm", force(net, cuthill_mckee(net))
-    yield "units", by_units(net)
+    for name, order in (
+        ("force", force(net, file)),
+        ("file", file),
+        ("force-rcm", force(net, cuthill_mckee(net))),
+        ("units", by_units(net)),
+    ):
+        yield f"{name}-reversed", order[::-1]
+        yield name, order
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
     file = tuple(range(len(net.places)))
-    yield "force-rcm", force(net, cuthill_mckee(net))
-    yield "file", file
-    yield "force", force(net, file)
-    if net.units:
-        yield "units", by_units(net)
+    seeded = force(net, cuthill_mckee(net))
+    yield "force-rcm-reversed", seeded[::-1]
+    yield "force-rcm", seeded
+    grouped = [("units", by_units(net))] if net.units else []
     components = state_machine_units(net)
     if components:
-        yield "components", by_units(replace(net, units=components))
+        grouped.append(("components", by_units(replace(net, units=components))))
+    yield from grouped
+    yield "file", file
+    yield "file-reversed", file[::-1]
+    forced = force(net, file)
+    yield "force-reversed", forced[::-1]
+    yield "force", forced
+    for name, order in grouped:
+        yield f"{name}-reversed", order[::-1]
 
 
 def _touched(net: PetriNet) -> list[list[int]]:
@@ -148,16 +156,43 @@ def by_units(net: PetriNet) -> Order:
 
 
 def cuthill_mckee(net: PetriNet) -> Order:
-    """Reverse Cuthill-McKee on the bipartite graph of places and transitions (Cuthill, McKee 1969)."""
-    import networkx
-    from networkx.utils import reverse_cuthill_mckee_ordering
+    """Reverse Cuthill-McKee on the bipartite graph of places and transitions (Cuthill, McKee 1969).
 
+    Each component is walked breadth first, neighbours of low degree first, from a node at its rim, found by
+    walking to a farthest node of low degree until no farther one is found (George, Liu 1979).
+    """
     count = len(net.places)
-    graph: networkx.Graph[int] = networkx.Graph()
-    graph.add_nodes_from(range(count))
-    for number, places in enumerate(_touched(net)):
-        graph.add_edges_from((count + number, place) for place in places)
-    return tuple(node for node in reverse_cuthill_mckee_ordering(graph) if node < count)
+    touched = _touched(net)
+    near: list[list[int]] = [[] for _ in range(count)]
+    for number, places in enumerate(touched):
+        for place in places:
+            near[place].append(count + number)
+    near += touched
+
+    def walk(start: int) -> tuple[list[int], list[int]]:
+        """Nodes as they are come to, and their distances."""
+        seen, found, distances = {start}, [start], [0]
+        for at, node in enumerate(found):  # grows while it is walked
+            fresh = sorted((n for n in near[node] if n not in seen), key=lambda n: (len(near[n]), n))
+            seen.update(fresh)
+            found += fresh
+            distances += [distances[at] + 1] * len(fresh)
+        return found, distances
+
+    order: list[int] = []
+    placed: set[int] = set()
+    for node in range(count):
+        if node in placed:
+            continue
+        found, distances = walk(node)
+        far = 0
+        while distances[-1] > far:
+            far = distances[-1]
+            rim = [n for n, distance in zip(found, distances, strict=True) if distance == far]
+            found, distances = walk(min(rim, key=lambda n: (len(near[n]), n)))
+        placed.update(found)
+        order += found
+    return tuple(node for node in reversed(order) if node < count)
 
 
 def force(net: PetriNet, start: Order) -> Order:

@@ -8,20 +8,25 @@ is new.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import islice
 from typing import Any
 
-from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
+from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.encoding import Encoding, distinct
+from mcpn.space.explicit import KernelNet
 from mcpn.space.order import Order, candidates
+from mcpn.space.race import FIRST_BUDGET, Race, cores
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET, FIRST_BUDGET_OF_MISSIONS = 20_000, 400_000
-GROWTH = 4
+FIRST_BUDGET_OF_MISSIONS = 800_000
+EXPLORER_RANK, MOST_WORKERS = 3, 4
+STEPS_OF_A_STATE = 4
+"""About how many steps of a closure take the time of exploring one marking."""
 
 
 @dataclass(frozen=True)
@@ -116,10 +121,10 @@ def reach(
 
     Args:
         net: The net.
-        order: Places from the top on; by default orders are raced under growing budgets of nodes, and the
-            first that ends wins. The race is repeatable.
+        order: Places from the top on; by default orders race, and exploration one by one beside
+            them: see :mod:`mcpn.space.race`.
         seed: Draws one more order for the race.
-        memory_limit: Bytes that each diagram store may take.
+        memory_limit: Bytes that diagrams may take.
 
     Returns:
         The reachable markings.
@@ -132,7 +137,10 @@ def reach(
         if place.initial > 1:
             raise UnsafeError(place.name, "", net.marked(net.initial), [])
     try:
-        space = _close(net, "given", order, memory_limit, 0) if order else _race(net, memory_limit, seed)
+        if order:
+            space = _close(Encoding(net, order, memory_limit), "given", order)
+        else:
+            space = _race(net, memory_limit, seed)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
     _refuse_unsafe(space)
@@ -141,47 +149,128 @@ def reach(
 
 def _race(net: PetriNet, memory_limit: int, seed: int | None) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
-    budget = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
-    drawn: list[tuple[str, Order]] = []
-    source = candidates(net, seed)
-    while True:
-        exceeded = 0
-        for name, order in _again(drawn, source):
-            try:
-                return _close(net, name, order, memory_limit, budget)
-            except BudgetExceeded:
-                exceeded += 1
-            except MemoryLimit as error:
-                limit = error
-        if not exceeded:
-            raise LimitError(f"no order of places stays within memory: {limit}")
-        budget *= GROWTH
+    first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
+    limit: MemoryLimit | None = None
+    for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
+        race = Race(_runners(net, seed, memory_limit // workers), memory_limit, workers, first)
+        found = race.run()
+        if isinstance(found, UnsafeError):
+            raise found
+        if found is not None:
+            return found
+        limit = race.limit
+    raise LimitError(f"no order of places stays within memory: {limit}")
 
 
-def _again(
-    drawn: list[tuple[str, Order]], source: Iterable[tuple[str, Order]]
-) -> Iterable[tuple[str, Order]]:
-    """The orders drawn before, then those that the source still holds."""
-    yield from drawn
-    for candidate in source:
-        drawn.append(candidate)
-        yield candidate
+def _runners(net: PetriNet, seed: int | None, memory_limit: int) -> Iterator[_ByOrder | _OneByOne]:
+    """Orders of places, the most often good first, and exploration one by one among them."""
+    orders = candidates(net, seed)
+    leading = [_ByOrder(net, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)]
+    yield from leading
+    yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
+    for name, order in orders:
+        yield _ByOrder(net, name, order, memory_limit)
 
 
-def _close(net: PetriNet, name: str, order: Order, memory_limit: int, budget: int) -> SymbolicSpace:
-    encoding = Encoding(net, order, memory_limit)
+@dataclass
+class _ByOrder:
+    """The closure on a diagram of one order, for the race."""
+
+    net: PetriNet
+    name: str
+    order: Order
+    memory_limit: int
+    _encoding: Encoding | None = None
+    _cancelled: bool = False
+
+    @property
+    def bytes(self) -> int:
+        return 0 if self._encoding is None else self._encoding.store.bytes
+
+    def run(self, steps: int) -> SymbolicSpace:
+        if self._encoding is None:
+            self._encoding = Encoding(self.net, self.order, self.memory_limit)
+        if self._cancelled:
+            raise Cancelled
+        return _close(self._encoding, self.name, self.order, steps)
+
+    def forget(self) -> None:
+        self._encoding = None
+
+    def cancel(self) -> None:
+        self._cancelled = True
+        if self._encoding is not None:
+            self._encoding.store.cancel()
+
+
+@dataclass
+class _OneByOne:
+    """Exploration of one marking after the other, whose end is put on a diagram, for the race."""
+
+    net: PetriNet
+    name: str
+    order: Order
+    memory_limit: int
+    bytes: int = 0
+    _cancelled: bool = False
+
+    def run(self, steps: int) -> SymbolicSpace | UnsafeError:
+        prepared = KernelNet(self.net)
+        try:
+            found = prepared.kernel.explore(
+                prepared.initial, False, steps // STEPS_OF_A_STATE, self.memory_limit, self._go_on
+            )
+        except StateLimit as error:
+            raise BudgetExceeded(str(error)) from error
+        if found.trouble is not None:
+            return prepared.unsafe(found)
+        encoding = Encoding(self.net, self.order, self.memory_limit)
+        reachable = encoding.store.from_markings(found.take_markings(), encoding.places)
+        stable = reachable.without(_unstable(encoding)) if self.net.priorities else None
+        name = f"{self.name}, after exploring one by one"
+        return SymbolicSpace(encoding, reachable, stable, name, self.order, encoding.store.peak_nodes)
+
+    def _go_on(self, _states: int, _edges: int) -> None:
+        if self._cancelled:
+            raise Cancelled
+
+    def forget(self) -> None:
+        """Nothing is kept from round to round."""
+
+    def cancel(self) -> None:
+        self._cancelled = True
+
+
+def _unstable(encoding: Encoding) -> list[int]:
+    """When some internal transition is enabled."""
+    enabling, transitions = encoding.enabling, encoding.net.transitions
+    return [c for t, c in enabling.items() if c is not None and transitions[t].internal]
+
+
+def _close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> SymbolicSpace:
+    """Reaches every marking in so many steps, or any number for 0."""
+    net, store = encoding.net, encoding.store
     if not net.priorities:
-        everything = encoding.initial().saturate(distinct(encoding.events.values()), budget)
-        return SymbolicSpace(encoding, everything, None, name, order, encoding.store.peak_nodes)
-    internal = encoding.internal
-    unstable = [c for t, c in encoding.enabling.items() if c is not None and net.transitions[t].internal]
-    reachable = encoding.initial().saturate(internal, budget)
-    peak = encoding.store.peak_nodes
+        everything = encoding.initial().saturate(distinct(encoding.events.values()), max_steps=budget)
+        return SymbolicSpace(encoding, everything, None, name, order, store.peak_nodes)
+    internal, unstable = encoding.internal, _unstable(encoding)
+    peak = spent = 0
+
+    def closed(markings: Zdd) -> Zdd:
+        nonlocal peak, spent
+        if budget and spent >= budget:
+            raise BudgetExceeded(f"the budget of {budget} steps was exceeded")
+        found = markings.saturate(internal, max_steps=budget and budget - spent)
+        peak, spent = max(peak, store.peak_nodes), spent + store.steps
+        return found
+
+    reachable = closed(encoding.initial())
 
     def step(settled: Zdd, events: list[int]) -> Zdd:
-        nonlocal reachable, peak
-        after = (settled.images(events) - reachable).saturate(internal, budget) - reachable
-        peak = max(peak, encoding.store.peak_nodes)
+        nonlocal reachable, spent
+        fired = settled.images(events)
+        spent += store.steps
+        after = closed(fired - reachable) - reachable
         reachable |= after
         return after.without(unstable)
 

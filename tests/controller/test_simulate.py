@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from pathlib import Path
 
 import pytest
@@ -94,16 +95,17 @@ def test_what_check_prints_is_replayed(tmp_path: Path) -> None:
         heading = next(i for i, line in enumerate(printed) if "_reachable" in line or "failure by" in line)
         run = [printed[heading].split("  ")[0].rstrip(":") + ":"]
         for line in printed[heading + 1 :]:
-            if not line.startswith("    "):
+            if not re.match(r" +\d+\. ", line):
                 break
             run.append(line)
+        told = [re.fullmatch(r" +\d+\. (.*)  \[(\S+)\]", line) for line in run[1:]]
         path = tmp_path / "run.txt"
         path.write_text("\n".join(["# a comment", "", *run]) + "\n")
         said = json.loads(shown("--events", path, "--json"))
-        assert [step["event"] for step in said["steps"]] == [line.split()[0] for line in run[1:]]
+        assert [step["event"] for step in said["steps"]] == [step and step[2] for step in told]
         assert said["outcome"] == ("success" if command == "check" else "failure")
         # What changes, in words, is what the other command said of its own graph.
-        assert [step["words"] for step in said["steps"]] == [line.split(maxsplit=1)[1] for line in run[1:]]
+        assert [step["words"] for step in said["steps"]] == [step and step[1] for step in told]
 
 
 def test_events_as_json(tmp_path: Path) -> None:

@@ -9,10 +9,13 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, SafeNet, Store, Zdd
-from tests.kernel.test_store import permutations, switches
+from tests.kernel.test_store import Sets, Touches, build, event, fire, permutations, read, switches, systems
 
 KERNEL = Path(__file__).resolve().parents[2] / "kernel"
 
@@ -201,3 +204,62 @@ def test_the_stub_says_what_the_kernel_has() -> None:
     ]
     run = subprocess.run(command, capture_output=True, text=True, cwd=KERNEL.parent, check=False)
     assert run.returncode == 0, run.stdout
+
+
+def test_markings_in_rows_are_a_set() -> None:
+    draw = Random(3)
+    for levels in (1, 5, 63, 64, 65, 130):
+        store = Store(levels)
+        bits = draw.sample(range(levels + 7), levels)
+        markings = [sorted(draw.sample(range(levels), draw.randrange(levels + 1))) for _ in range(40)]
+        rows = np.zeros((len(markings), (levels + 70) // 64), np.uint64)
+        expected = store.empty()
+        for row, marking in zip(rows, markings, strict=True):
+            expected |= store.singleton(marking)
+            for level in marking:
+                row[bits[level] // 64] |= np.uint64(1 << bits[level] % 64)
+        assert store.from_markings(rows, bits) == expected
+        assert store.from_markings(rows[:0], bits) == store.empty()
+        for wrong in (bits[1:], [*bits[1:], rows.shape[1] * 64], [*bits[1:], -1]):
+            with pytest.raises(ValueError, match="bit"):
+                store.from_markings(rows, wrong)
+
+
+@given(
+    systems(),
+    st.lists(st.tuples(*[st.sampled_from([0, 0, 3, 4])] * 7), max_size=8),
+    st.frozensets(st.frozensets(st.integers(0, 6)), max_size=40),
+)
+def test_many_conditions_and_events_at_once(
+    system: tuple[int, Sets, list[Touches]], drawn: list[Touches], others: Sets
+) -> None:
+    levels, markings, events = system
+    store = Store(levels)
+    markings |= {m for m in others if all(p < levels for p in m)}
+    zdd = build(store, markings)
+    wanted = [touches[:levels] for touches in drawn]
+    sides = [[[p for p, kind in enumerate(touches) if kind == side] for side in (3, 4)] for touches in wanted]
+    conditions = [store.condition(*side) for side in sides]
+    left = frozenset(
+        m for m in markings if not any(m >= set(marked) and not m & set(not_) for marked, not_ in sides)
+    )
+    assert read(store, zdd.without(conditions)) == left
+    numbers = [event(store, touches) for touches in events]
+    after = frozenset[frozenset[int]]().union(*(fire(markings, touches) for touches in events))
+    assert read(store, zdd.images(numbers)) == after
+    within = frozenset(list(markings)[::2])
+    assert read(store, zdd.images(numbers, within=build(store, within))) == after & within
+    assert read(store, zdd.beyond(build(store, within), numbers)) == markings - frozenset[
+        frozenset[int]
+    ]().union(*(fire(within, touches) for touches in events))
+
+
+def test_conditions_that_one_pass_cannot_hold_are_taken_one_by_one() -> None:
+    pairs = 16  # all that the first half marks is pending halfway
+    store = Store(2 * pairs)
+    everything = store.singleton([]).saturate(switches(store))
+    both = [store.condition([level, pairs + level]) for level in range(pairs)]
+    none = [store.condition([], [level, pairs + level]) for level in range(pairs)]
+    assert everything.without(both).count() == 3**pairs
+    assert everything.without(both + none).count() == 2**pairs
+    assert store.singleton([0]).without([store.condition([])]) == store.empty()

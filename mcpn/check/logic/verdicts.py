@@ -22,7 +22,7 @@ from mcpn.errors import InputError, UnsafeError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.goal import DEADLOCK
-from mcpn.space.search.portfolio import EXPLICIT, RANDOM_WALK, ROUNDS, Portfolio
+from mcpn.space.search.portfolio import EXPLICIT, RANDOM_WALK, Portfolio
 from mcpn.space.search.searches import Searches
 
 DIAGRAMS = "DECISION_DIAGRAMS"
@@ -122,7 +122,7 @@ def _by_search(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verd
         if question is not None:
             asked.append((name, question))
     goals = [question.goal for _, question in asked]
-    for index, found in Portfolio(questions.net).decide(goals, ROUNDS[:2]):
+    for index, found in Portfolio(questions.net).decide(goals):
         name, question = asked[index]
         value = found.reachable == question.if_reachable
         yield Verdict(name, str(value).upper(), found.techniques)
@@ -196,7 +196,7 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
         if questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
             return Verdict(name, "FALSE", (RANDOM_WALK,))
     elif examination == "ReachabilityDeadlock" and questions.searchable:
-        for _, found in Portfolio(net).decide([DEADLOCK], ROUNDS[:2]):
+        for _, found in Portfolio(net).decide([DEADLOCK]):
             return Verdict(name, str(found.reachable).upper(), found.techniques)
     try:
         technique = EXPLICIT if questions.engine == "explicit" else DIAGRAMS

@@ -21,8 +21,14 @@ from mcpn.net.siphons import (
 from mcpn.net.structure import Sparse
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams import DiagramMarkings
+from mcpn.space.search.goal import DEADLOCK
+from mcpn.space.search.portfolio import Portfolio
+from mcpn.space.search.searches import Searches
 from mcpn.space.symbolic import reach
 from mcpn.space.tokens import Boundedness, boundedness, explore_tokens
+
+WALK_STEPS = 50_000
+"""Firings of a walk that looks for a second token in a place before the space is built."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +41,8 @@ class NetCheck:
         bounded: Whether it is bounded, with runs that show that it is not.
         bound: Most tokens that a place holds.
         states: Reachable markings.
-        deadlock: A shortest run to a dead marking; empty where the initial one is dead.
+        deadlock: A run to a dead marking, a shortest one where the net is bounded; empty where the initial
+            one is dead.
         dead_transitions: Names of transitions that never fire.
         not_live: Names of those that some day fire no more.
         reversible: Whether every marking leads back to the initial one.
@@ -68,6 +75,9 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     Raises:
         LimitError: A limit was hit.
     """
+    searches = Searches(net)
+    if searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+        return _check_tokens(net, max_states)
     try:
         space: Space[Any] = DiagramMarkings(reach(net))
     except UnsafeError:
@@ -101,11 +111,21 @@ def _check_tokens(net: PetriNet, max_states: int) -> NetCheck:
     else:
         bounded = boundedness(net, max_states=max_states)
         if not bounded.bounded:
-            return NetCheck(net, False, bounded)
+            return _check_unbounded(net, bounded)
         space = explore_tokens(net, max_states=max_states)
     dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in space.fired)
     run = None if space.dead is None else space.dead[1]
     return NetCheck(net, False, bounded, bounded.bound, space.states, run, space.dead is None, dead)
+
+
+def _check_unbounded(net: PetriNet, bounded: Boundedness) -> NetCheck:
+    """Has no space to look at; a search may find a deadlock, or that there is none."""
+    if net.priorities:
+        return NetCheck(net, False, bounded)
+    for _, found in Portfolio(net).decide([DEADLOCK]):
+        run = None if found.run is None else tuple(net.transitions[t].name for t in found.run)
+        return NetCheck(net, False, bounded, deadlock=run, deadlock_free=not found.reachable)
+    return NetCheck(net, False, bounded)
 
 
 def _conserves(net: PetriNet) -> bool:

@@ -60,6 +60,7 @@ class MissionCheck:
         verdicts: By name, required ones first.
         markings: The markings graph, where the engine makes it.
         alternatives: The alternatives graph, where it exists.
+        stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
     """
@@ -68,27 +69,22 @@ class MissionCheck:
     verdicts: dict[str, Verdict]
     markings: Space[Any] | None = None
     alternatives: Space[Any] | None = None
+    stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:
         """Reachable markings and firings between them, exact; ``None`` where they were not counted."""
-        return None if self.markings is None else _sizes(self.markings)
-
-    @cached_property
-    def stable_sizes(self) -> tuple[int, int] | None:
-        """Stable states and event edges of the whole mission, exact; ``None`` where they are not known."""
-        return None if self.alternatives is None else _sizes(self.alternatives)
+        if self.markings is None:
+            return None
+        firings = self.markings.firings(self.markings.everything)
+        return self.markings.everything.count(), sum(firings.values())
 
     @property
     def passed(self) -> bool:
         """Whether every required verdict holds."""
         return all(self.verdicts[name].holds for name in REQUIRED)
-
-
-def _sizes(space: Space[Any]) -> tuple[int, int]:
-    return space.everything.count(), sum(space.firings(space.everything).values())
 
 
 def check(
@@ -144,11 +140,13 @@ def check(
     verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
     for verdict in _reachability(mission_net, space, settles=alternatives is not None):
         verdicts[verdict.name] = verdict
-    unselectable = find_unselectable(mission_net, space)
+    firings = space.firings(space.everything)
+    unselectable = find_unselectable(mission_net, space, firings)
     text = f"{len(unselectable)} found" if unselectable else "nothing found"
     verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
     modes = functioning_modes(mission_net, space)
-    return MissionCheck(mission_net, verdicts, markings, alternatives, modes, unselectable)
+    sizes = None if alternatives is None else (space.everything.count(), sum(firings.values()))
+    return MissionCheck(mission_net, verdicts, markings, alternatives, sizes, modes, unselectable)
 
 
 class _Reached(NamedTuple):

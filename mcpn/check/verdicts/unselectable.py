@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from mcpn.errors import Problem
 from mcpn.mission.warnings import never_entered
 from mcpn.net.compose import MissionNet
@@ -9,19 +11,22 @@ from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space
 
 
-def find_unselectable(mission_net: MissionNet, space: Space[S]) -> tuple[Problem, ...]:
+def find_unselectable(
+    mission_net: MissionNet, space: Space[S], firings: Mapping[int, int]
+) -> tuple[Problem, ...]:
     """Alternatives never selected, objectives never entered or never left, resources never used.
 
     Args:
         mission_net: The mission's net.
         space: Its alternatives graph or its markings graph.
+        firings: In how many of its states each transition has an edge.
 
     Returns:
         Each with its line in the mission, in the order of files and lines.
     """
     usage, mission = mission_net.usage, mission_net.mission
     transitions = mission_net.net.transitions
-    happens = {transitions[t].event for t, count in space.firings(space.everything).items() if count}
+    happens = {transitions[t].event for t, count in firings.items() if count}
     selected, entered = (
         {name for place, name in mission_net.saying(kind).items() if space.marked([place]) & space.stable}
         for kind in ("active", "objective")

@@ -54,7 +54,7 @@ class Round:
     equation: bool = False
 
 
-ROUNDS = (Round(20_000, 2_000), Round(100_000, 20_000, equation=True), Round(400_000, 200_000))
+ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
 
 
 class Portfolio:

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from mcpn.check.nets.properties import check_net
 from mcpn.net.formats import read_net
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search.goal import DEADLOCK, Goal, marked
 from mcpn.space.search.portfolio import INITIAL_STATE, ROUNDS, Finding, Portfolio, Round
 from mcpn.space.search.searches import replay
@@ -80,3 +81,17 @@ def test_deadlocks_of_large_nets(mcc: Path, model: str, deadlock: bool) -> None:
     assert found.reachable is deadlock
     if found.run is not None:
         assert net.enabled(replay(net, found.run)) == []
+
+
+def test_check_of_an_unbounded_net_says_whether_it_can_die() -> None:
+    builder = NetBuilder("grows")
+    for place, tokens in (("on", 1), ("off", 0), ("heap", 0)):
+        builder.place(place, initial=tokens)
+    builder.transition("grow", read=["on"], produce=["heap"])
+    builder.transition("stop", consume=["on"], produce=["off"])
+    found = check_net(builder.build())
+    assert found.bounded.bounded is False
+    assert (found.deadlock_free, found.deadlock) == (False, ("stop",))
+    builder.transition("restart", consume=["off"], produce=["on"])
+    found = check_net(builder.build())
+    assert (found.deadlock_free, found.deadlock) == (True, None)

@@ -1,0 +1,102 @@
+"""What a Python user types first: the functions that ``mcpn`` itself offers.
+
+Each takes a mission, or its net where one has been composed already.
+
+>>> import mcpn
+>>> mission = mcpn.read_mission("experiments/ulysse/mission.xml")
+>>> mcpn.states(mission).states
+44299
+>>> answer = mcpn.ctl(mission, "EF (failure & oos(GPS_sensor))", on="alternatives", engine="local")
+>>> answer.holds
+True
+>>> [str(event) for event in answer.witness.run.events][0]
+'MISSION_EV_START'
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mcpn.check.logic.questions import Answer, Questions
+from mcpn.check.spaces import Engine, On
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission as _read
+from mcpn.net.compose import MissionNet, as_net
+from mcpn.net.petri import PetriNet
+from mcpn.space.summary import SpaceSummary, summarise
+
+if TYPE_CHECKING:
+    from mcpn.check.causes import Causes
+
+
+def read_mission(path: str | Path) -> Mission:
+    """Reads a mission file.
+
+    Args:
+        path: The file.
+
+    Raises:
+        InputError: The file is no valid mission, with every problem and its line.
+    """
+    return _read(Path(path))
+
+
+def states(of: Mission | MissionNet | PetriNet, *, engine: str = "symbolic") -> SpaceSummary:
+    """Counts the reachable markings of a mission or of a net, exactly.
+
+    Args:
+        of: The mission or the net.
+        engine: ``symbolic``, ``explicit`` or ``pyeda``.
+
+    Raises:
+        UnsafeError: The net is not 1-safe.
+        LimitError: A limit was hit.
+    """
+    return summarise(of if isinstance(of, PetriNet) else as_net(of).net, engine)
+
+
+def ctl(
+    of: Mission | MissionNet | PetriNet,
+    formula: str,
+    *,
+    on: On = "markings",
+    fair: tuple[str, ...] = (),
+    engine: Engine = "auto",
+) -> Answer:
+    """Answers a formula of temporal logic, with a run that shows why.
+
+    Args:
+        of: The mission or the net.
+        formula: As :mod:`mcpn.check.logic.language` describes it.
+        on: Whether it speaks of all markings, or of stable ones and events.
+        fair: ``progress``, or formulas that hold again and again on the paths that count.
+        engine: ``explicit``, ``symbolic``, or ``local`` for the alternatives graph of a mission.
+
+    Raises:
+        InputError: The formula is none, or does not fit the net.
+        SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
+        LimitError: A limit was hit.
+    """
+    from mcpn.check.logic.language import parse
+
+    mission_net = None if isinstance(of, PetriNet) else as_net(of)
+    net = of if mission_net is None else mission_net.net
+    assert isinstance(net, PetriNet)
+    questions = Questions(net, mission_net, on=on, fair=fair, engine=engine)
+    return questions.answer(formula, questions.core(parse(formula)))
+
+
+def causes(of: Mission | MissionNet) -> Causes:
+    """Finds what makes a mission and its objectives fail: critical events and minimal cut sets.
+
+    Args:
+        of: The mission.
+
+    Raises:
+        SemanticsError: The mission is not safe or not confluent.
+        LimitError: A limit was hit.
+    """
+    from mcpn.check.causes import find_causes_locally
+
+    return find_causes_locally(as_net(of))

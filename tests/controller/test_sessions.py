@@ -1,0 +1,126 @@
+"""Stateful test: every controller of Ulysse beside its net, whatever is asked of them and in what order."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import Controller
+from mcpn.controller.minimise import minimise
+from mcpn.controller.simulator import Simulation
+from mcpn.controller.targets import files
+from mcpn.controller.targets.json import document
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
+from mcpn.runtime import Controller as Runtime
+from mcpn.runtime import Refused
+from tests.conftest import ULYSSE
+from tests.controller.oracle import NetRobot
+from tests.controller.test_lockstep import plain
+from tests.controller.test_python import Generated
+
+_MADE: dict[str, Any] = {}
+
+
+def made() -> tuple[MissionNet, list[tuple[Controller, dict[str, Any], Generated]]]:
+    """The controllers of Ulysse: flat and hierarchical, minimised and not."""
+    if not _MADE:
+        net = compose(read_mission(ULYSSE))
+        controllers = [generate(net, "flat"), generate(net, "hierarchical")]
+        controllers += [minimise(controller) for controller in controllers]
+        rows = []
+        for controller in controllers:
+            ((_, text),) = files(controller, net, "python").items()
+            rows.append((controller, document(controller, net), Generated(text)))
+        _MADE.update(net=net, rows=rows)
+    return _MADE["net"], _MADE["rows"]
+
+
+class Beside(RuleBasedStateMachine):
+    """The plain net, the simulator, four runtimes and four generated programs."""
+
+    @initialize(seed=st.integers(0, 2**32))
+    def begin(self, seed: int) -> None:
+        self.net, rows = made()
+        self.seed = seed
+        self.robot = NetRobot(self.net, random.Random(seed))
+        self.simulation = Simulation(self.net)
+        self.runtimes = [Runtime.from_document(said) for _, said, _ in rows]
+        self.programs: list[Any] = [generated.module["Controller"]() for _, _, generated in rows]  # type: ignore[operator]
+        self.events: list[str] = []
+
+    def take(self, event: str) -> None:
+        expected = self.robot.handle(event)
+        change = self.simulation.take(Event.parse(event))
+        assert change is not None
+        self.events.append(event)
+        for runtime in self.runtimes:
+            assert plain(runtime.handle(event)) == expected
+        for program in self.programs:
+            actions = [tuple(part for part in action[:3] if part) for action in program.handle(event)]
+            assert sorted(actions) == expected
+
+    @precondition(lambda self: bool(self.robot.possible))
+    @rule(data=st.data())
+    def event(self, data: st.DataObject) -> None:
+        self.take(data.draw(st.sampled_from(sorted(self.robot.possible))))
+
+    @rule(data=st.data())
+    def impossible(self, data: st.DataObject) -> None:
+        known = {str(t.event) for t in self.net.net.transitions if t.event}
+        event = data.draw(st.sampled_from([*sorted(known - self.robot.possible.keys()), "no_such_EV"]))
+        assert self.simulation.take(Event.parse(event)) is None
+        for runtime in self.runtimes:
+            with pytest.raises(Refused):
+                runtime.handle(event)
+        for program in self.programs:
+            with pytest.raises(Exception, match=r"is not possible now|is no event"):
+                program.handle(event)
+
+    @precondition(lambda self: bool(self.events))
+    @rule()
+    def undo(self) -> None:
+        """The simulator takes one back; the others are made anew and led there."""
+        self.simulation.undo()
+        events = self.events[:-1]
+        _, rows = made()
+        self.robot = NetRobot(self.net, random.Random(self.seed))
+        self.runtimes = [Runtime.from_document(said) for _, said, _ in rows]
+        self.programs = [generated.module["Controller"]() for _, _, generated in rows]  # type: ignore[operator]
+        for event in events:
+            self.robot.handle(event)
+            for controller in (*self.runtimes, *self.programs):
+                controller.handle(event)
+        self.events = events
+
+    @rule()
+    def snapshot(self) -> None:
+        for number, runtime in enumerate(self.runtimes):
+            other = Runtime(runtime._tables)
+            other.restore(runtime.snapshot())
+            self.runtimes[number] = other
+
+    @invariant()
+    def same(self) -> None:
+        possible = sorted(self.robot.possible)
+        assert sorted(map(str, self.simulation.possible)) == possible
+        assert self.simulation.situation.mode == self.robot.mode
+        for runtime in self.runtimes:
+            assert list(runtime.possible) == possible
+            assert dict(runtime.mode) == self.robot.mode
+            assert runtime.outcome == self.robot.outcome
+        for program in self.programs:
+            assert sorted(program.possible()) == possible
+            assert program.mode == self.robot.mode
+            assert program.outcome == self.robot.outcome
+
+
+TestBeside = Beside.TestCase
+TestBeside.settings = settings(max_examples=15, stateful_step_count=25, deadline=None)

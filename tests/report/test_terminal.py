@@ -1,0 +1,104 @@
+"""What people read: whole names, bounded lines, colours only where they are wanted, nothing said twice."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import struct
+import subprocess
+import sys
+import termios
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mcpn.report.progress import exploring, sections
+from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
+from tests.commands import mcpn
+from tests.conftest import ULYSSE
+
+WORDS = st.lists(st.text(st.characters(codec="utf-8"), max_size=30), max_size=20).map(" ".join)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(text=WORDS, width=st.integers(1, 120), indent=st.integers(0, 9))
+def test_lines_keep_to_the_width_unless_a_word_is_longer(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, text: str, width: int, indent: int
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    capsys.readouterr()
+    Terminal().print(text, indent=indent)
+    lines = capsys.readouterr().out.split("\n")[:-1]
+    for line in lines:
+        assert line.isprintable()
+        assert len(line) <= max(width, LEAST_WIDTH) or len(line.split()) == 1
+    assert " ".join(lines).split() == plain(text).split()
+
+
+@pytest.mark.parametrize("arguments", [["check"], ["causes"], ["states"], ["compare"]])
+def test_reports_fit_80_columns_and_break_no_name(
+    arguments: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    narrow = mcpn(*arguments, ULYSSE).stdout
+    monkeypatch.delenv("COLUMNS")
+    wide = mcpn(*arguments, ULYSSE).stdout
+    assert max(map(len, narrow.splitlines())) <= 80
+    names = {word.strip("():;,") for word in wide.split() if "_" in word}
+    assert names <= {word.strip("():;,") for word in narrow.split()}
+    assert "\x1b" not in narrow + wide
+
+
+def test_the_same_is_not_said_for_each_event() -> None:
+    told = mcpn("causes", ULYSSE).stdout
+    assert told.count("at any moment") == 2  # what is survived, and what is critical
+    assert told.count("GPS_sensor and IMU_sensor") <= 6
+
+
+def on_a_terminal(environment: dict[str, str], *arguments: str) -> str:
+    """What a command writes on a terminal of 80 columns."""
+    leader, follower = pty.openpty()
+    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    command = [sys.executable, "-m", "mcpn.cli", *arguments]
+    kept = {key: value for key, value in os.environ.items() if key not in ("COLUMNS", "NO_COLOR")}
+    with subprocess.Popen(
+        command, stdout=follower, stderr=follower, env={**kept, "TERM": "xterm", **environment}
+    ):
+        os.close(follower)
+        written = b""
+        while True:
+            try:
+                part = os.read(leader, 65536)
+            except OSError:  # the last writer has gone
+                break
+            if not part:
+                break
+            written += part
+    os.close(leader)
+    return written.decode()
+
+
+def test_colours_are_for_terminals_that_want_them() -> None:
+    assert "\x1b[32m" in on_a_terminal({}, "check", str(ULYSSE))
+    for unwanted in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
+        told = on_a_terminal(unwanted, "check", str(ULYSSE))
+        assert "The mission can succeed." in told
+        assert "\x1b[3" not in told
+        assert max(len(line) for line in told.splitlines()) <= 80
+
+
+def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
+    lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(40))]
+    (tmp_path / "big.net").write_text("\n".join(lines) + "\n")
+    told = on_a_terminal({}, "states", str(tmp_path / "big.net"), "--max-states", "4000000")
+    assert "states a second" in told
+    assert "\r\x1b[K" in told
+    assert "\x1b[K" not in on_a_terminal({"TERM": "dumb"}, "states", str(ULYSSE))
+
+
+def test_progress_estimates_what_is_left() -> None:
+    assert sections(1, 4, 10.0) == "sections on their own, and junctions: 1 of 4, 10 s, about 30 s left"
+    assert exploring(1000, 5000, 2.0) == "exploring: 1,000 states, 5,000 edges, 500 states a second, 2 s"
