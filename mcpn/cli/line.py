@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from mcpn import __version__
-from mcpn.cli import causes, check, ctl, outputs, simulate, spaces
+from mcpn.cli import begin, causes, check, ctl, outputs, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import InputError, McpnError, SemanticsError
 from mcpn.report.terminal import plain
@@ -53,6 +53,8 @@ for command in (
     outputs.convert,
     simulate.simulate,
     spaces.compare,
+    begin.init,
+    begin.schema,
 ):
     command_line.add_command(command)
 

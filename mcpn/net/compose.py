@@ -54,6 +54,12 @@ class MissionNet:
         return self.by_role["failure", self.mission.name][0]
 
     @cached_property
+    def exits(self) -> Mapping[str, int]:
+        """The places that say how it has ended: ``success``, ``failure``, and of a part each other exit."""
+        named = {name: place for place, name in self.saying("exit").items()}
+        return {"success": self.success, "failure": self.failure, **named}
+
+    @cached_property
     def start(self) -> int:
         """The transition with which the mission begins."""
         (start,) = [t for t, of in enumerate(self.net.transitions) if of.event == START]

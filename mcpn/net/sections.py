@@ -121,13 +121,19 @@ class LocalPart:
             else:
                 inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
             routes = (places.get(r, r) for r in (section.success, section.failure))
-            shapes.append((isinstance(section, ParallelSection), waits, inside, *routes))
+            events = tuple((i.event, places.get(i.target, i.target)) for i in section.interruptions)
+            shapes.append((isinstance(section, ParallelSection), waits, inside, events, *routes))
         return places[graph.entry], tuple(shapes)
+
+
+def exit_on(event: str) -> str:
+    """What the exit of a part is called that an event leads to; no section can be called so."""
+    return f"on {event}"
 
 
 def section_part(usage: Usage, section: Section) -> LocalPart:
     """A section alone."""
-    alone = replace(section, success=SUCCEED, failure=FAIL)
+    alone = _routed(section, set())
     return LocalPart(usage, ObjectivesGraph((alone,), section.name))
 
 
@@ -143,7 +149,10 @@ def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
 def _routed(section: Section, kept: set[str]) -> Section:
     success = section.success if section.success in kept else SUCCEED
     failure = section.failure if section.failure in kept else FAIL
-    return replace(section, success=success, failure=failure)
+    interruptions = tuple(
+        i if i.target in kept else replace(i, target=exit_on(i.event)) for i in section.interruptions
+    )
+    return replace(section, success=success, failure=failure, interruptions=interruptions)
 
 
 class Renaming:

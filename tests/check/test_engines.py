@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
 from hypothesis import given
 
 from mcpn.check.verdicts.mission import REQUIRED, MissionCheck, Verdict, check
@@ -41,10 +40,6 @@ def compare(mission_net: MissionNet) -> None:
     if not explicit.verdicts["confluent"].holds:
         return
     assert modes(symbolic) == modes(explicit)
-    if any(section.interruptions for section in mission_net.graph.all_sections()):
-        with pytest.raises(LimitError, match="which composition does not take"):
-            check(mission_net, engine="local")
-        return
     local = check(mission_net, engine="local")
     if not local.verdicts["confluent"].holds:  # contention where the mission does not come
         assert mission_net.usage.contentions

@@ -22,6 +22,7 @@ Role: TypeAlias = tuple[
         "done",
         "success",
         "failure",
+        "exit",
         "alive",
         "dead",
     ],
@@ -37,6 +38,7 @@ Role: TypeAlias = tuple[
 ``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);
 ``("success", mission)``, ``("failure", mission)``: the mission has ended so;
+``("exit", "on leak")``: a part of the mission has been left so (never in the net of the whole);
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
 :mod:`mcpn.net.mortal`).
 """

@@ -43,7 +43,15 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     begin = pen.place("begin", initial=1)
     success = canvas.role(pen.place("success"), ("success", mission.name))
     failure = canvas.role(pen.place("failure"), ("failure", mission.name))
-    control = _Control(canvas, graph, {SUCCEED: [success], FAIL: [failure]})
+    exits = {SUCCEED: [success], FAIL: [failure]}
+    known = {*exits, *(section.name for section in graph.sections)}
+    for section in graph.sections:  # a part of a mission may be left in other ways
+        for target in section.routes:
+            if target not in known:
+                known.add(target)
+                place = canvas.of("exit", target, section.source).place("left")
+                exits[target] = [canvas.role(place, ("exit", target))]
+    control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
 

@@ -112,9 +112,10 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
         pen.transition("2", [waiting], [busy, answer], read=[running])
         pen.transition("4", [busy, release], [free, unused])
         pen.transition("10", [free], [available], read=[idle])
-        for number, other in enumerate(every):
+        for other in every:
             if goes_on and other != (s, owner):
-                pen.transition(f"9.{number}", [free], [available], read=[canvas.answer(*other)])
+                part = ("9", *(name for name in other if name))
+                pen.transition(part, [free], [available], read=[canvas.answer(*other)])
         interface = [available, take, waiting, answer, release, free]
         if canvas.usage.refusable(a):
             error, deactivation = pen.place("error"), pen.place("deactivation")

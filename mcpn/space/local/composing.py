@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
@@ -74,7 +73,6 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         LimitError: A limit was hit.
     """
     usage, graph, templates = mission_net.usage, mission_net.graph, options.templates
-    refuse_interruptions(graph)
     parts = {section.name: section_part(usage, section) for section in graph.sections}
     kinds = {name: part.type if templates is None else name for name, part in parts.items()}
     first: dict[Hashable, str] = {}
@@ -106,21 +104,6 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
             refuse_open_junctions(composite)
         refuse_nonconfluent(composite, {types[k]: explored[k] for k in types}, options.max_states)
     return composite
-
-
-def refuse_interruptions(graph: ObjectivesGraph) -> None:
-    """Refuses missions whose sections may be left by more than success and failure.
-
-    Raises:
-        LimitError: An event may interrupt a section.
-    """
-    for section in graph.all_sections():
-        for interruption in section.interruptions:
-            where = f"{interruption.source}: " if interruption.source else ""
-            raise LimitError(
-                f"{where}the event {interruption.event} may interrupt {section.name}, which composition does "
-                "not take yet: use --engine explicit or symbolic, and controller --flat"
-            )
 
 
 def _net(local: MissionNet, options: Options) -> MissionNet:

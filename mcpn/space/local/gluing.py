@@ -12,7 +12,6 @@ from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
-from mcpn.space.local.composing import refuse_interruptions
 from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import Undecided
 from mcpn.space.local.graph import LocalGraph
@@ -48,6 +47,21 @@ def glue(
     if tear is not None and strict:
         raise error_of(composite, tear, making.templates)
     return composite
+
+
+def refuse_interruptions(graph: ObjectivesGraph) -> None:
+    """Refuses missions whose sections may be left by more than success and failure.
+
+    Raises:
+        LimitError: An event may interrupt a section.
+    """
+    for section in graph.all_sections():
+        for interruption in section.interruptions:
+            where = f"{interruption.source}: " if interruption.source else ""
+            raise LimitError(
+                f"{where}the event {interruption.event} may interrupt {section.name}, which this does "
+                "not take yet: use --engine explicit or symbolic, and controller --flat"
+            )
 
 
 def judged_everywhere(

@@ -94,7 +94,7 @@ class LocalStates:
     @cached_property
     def ends(self) -> Mapping[Exit, int]:
         """By exit, the place that says that the section has ended so."""
-        return {"success": self.net.success, "failure": self.net.failure}
+        return self.net.exits
 
     def _ended(self, stable: Zdd, exit_: Exit) -> Zdd:
         return self.encoding.marking_all([self.ends[exit_]], stable)

@@ -9,8 +9,9 @@ from functools import cached_property
 from mcpn.mission.flatten import Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
 from mcpn.net.petri import Provenance
-from mcpn.net.sections import LocalPart, Renaming
+from mcpn.net.sections import LocalPart, Renaming, exit_on
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.local_states import Exit
@@ -18,6 +19,9 @@ from mcpn.space.local.section_type import SectionType
 
 BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""
+
+NOWHERE = -1
+"""The place of the whole net for a place of a local net that says by which event the section was left."""
 
 ENDS = (SUCCEED, FAIL)
 """What stands for a section after the mission: the routes to its ends."""
@@ -83,7 +87,8 @@ class PlacedSection:
     @property
     def routes(self) -> Mapping[Exit, str]:
         """By exit, the section that it leads to, or an end of the mission."""
-        return {"success": self.section.success, "failure": self.section.failure}
+        events = {exit_on(i.event): i.target for i in self.section.interruptions}
+        return {"success": self.section.success, "failure": self.section.failure, **events}
 
     @cached_property
     def renaming(self) -> Renaming:
@@ -91,37 +96,59 @@ class PlacedSection:
         return Renaming(self.type.part, self.part)
 
     @cached_property
+    def _own(self) -> MissionNet:
+        """The section's own local net: that of its type with other names, place by place."""
+        own = self.part.net(self.templates)
+        return mortal(own) if len(self.layout.bits) > 1 else own
+
+    @cached_property
     def places(self) -> list[int]:
-        """By place of the local net, the place of the whole net."""
-        return self._placed([place.provenance for place in self.type.net.net.places], self.elements.places)
+        """By place of the local net, the place of the whole net, or :data:`NOWHERE`."""
+        places, whole = self.type.net.net.places, self.elements.mission_net.net.place_index
+        found = self._placed([place.provenance for place in places], self.elements.places)
+        if found is None:
+            own = self._own.net.places
+            found = [whole.get(place.name, NOWHERE) for place in own]
+            assert len(own) == len(places), "sections of one type differ in names only"
+        return found
 
     @cached_property
     def transitions(self) -> list[int]:
         """By transition of the local net, the transition of the whole net."""
-        origins = [transition.provenance for transition in self.type.net.net.transitions]
-        return self._placed(origins, self.elements.transitions)
+        transitions, whole = self.type.net.net.transitions, self.elements.mission_net.net.transition_index
+        origins = [transition.provenance for transition in transitions]
+        found = self._placed(origins, self.elements.transitions)
+        if found is None:
+            own = self._own.net.transitions
+            found = [whole[transition.name] for transition in own]
+            assert len(own) == len(transitions), "sections of one type differ in names only"
+        return found
 
     def _placed(
         self, origins: list[Provenance | None], whole: Mapping[tuple[str, str], list[int]]
-    ) -> list[int]:
-        """Each element is drawn alike in both nets, so its places and transitions correspond in order."""
+    ) -> list[int] | None:
+        """The same by order, where each element is drawn alike in both nets; else names must be compared.
+
+        Of what several activities share, the local net has the interfaces of its own activities alone.
+        """
         own, mission = self.renaming.elements, self.type.net.mission.name
         taken: dict[tuple[str, str], int] = {}
         found = []
         for origin in origins:
             assert origin is not None, "what templates draw has a provenance"
+            if origin.kind == "exit":
+                found.append(NOWHERE)
+                continue
             key = origin.kind, origin.name
             mine = key if key == ("mission", mission) else (origin.kind, own[key])
             found.append(whole[mine][taken.setdefault(mine, 0)])
             taken[mine] += 1
-        assert all(len(whole[mine]) == count for mine, count in taken.items() if mine[0] != "mission"), (
-            "each element is drawn alike in both nets"
-        )
-        return found
+        alike = all(len(whole[mine]) == count for mine, count in taken.items() if mine[0] != "mission")
+        return found if alike else None
 
     @cached_property
     def _local_places(self) -> Mapping[int, int]:
-        return {place: local for local, place in enumerate(self.places)}
+        return {place: local for local, place in enumerate(self.places) if place != NOWHERE}
 
     def local_place(self, place: int) -> int | None:
         """The place of the local net that is a place of the whole, if it has one."""

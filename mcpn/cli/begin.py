@@ -1,0 +1,57 @@
+"""Beginning a mission: files to start from, and the schema for an editor."""
+
+from __future__ import annotations
+
+import re
+from importlib import resources
+from pathlib import Path
+
+import click
+
+from mcpn.cli.shared import FILE, emit_json, json_option
+from mcpn.errors import InputError, Source
+
+FILES = ("mission.xml", "robot.xml", "protocols.xml")
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
+
+
+@click.command()
+@click.argument("folder", type=FILE, metavar="NAME")
+@json_option
+def init(folder: Path, as_json: bool) -> None:
+    """Write a small mission to start from into the new folder NAME."""
+    from mcpn.files import write_folder
+
+    name = folder.name
+    if not _NAME.fullmatch(name):
+        expected = "expected letters, digits and _, no digit first, at most 255 characters"
+        raise InputError.at(None, f"a mission cannot be called {name!r}, {expected}")
+    for file in FILES:
+        if (folder / file).exists():
+            raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")
+    start = resources.files("mcpn.cli.start")
+    texts = {file: start.joinpath(file).read_text(encoding="utf-8").replace("NAME", name) for file in FILES}
+    write_folder(folder, texts)
+    paths = [str(folder / file) for file in FILES]
+    if as_json:
+        emit_json({"files": paths})
+    else:
+        click.echo("\n".join(paths))
+        click.echo(f"verify it: mcpn check {folder / FILES[0]}", err=True)
+
+
+@click.command()
+@json_option
+def schema(as_json: bool) -> None:
+    """Print the schema of the mission language (RELAX NG), for an editor that completes and checks.
+
+    Save it beside your files (mcpn schema > mission.rng) and write as the second line of each of them
+    <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
+    of Debian): trang mission.rng mission.xsd.
+    """
+    text = resources.files("mcpn.mission").joinpath("schema.rng").read_text(encoding="utf-8")
+    if as_json:
+        emit_json({"format": "RELAX NG", "schema": text})
+    else:
+        click.echo(text, nl=False)
+        click.echo('in an editor: <?xml-model href="mission.rng"?> as the second line of a file', err=True)

@@ -1,0 +1,1 @@
+"""A small mission in three files to start from."""
