@@ -70,3 +70,34 @@ def test_help_loads_nothing_heavy() -> None:
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.split() == []
+
+
+HEAVY = {"networkx", "scipy", "lark", "rich", "hypothesis", "distributed", "matplotlib", "pyeda", "asyncio"}
+LOADS = {
+    "states --json": set(),
+    "states": set(),
+    "states --engine symbolic": set(),
+    "check": set(),
+    "check --engine symbolic": set(),
+    "check --engine local": set(),
+    "alternatives": set(),
+    "controller -o {folder}": set(),
+    "convert {folder}/net.pnml": set(),
+    "ctl AG(EF(success|failure))": {"lark"},
+    "causes --engine local": set(),
+}
+"""What each command loads of the heavy modules."""
+
+
+@pytest.mark.parametrize("command", LOADS)
+def test_a_question_loads_what_it_needs(command: str, tmp_path: Path) -> None:
+    mission = PACKAGE.parent / "experiments" / "ulysse" / "mission.xml"
+    name, *options = command.format(folder=tmp_path).split()
+    script = (
+        "import sys\n"
+        "from mcpn.cli.line import run\n"
+        f"assert run({[name, str(mission), *options]!r}) == 0\n"
+        f"print('loaded', *sorted({HEAVY!r} & sys.modules.keys()))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert set(run.stdout.splitlines()[-1].split()[1:]) <= LOADS[command]

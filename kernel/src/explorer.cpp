@@ -26,19 +26,22 @@ std::uint64_t Exploration::bytes() const {
   return room(markings) + room(parents) + room(via) + room(offsets) + room(targets) + room(labels);
 }
 
-// Finds markings by their words: open addressing on the numbers of states.
+// Finds markings by their words: open addressing on the numbers of states. A slot holds half of the marking's hash
+// beside the number, so that most other markings are told apart without being looked at, and none is hashed again.
 class SafeNet::Table {
  public:
-  Table(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kNone) {}
+  Table(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kFree) {}
 
   // The number of a marking; a new one is taken note of with where it came from.
   State number(const Word* marking, State parent, std::uint32_t via, bool& fresh) {
     const std::uint64_t words = found_.words;
-    std::uint64_t at = hash(marking) & (slots_.size() - 1);
-    for (; slots_[at] != kNone; at = (at + 1) & (slots_.size() - 1))
-      if (std::equal(marking, marking + words, found_.markings.data() + slots_[at] * words)) {
+    const std::uint64_t hashed = hash(marking), half = hashed >> 32 << 32;
+    std::uint64_t at = place(hashed);
+    for (; slots_[at] != kFree; at = (at + 1) & (slots_.size() - 1))
+      if (slots_[at] >> 32 << 32 == half &&
+          std::equal(marking, marking + words, found_.markings.data() + State(slots_[at]) * words)) {
         fresh = false;
-        return slots_[at];
+        return State(slots_[at]);
       }
     const State state = State(found_.states());
     if (state >= limits_.states)
@@ -50,7 +53,7 @@ class SafeNet::Table {
     found_.markings.insert(found_.markings.end(), marking, marking + words);
     found_.parents.push_back(state == 0 ? 0 : parent);
     found_.via.push_back(via);
-    slots_[at] = state;
+    slots_[at] = half | state;
     if (found_.states() * 3 > slots_.size() * 2) widen();
     fresh = true;
     return state;
@@ -79,20 +82,25 @@ class SafeNet::Table {
     x *= 0x94D049BB133111EBull;
     return x ^ x >> 32;
   }
+  std::uint64_t place(std::uint64_t hashed) const { return (hashed >> 32) * kSpread >> shift_; }
   void widen() {
-    require(slots_.size() * 2 * sizeof(State));
-    std::vector<State> wider(slots_.size() * 2, kNone);
-    for (State state = 0; state < found_.states(); ++state) {
-      std::uint64_t at = hash(found_.markings.data() + state * found_.words) & (wider.size() - 1);
-      while (wider[at] != kNone) at = (at + 1) & (wider.size() - 1);
-      wider[at] = state;
+    require(slots_.size() * 2 * sizeof(slots_[0]));
+    std::vector<std::uint64_t> wider(slots_.size() * 2, kFree);
+    --shift_;
+    for (const std::uint64_t slot : slots_) {
+      if (slot == kFree) continue;
+      std::uint64_t at = place(slot);
+      while (wider[at] != kFree) at = (at + 1) & (wider.size() - 1);
+      wider[at] = slot;
     }
     slots_.swap(wider);
   }
 
+  static constexpr std::uint64_t kFree = ~0ull, kSpread = 0x9E3779B97F4A7C15ull;
   Exploration& found_;
   const Limits& limits_;
-  std::vector<State> slots_;
+  std::vector<std::uint64_t> slots_;
+  int shift_ = 64 - 16;  // as many bits of a place as there are slots
 };
 
 SafeNet::SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities)

@@ -8,7 +8,7 @@ namespace mcpn::search {
 
 namespace {
 
-constexpr std::uint32_t kSampled = 48;  // enabled transitions that a guided step compares
+constexpr std::uint32_t kSampled = 48, kSampledDead = 16;  // enabled transitions that a guided step compares
 enum Mode { random, guided, ordered, counted };
 
 // xorshift64*: Vigna, An experimental exploration of Marsaglia's xorshift generators, 2016.
@@ -194,7 +194,7 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
       if (mode == guided && draw.below(8) != 0) {
         Tokens least = kFar + 1;
         const std::vector<Transition> candidates(enabled);
-        const std::uint32_t start = draw.below(count), most = std::min(count, kSampled);
+        const std::uint32_t start = draw.below(count), most = std::min(count, asks_dead[focus] ? kSampledDead : kSampled);
         for (std::uint32_t i = 0; i < most; ++i) {
           const Transition t = candidates[(start + i) % count];
           const Tokens far = walker.distance_after(t, roots[focus], asks_dead[focus]);

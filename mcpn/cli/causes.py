@@ -70,7 +70,6 @@ def causes(
     from mcpn.check.causes import find_causes, find_causes_locally
     from mcpn.check.conditions import minimal_formula
     from mcpn.check.fmeca import fmeca as table_of
-    from mcpn.check.risk import risk
     from mcpn.files import write_atomically
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
@@ -94,7 +93,11 @@ def causes(
     goals = {found.mission.name: found.mission, **found.objectives}
     formulas = {name: minimal_formula(goal.cut_sets).text for name, goal in goals.items()} if formula else {}
     rows = table_of(outlook) if outlook else []
-    numbers = risk(outlook) if outlook and rates else None
+    numbers = None
+    if outlook and rates:
+        from mcpn.check.risk import risk
+
+        numbers = risk(outlook)
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         write_atomically(openpsa, open_psa(mission_net.usage, every.mission.cut_sets, cut_sets))

@@ -8,20 +8,22 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes import Causes, GoalCauses, Survival
 from mcpn.check.conditions import enumeration, sentence
 from mcpn.check.cutsets import CutSet
 from mcpn.check.fmeca import Row, Severity
 from mcpn.check.losing import CriticalEvent
-from mcpn.check.risk import Risk
 from mcpn.check.runs import Step, what_happens
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.events import Event
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
+
+if TYPE_CHECKING:
+    from mcpn.check.risk import Risk
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""

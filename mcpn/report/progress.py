@@ -80,7 +80,7 @@ def duration(seconds: float) -> str:
     """Seconds as a person says them.
 
     >>> duration(3.6), duration(150), duration(7300)
-    ('4 s', '2 min 30 s', '2 h 2 min')
+    ('4 s', '2 min 30 s', '2 h 1 min')
     """
     whole = round(seconds)
     if whole < 60:

@@ -28,6 +28,7 @@ def qt(path: Path, events: list[str]) -> Answers:
         input="\n".join(events) + "\n",
         capture_output=True,
         text=True,
+        timeout=240,
         env={**os.environ, "QT_LOGGING_RULES": "*.debug=false;*.info=false"},
     )
     assert run.returncode == 0, run.stderr

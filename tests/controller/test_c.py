@@ -200,7 +200,11 @@ def test_sizes_in_the_header_are_those_of_the_compiler(
     deadline=None,
     phases=(Phase.explicit, Phase.reuse, Phase.generate),  # each example is compiled: shrinking takes minutes
 )
-@given(missions(max_objectives=3, max_depth=1, text=True), st.integers(0, 2**32), st.booleans())
+@given(
+    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True, text=True),
+    st.integers(0, 2**32),
+    st.booleans(),
+)
 def test_any_mission(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool
 ) -> None:

@@ -116,3 +116,13 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
     event(f"{len(controllers)} controllers")
     if controllers:
         walk(mission_net, controllers, random.Random(seed), 60)
+
+
+@given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
+def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
+    """An interruption is an event like any other; composition may refuse such missions, then flat alone."""
+    mission_net = compose(mission)
+    controllers = either(mission_net)
+    event(f"{len(controllers)} controllers")
+    if controllers:
+        walk(mission_net, controllers, random.Random(seed), 40)

@@ -68,7 +68,11 @@ def test_every_edge_of_ulysse(form: str, ulysse_net: MissionNet, tmp_path: Path)
     assert '"depth": ("10", "m")' in text
 
 
-@given(missions(max_objectives=3, max_depth=1, text=True), st.integers(0, 2**32), st.booleans())
+@given(
+    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True, text=True),
+    st.integers(0, 2**32),
+    st.booleans(),
+)
 def test_any_mission(mission: Mission, seed: int, flat: bool) -> None:
     mission_net = compose(mission)
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from pathlib import Path
 
 import pytest
@@ -72,7 +73,11 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
     deadline=None,
     phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )
-@given(missions(max_objectives=3, max_depth=1), st.integers(0, 2**32), st.booleans())
+@given(
+    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True),
+    st.integers(0, 2**32),
+    st.booleans(),
+)
 def test_any_mission(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool
 ) -> None:
@@ -90,7 +95,7 @@ def test_any_mission(
 
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])
 def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: MissionNet) -> None:
-    """Every rule of the Recommendation that concerns the elements used; no schema is at hand here."""
+    """Each rule that the XML schema of W3C has for the elements used: content, attributes, their types."""
     controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
     ((_, text),) = files(controller, ulysse_net, "scxml").items()
     root = etree.fromstring(text.encode())
@@ -110,8 +115,11 @@ def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: Mi
         "final": {"id"},
         "log": {"label"},
     }
+    assert (root.get("version"), root.get("datamodel")) == ("1.0", "ecmascript")
+    assert re.fullmatch(r"[\w.:-]+", root.get("name") or "", re.A)  # NMTOKEN
     ids = [e.get("id") for e in root.iter("{*}state", "{*}parallel", "{*}final")]
     assert len(ids) == len(set(ids))
+    assert all(re.fullmatch(r"[A-Za-z_][\w.-]*", i or "", re.A) for i in ids)  # NCName
     for element in root.iter(etree.Element):
         name = etree.QName(element)
         assert name.namespace == NAMESPACE
@@ -124,6 +132,8 @@ def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: Mi
         if name.localname == "state" and element.get("initial"):
             assert element.get("initial") in {c.get("id") for c in element.iterdescendants()}
         if name.localname == "transition":
+            event = element.get("event")
+            assert event is None or re.fullmatch(r"[\w:-]+(\.[\w:-]+)*", event, re.A)  # EventTypes.datatype
             # No descriptor of an event may match another one: none has a dot, a blank or a star.
             assert not set(element.get("event") or "") & set(". *")
             assert element.get("event") or element.get("target")

@@ -1,48 +1,29 @@
 """Formulas that ask for one reachable marking, as goals of a search.
 
-``EF f`` and ``AG f`` where ``f`` has no temporal operator need no more than a marking of ``f``, or of ``!f``,
-that is reachable or not.
+``EF f`` where ``f`` has no temporal operator needs no more than a marking of ``f`` that is reachable or not;
+``AG f`` is ``!EF !f``.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Fires, Not, Or, Stable, TokenBound
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable, negation
 
 
-@dataclass(frozen=True)
-class ReachabilityQuestion:
-    """A question that a search can answer.
-
-    Args:
-        goal: The markings looked for.
-        if_reachable: What the formula is where one of them is reachable.
-    """
-
-    goal: Goal
-    if_reachable: bool
-
-
-def as_reachability(formula: Core, net: PetriNet) -> ReachabilityQuestion | None:
-    """The question for a reachable marking that a formula asks in its initial state.
+def as_reachability(formula: Core, net: PetriNet) -> Goal | None:
+    """The goal of a formula ``EF f``.
 
     Args:
         formula: Of the core.
         net: A net without priorities.
 
     Returns:
-        The question; ``None`` where the formula asks for more.
+        The markings of ``f``, of which one is to be reachable; ``None`` for any other formula.
     """
-    value = True
-    while isinstance(formula, Not):
-        formula, value = formula.operand, not value
     match formula:
         case EU(Const(True), inside):
-            goal = as_goal(inside, net)
-            return None if goal is None else ReachabilityQuestion(goal, value)
+            return as_goal(inside, net)
     return None
 
 

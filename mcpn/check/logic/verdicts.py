@@ -1,6 +1,7 @@
 """Answers to files and examinations of the Model Checking Contest, as they come, with how they were had.
 
-What asks for one reachable marking goes to a search first; what is left is asked of the space, built once.
+Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
+a search, once where several formulas ask for the same. What is left is asked of the space, built once.
 The formulas of a file share it: cheap ones first, each with a time slice that grows round by round, so that
 one hard formula does not cost the easy ones.
 """
@@ -14,18 +15,20 @@ from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import Core, walk
+from mcpn.check.logic.formulas import Const, Core, Deadlock, Fires, TokenBound, walk
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.reachability import ReachabilityQuestion, as_reachability
+from mcpn.check.logic.reachability import as_reachability
+from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
 from mcpn.errors import InputError, UnsafeError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
-from mcpn.space.search.goal import DEADLOCK
-from mcpn.space.search.portfolio import EXPLICIT, RANDOM_WALK, Portfolio
+from mcpn.space.search.equation import place_bounds
+from mcpn.space.search.goal import DEADLOCK, Goal
+from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio
 from mcpn.space.search.searches import Searches
 
-DIAGRAMS = "DECISION_DIAGRAMS"
+DIAGRAMS, REWRITING = "DECISION_DIAGRAMS", "QUERY_REDUCTION"
 FIRST_SLICE, GROWTH = 1.5, 4.0
 WALK_STEPS = 50_000
 
@@ -96,36 +99,68 @@ def look_up(questions: Questions, asked: Property) -> Meaning:
 def _answers(
     questions: Questions, properties: Sequence[Property], meant: dict[str, Meaning]
 ) -> Iterator[Verdict]:
-    answered: set[str] = set()
-    for verdict in _by_search(questions, meant):
-        answered.add(verdict.name)
+    waiting = {asked.name: meant[asked.name] for asked in properties}
+    for verdict in _without_space(questions, waiting):
+        del waiting[verdict.name]
         yield verdict
-    waiting = [asked.name for asked in properties if asked.name not in answered]
     if not waiting:
         return
     space = questions.space
     if isinstance(space, DiagramMarkings | DiagramAlternatives):
-        left = {name: meant[name] for name in waiting}
-        yield from _by_slices(questions, space.encoding.store, left)
+        yield from _by_slices(questions, space.encoding.store, waiting)
         return
     technique = EXPLICIT if questions.engine == "explicit" else DIAGRAMS
-    for name in waiting:
-        yield Verdict(name, _value(questions, meant[name]), (technique,))
+    for name, meaning in waiting.items():
+        yield Verdict(name, _value(questions, meaning), (technique,))
 
 
-def _by_search(questions: Questions, meant: dict[str, Meaning]) -> Iterator[Verdict]:
+def _without_space(questions: Questions, waiting: dict[str, Meaning]) -> Iterator[Verdict]:
+    """What needs no space; what is left of the other formulas takes their place in ``waiting``."""
     if not questions.searchable:
         return
-    asked: list[tuple[str, ReachabilityQuestion]] = []
-    for name, meaning in meant.items():
-        question = None if isinstance(meaning, dict) else as_reachability(meaning, questions.net)
-        if question is not None:
-            asked.append((name, question))
-    goals = [question.goal for _, question in asked]
-    for index, found in Portfolio(questions.net).decide(goals):
-        name, question = asked[index]
-        value = found.reachable == question.if_reachable
-        yield Verdict(name, str(value).upper(), found.techniques)
+    net = questions.net
+    marking, bounds = net.initial, place_bounds(net)
+    enabled = set(net.enabled(marking))
+
+    def holds(atom: Core) -> bool:
+        match atom:
+            case TokenBound(weights, bound):
+                return sum(weight * marking[place] for place, weight in weights) <= bound
+            case Fires(transitions):
+                return not enabled.isdisjoint(transitions)
+            case Deadlock():
+                return not enabled
+        return True  # stable: without priorities every marking is
+
+    asked: dict[Core, Goal] = {}
+    for name, meaning in list(waiting.items()):
+        if isinstance(meaning, dict):
+            continue
+        smaller = simplified(meaning, net, bounds)
+        rest = at_first(smaller, holds)
+        waiting[name] = rest
+        if isinstance(rest, Const):
+            yield Verdict(name, _told(rest), (REWRITING if isinstance(smaller, Const) else INITIAL_STATE,))
+            continue
+        for part in parts_at_first(rest):
+            if (goal := as_reachability(part, net)) is not None:
+                asked[part] = goal
+    parts = list(asked)
+    known: dict[Core, bool] = {}
+    techniques: dict[str, dict[str, None]] = {}
+    for index, found in Portfolio(net).decide(list(asked.values())):
+        known[parts[index]] = found.reachable
+        for name, meaning in list(waiting.items()):
+            if isinstance(meaning, dict) or parts[index] not in parts_at_first(meaning):
+                continue
+            techniques.setdefault(name, {}).update(dict.fromkeys(found.techniques))
+            waiting[name] = rest = replaced(meaning, known)
+            if isinstance(rest, Const):
+                yield Verdict(name, _told(rest), tuple(techniques[name]))
+
+
+def _told(value: Const) -> str:
+    return str(value.value).upper()
 
 
 def _by_slices(questions: Questions, store: Store, meant: dict[str, Meaning]) -> Iterator[Verdict]:
@@ -191,7 +226,7 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
     name = f"{net.name}-{examination}"
     if examination == "OneSafe":
         if max(net.initial, default=0) > 1:
-            return Verdict(name, "FALSE", ("INITIAL_STATE",))
+            return Verdict(name, "FALSE", (INITIAL_STATE,))
         searches = Searches(net)
         if questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
             return Verdict(name, "FALSE", (RANDOM_WALK,))

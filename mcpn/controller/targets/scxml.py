@@ -57,7 +57,7 @@ class _Document:
         self.put(
             0,
             f'<scxml xmlns="{NAMESPACE}" version="1.0" datamodel="ecmascript" initial="controller"'
-            f" name={quoteattr(c.mission)}>",
+            f" name={quoteattr(identifiers([c.mission])[c.mission])}>",
         )
         self.put(1, '<parallel id="controller">')
         self.put(2, '<state id="mission" initial="before">')

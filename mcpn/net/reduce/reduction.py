@@ -9,7 +9,7 @@
 >>> net = builder.build()
 >>> reduced = reduce_for_goal(net, {3: {1}})
 >>> [place.name for place in reduced.net.places], len(reduced.net.transitions)
-(['d'], 1)
+(['a', 'd'], 1)
 >>> reduced.lift([0])
 (0, 1, 2)
 """

@@ -51,6 +51,20 @@ class Solution:
     traps: int = 0
 
 
+def place_bounds(net: PetriNet) -> list[float]:
+    """Most tokens that a place can hold in a reachable marking, by the invariants; else infinity."""
+    found = [inf] * len(net.places)
+    for vector in invariants(net):
+        if min(vector.values()) > 0:
+            total = sum(weight * net.initial[place] for place, weight in vector.items())
+            for place, weight in vector.items():
+                found[place] = min(found[place], total // weight)
+    for unit in state_machine_units(net):
+        for place in unit:
+            found[place] = min(found[place], 1)
+    return found
+
+
 class StateEquation:
     """The state equation of a net.
 
@@ -64,16 +78,7 @@ class StateEquation:
     @cached_property
     def bounds(self) -> list[float]:
         """Most tokens of each place, as far as invariants say."""
-        found = [inf] * len(self.net.places)
-        for vector in invariants(self.net):
-            if min(vector.values()) > 0:
-                total = sum(weight * self.net.initial[place] for place, weight in vector.items())
-                for place, weight in vector.items():
-                    found[place] = min(found[place], total // weight)
-        for unit in state_machine_units(self.net):
-            for place in unit:
-                found[place] = min(found[place], 1)
-        return found
+        return place_bounds(self.net)
 
     def solve(self, goal: Goal) -> Solution:
         """Whether the equation, with traps, rules a goal out.

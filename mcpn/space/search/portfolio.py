@@ -54,6 +54,8 @@ class Round:
     equation: bool = False
 
 
+STEPS_OF_TRANSITION = 20
+"""Firings of a walk beyond those of its round, for each transition of the net."""
 ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
 
 
@@ -98,7 +100,9 @@ class Portfolio:
             if not waiting:
                 return
             walked = self.searches.walk(
-                [goals[index] for index in waiting], steps=budget.steps * len(waiting), seed=number
+                [goals[index] for index in waiting],
+                steps=(budget.steps + STEPS_OF_TRANSITION * len(self.net.transitions)) * len(waiting),
+                seed=number,
             )
             for position, run in walked.items():
                 yield waiting[position], Finding(True, run, (RANDOM_WALK,))

@@ -1,0 +1,191 @@
+"""Smaller formulas of the core that hold in the same states, or in the same initial state.
+
+The rules are those of CTL on maximal paths, all of which count: not for use with fairness.
+
+>>> from mcpn.check.logic.formulas import EU, Const, Deadlock, Not
+>>> simplified(Not(Not(EU(Const(True), EU(Deadlock(), Deadlock())))))
+EU(left=Const(value=True), right=Deadlock())
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from mcpn.check.logic.formulas import (
+    EG,
+    EU,
+    EX,
+    And,
+    Const,
+    Core,
+    Deadlock,
+    Fires,
+    Not,
+    Or,
+    Stable,
+    TokenBound,
+)
+from mcpn.net.petri import PetriNet
+from mcpn.space.search.goal import needs
+
+TRUE, FALSE = Const(True), Const(False)
+
+
+def simplified(formula: Core, net: PetriNet | None = None, bounds: Sequence[float] = ()) -> Core:
+    """A formula that holds in the same states.
+
+    Args:
+        formula: Of the core.
+        net: The net whose transitions it names.
+        bounds: Most tokens of each place of the net in any reachable marking; infinity where not known.
+
+    Returns:
+        The formula without constants inside, double negations and operators that change nothing; comparisons
+        that the bounds decide are constants.
+    """
+    return _Simplifier(net, bounds).simplify(formula)
+
+
+class _Simplifier:
+    def __init__(self, net: PetriNet | None, bounds: Sequence[float]) -> None:
+        self.net = net
+        self.bounds = bounds
+        self._known: dict[Core, Core] = {}
+
+    def simplify(self, formula: Core) -> Core:
+        if formula not in self._known:
+            self._known[formula] = self._simplify(formula)
+        return self._known[formula]
+
+    def _simplify(self, formula: Core) -> Core:
+        match formula:
+            case Not(operand):
+                return negated(self.simplify(operand))
+            case And(operands):
+                return joined(And, [self.simplify(operand) for operand in operands])
+            case Or(operands):
+                return joined(Or, [self.simplify(operand) for operand in operands])
+            case EX(operand):
+                inside = self.simplify(operand)
+                if isinstance(inside, Const):
+                    return Not(Deadlock()) if inside.value else FALSE
+                return EX(inside)
+            case EU(left, right):
+                return _until(self.simplify(left), self.simplify(right))
+            case EG(operand):
+                return _globally(self.simplify(operand))
+            case TokenBound(weights, bound) if self.bounds:
+                return self._comparison(formula, weights, bound)
+            case Fires(transitions) if self.net is not None and self.bounds:
+                possible = tuple(t for t in transitions if self._may_fire(self.net, t))
+                return Fires(possible) if possible else FALSE
+        return formula
+
+    def _comparison(self, formula: Core, weights: tuple[tuple[int, int], ...], bound: int) -> Core:
+        most = sum(weight * self.bounds[place] for place, weight in weights if weight > 0)
+        least = sum(weight * self.bounds[place] for place, weight in weights if weight < 0)
+        if most <= bound:
+            return TRUE
+        return FALSE if least > bound else formula
+
+    def _may_fire(self, net: PetriNet, transition: int) -> bool:
+        return all(weight <= self.bounds[place] for place, weight in needs(net, transition).items())
+
+
+def negated(formula: Core) -> Core:
+    """The negation of a simplified formula."""
+    match formula:
+        case Not(operand):
+            return operand
+        case Const(value):
+            return Const(not value)
+    return Not(formula)
+
+
+def joined(connective: type[And] | type[Or], operands: Sequence[Core]) -> Core:
+    """The conjunction or disjunction of simplified formulas."""
+    neutral, absorbing = (TRUE, FALSE) if connective is And else (FALSE, TRUE)
+    found: dict[Core, None] = {}
+    for operand in operands:
+        inside = operand.operands if isinstance(operand, connective) else (operand,)
+        found.update(dict.fromkeys(inside))
+    found.pop(neutral, None)
+    if absorbing in found or any(isinstance(f, Not) and f.operand in found for f in found):
+        return absorbing
+    if len(found) < 2:
+        return next(iter(found), neutral)
+    return connective(tuple(found))
+
+
+def _until(left: Core, right: Core) -> Core:
+    if isinstance(right, Const) or left in (FALSE, right):
+        return right
+    # E[f U E[f U g]] is E[f U g], and EF E[h U g] is EF g; also as one of several alternatives.
+    alternatives = right.operands if isinstance(right, Or) else (right,)
+    inner = [f.right if isinstance(f, EU) and left in (TRUE, f.left) else f for f in alternatives]
+    if inner != list(alternatives):
+        return _until(left, joined(Or, inner))
+    return EU(left, right)
+
+
+def _globally(inside: Core) -> Core:
+    match inside:
+        case Const() | EG() | Not(EU(Const(True), _)):  # AG f holds on the whole way if it holds at first
+            return inside
+    return EG(inside)
+
+
+def at_first(formula: Core, holds: Callable[[Core], bool]) -> Core:
+    """A formula with the same value in the initial state, as far as that state alone decides.
+
+    Args:
+        formula: A simplified one of the core.
+        holds: Whether the initial state satisfies a formula without temporal operators and connectives.
+
+    Returns:
+        A constant where the initial state decides; else what is left to ask there.
+    """
+    match formula:
+        case Const():
+            return formula
+        case TokenBound() | Fires() | Deadlock() | Stable():
+            return Const(holds(formula))
+        case Not(operand):
+            return negated(at_first(operand, holds))
+        case And(operands) | Or(operands):
+            connective = And if isinstance(formula, And) else Or
+            return joined(connective, [at_first(operand, holds) for operand in operands])
+        case EU(left, right):
+            now = at_first(right, holds)
+            if now == TRUE:
+                return TRUE
+            if now == FALSE and at_first(left, holds) == FALSE:
+                return FALSE
+        case EG(operand) if at_first(operand, holds) == FALSE:
+            return FALSE
+        case EX() if holds(Deadlock()):
+            return FALSE
+    return formula
+
+
+def replaced(formula: Core, known: Mapping[Core, bool]) -> Core:
+    """A formula with parts whose value in the initial state is known, outside of temporal operators."""
+    if formula in known:
+        return Const(known[formula])
+    match formula:
+        case Not(operand):
+            return negated(replaced(operand, known))
+        case And(operands) | Or(operands):
+            connective = And if isinstance(formula, And) else Or
+            return joined(connective, [replaced(operand, known) for operand in operands])
+    return formula
+
+
+def parts_at_first(formula: Core) -> list[Core]:
+    """The parts that a formula's value in the initial state is a Boolean combination of."""
+    match formula:
+        case Not(operand):
+            return parts_at_first(operand)
+        case And(operands) | Or(operands):
+            return [part for operand in operands for part in parts_at_first(operand)]
+    return [formula]

@@ -1,0 +1,78 @@
+"""Simplified formulas hold where the formulas do, and files are answered as the definitions say."""
+
+from __future__ import annotations
+
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mcpn.check.logic.contest import Property
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Deadlock, Formula, Not, Or, walk
+from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.resolve import resolve
+from mcpn.check.logic.simplify import simplified
+from mcpn.check.logic.verdicts import answer_file
+from mcpn.errors import Source
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.explicit import explore
+from mcpn.space.search.equation import place_bounds
+from tests.check.formulas import edges_of, formulas, satisfying
+from tests.net.nets import nets, reachable, state_machines
+
+NETS = nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0])
+PLAIN = nets(max_places=5, max_transitions=6, events=False) | state_machines().map(lambda drawn: drawn[0])
+
+
+def drawn(data: st.DataObject, net: PetriNet, **bounds: int) -> Formula:
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+    formula: Formula = data.draw(formulas(places, transitions, **bounds))
+    return formula
+
+
+@given(NETS, st.data())
+def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges, evaluation = edges_of(net), Evaluation(ArraySpace(explore(net)))
+    for _ in range(4):
+        formula = drawn(data, net, leaves=8)
+        core = resolve(formula, net)
+        smaller = simplified(core, net, place_bounds(net))
+        assert sum(1 for _ in walk(smaller)) <= sum(1 for _ in walk(core))
+        found: set[Marking] = set()
+        left = evaluation.states(smaller)
+        while left:
+            state = left.pick()
+            found.add(evaluation.space.marking(state))
+            left = left - evaluation.space.single(state)
+        assert found == satisfying(formula, net, edges)
+
+
+@given(PLAIN, st.data())
+def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    asked = {f"f{i}": drawn(data, net, leaves=6) for i in range(4)}
+    properties = [Property(name, formula, (), Source("file")) for name, formula in asked.items()]
+    answers = {found.name: found.value for found in answer_file(Questions(net), properties)}
+    expected = {name: net.initial in satisfying(f, net, edges) for name, f in asked.items()}
+    assert answers == {name: str(value).upper() for name, value in expected.items()}
+
+
+def test_idempotent_and_dual_operators() -> None:
+    f, g = Deadlock(), EX(Deadlock())
+    true = Const(True)
+    for written, wanted in (
+        (EU(true, EU(true, f)), EU(true, f)),
+        (EU(true, EU(g, f)), EU(true, f)),
+        (EU(g, EU(g, f)), EU(g, f)),
+        (EU(g, Or((f, EU(g, f)))), EU(g, f)),
+        (EG(EG(f)), EG(f)),
+        (EG(Not(EU(true, f))), Not(EU(true, f))),
+        (Not(Not(f)), f),
+        (And((f, f, Const(True))), f),
+        (Or((f, Not(f))), true),
+        (EG(true), true),
+        (EX(Const(False)), Const(False)),
+    ):
+        assert simplified(written) == wanted
