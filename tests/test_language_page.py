@@ -1,0 +1,110 @@
+"""The reference of the mission language, the files to start from, and the missions of different robots."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from mcpn.check.verdicts.mission import check
+from mcpn.mission.schema import find_misfits
+from mcpn.mission.warnings import find_warnings
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from tests.conftest import ROOT
+
+PAGE = ROOT / "docs" / "language.md"
+ROBOTS = ("ulysse", "courier", "drone", "glider", "rover")
+
+
+def test_the_tables_are_those_of_the_schema() -> None:
+    spec = importlib.util.spec_from_file_location("tables", ROOT / "docs" / "tables.py")
+    assert spec is not None
+    assert spec.loader is not None
+    tables = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tables)
+    page = PAGE.read_text()
+    assert tables.renewed(page) == page, "run python docs/tables.py"
+    described = set(re.findall(r"<!-- table (\w+) -->", page))
+    assert set(every()) <= described
+    # Every attribute says what it means.
+    rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
+    assert all(cells[4].strip() for cells in rows if len(cells) == 6)
+
+
+def test_the_mission_of_the_page_holds(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```xml\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    (tmp_path / "m.xml").write_text(text)
+    found = check(compose(read_mission(tmp_path / "m.xml")), engine="local")
+    assert found.passed
+    assert find_warnings(found.mission_net.mission) == []
+
+
+def run(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "mcpn.cli", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_init_writes_a_mission_that_holds(tmp_path: Path) -> None:
+    assert run("init", "first_one", folder=tmp_path).returncode == 0
+    folder = tmp_path / "first_one"
+    assert sorted(p.name for p in folder.iterdir()) == ["mission.xml", "protocols.xml", "robot.xml"]
+    found = check(compose(read_mission(folder / "mission.xml")), engine="local")
+    assert found.passed
+    assert found.mission_net.mission.name == "first_one"
+    assert find_warnings(found.mission_net.mission) == []
+    before = (folder / "mission.xml").read_bytes()
+    again = run("init", "first_one", folder=tmp_path)
+    assert (again.returncode, again.stdout) == (2, "")
+    assert "not overwritten" in again.stderr
+    assert (folder / "mission.xml").read_bytes() == before
+    wrong = run("init", "1st", folder=tmp_path)
+    assert wrong.returncode == 2
+    assert not (tmp_path / "1st").exists()
+
+
+def test_the_printed_schema_judges_as_the_reader_does(tmp_path: Path) -> None:
+    printed = run("schema", folder=tmp_path)
+    schema = etree.RelaxNG(etree.fromstring(printed.stdout.encode()))
+    for path in sorted((ROOT / "experiments" / "ulysse").glob("*.xml")):
+        root = etree.parse(path).getroot()
+        assert schema.validate(root)
+        assert find_misfits(root) == []
+        root.set("colour", "blue")
+        assert not schema.validate(root)
+        assert find_misfits(root)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_missions_of_different_robots_hold(robot: str) -> None:
+    found = check(compose(read_mission(ROOT / "experiments" / robot / "mission.xml")), engine="local")
+    assert found.passed
+    assert find_warnings(found.mission_net.mission) == []
+
+
+def every() -> dict[str, set[str]]:
+    """Every element of the language with its attributes, by the schema."""
+    from mcpn.mission.schema import _rules
+
+    return {name: set(rule.patterns) for name, rule in _rules().items()}
+
+
+def test_each_element_is_in_some_mission() -> None:
+    used: set[tuple[str, str]] = set()
+    for robot in ROBOTS:
+        for path in (ROOT / "experiments" / robot).glob("*.xml"):
+            for element in etree.parse(path).iter(etree.Element):
+                tag = etree.QName(element).localname
+                used |= {(tag, ""), *((tag, str(name)) for name in element.attrib)}
+    blocks = ("objective", "parallel", "use", "each")
+    common = {"description", "success", "failure", "mandatory", "retries", "repeat"}
+    for tag, names in every().items():
+        assert (tag, "") in used, tag
+        for name in names:
+            of_any = name in common and any((block, name) in used for block in blocks)
+            assert (tag, name) in used or of_any, f"{name} of {tag}"
