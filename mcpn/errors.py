@@ -117,9 +117,20 @@ class UnsafeError(SemanticsError):
 
 
 class ConfluenceError(SemanticsError):
-    """Internal evolution ends in two different stable markings, depending on the interleaving."""
+    """Internal evolution ends in two different stable markings, depending on the interleaving.
+
+    Args:
+        message: What was broken.
+        runs: Two sequences of transition names from the initial marking. They part at two transitions each of
+            which decides the end.
+        events: Texts of the events of both runs, which are the same.
+    """
 
     kind = "nonconfluent"
+
+    def __init__(self, message: str, runs: Sequence[Sequence[str]] = (), events: Sequence[str] = ()) -> None:
+        super().__init__(message, runs)
+        self.events: tuple[str, ...] = tuple(events)
 
 
 class DivergenceError(SemanticsError):

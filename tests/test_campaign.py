@@ -16,6 +16,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
 
 from mcpn.controller.hierarchy import flat_controller, hierarchical_controller
 from mcpn.controller.targets.json import document
@@ -35,6 +36,12 @@ from mcpn.testing import missions
 from tests.controller.test_lockstep import walk
 from tests.net.promises import check_promises
 
+MISSIONS = st.one_of(
+    missions(),
+    missions(sections=6, producers=2, alternatives=2, awkward_names=True),
+    missions(sections=5, producers=2, events=2),
+    missions(own_hardware=True, shared_activities=False, sections=5),
+)
 LIMIT = 20_000
 EVENTS = 200
 NET_TOO = 0.05
@@ -63,7 +70,7 @@ def run_campaign(number: int, first: int) -> None:
         database=None,
         suppress_health_check=list(HealthCheck),
     )
-    @given(missions())
+    @given(MISSIONS)
     def judged(mission: Mission) -> None:
         found["drawn"] += 1
         found[judge(mission, random.Random(found["drawn"]))] += 1

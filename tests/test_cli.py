@@ -66,11 +66,16 @@ def test_a_verdict_that_fails_exits_with_1(tmp_path: Path) -> None:
     path.write_text(CONTENTION)
     found = output("check", path, code=1)
     assert found["verdicts"]["confluent"] is False
-    assert len(found["witnesses"]["confluent"]) == 2
+    assert found["witnesses"]["confluent"] == [["MISSION_EV_START"]]
+    inside = output("check", path, "--internal", code=1)["witnesses"]["confluent"]
+    assert [run[0] for run in inside] == ["MISSION_EV_START"] * 2
+    assert inside[0] != inside[1]
     assert found["alternatives"] == {"states": None, "edges": None}
     run = mcpn("check", path)
     assert run.returncode == 1
     assert "m.xml:3: a and b, both in parallel block p, both need H" in run.stdout
+    assert "both in parallel block p, ask for H at the same moment" in run.stdout
+    assert "internal" not in run.stdout
     assert mcpn("alternatives", path).returncode == 1
     controller = mcpn("controller", path, "-o", tmp_path / "out")
     assert controller.returncode == 1

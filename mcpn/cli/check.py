@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 @click.option(
     "--engine", type=click.Choice(["explicit", "symbolic", "local"]), default="explicit", show_default=True
 )
+@click.option(
+    "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
+)
 @jobs_option
 @scheduler_option
 @limit_option
@@ -47,6 +50,7 @@ def check(
     file: Path,
     structure: bool,
     engine: str,
+    internal: bool,
     jobs: int,
     scheduler: str | None,
     max_states: int | None,
@@ -73,11 +77,11 @@ def check(
         )
     seconds = time.perf_counter() - started
     if as_json:
-        emit_json(_check_object(found, engine, seconds))
+        emit_json(_check_object(found, engine, seconds, internal))
     else:
         from mcpn.report.text import print_check
 
-        print_check(found, find_warnings(mission_net.mission), seconds)
+        print_check(found, find_warnings(mission_net.mission), seconds, internal=internal)
     if not found.passed:
         sys.exit(EXIT_FAILED)
 
@@ -94,7 +98,7 @@ def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: 
     emit_json(net_object(found)) if as_json else print_net(found)
 
 
-def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
+def _check_object(found: Any, engine: str, seconds: float, internal: bool) -> dict[str, Any]:
     net = found.mission_net.net
     return {
         "mission": found.mission_net.mission.name,
@@ -104,9 +108,9 @@ def _check_object(found: Any, engine: str, seconds: float) -> dict[str, Any]:
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "witnesses": {
-            name: [[*map(str, run.events), *run.tail] for run in verdict.runs]
+            name: [[*map(str, run.events), *run.tail] for run in runs]
             for name, verdict in found.verdicts.items()
-            if verdict.runs
+            if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
         "engine": engine,
         "seconds": seconds,

@@ -14,7 +14,7 @@ import click
 from mcpn import __version__
 from mcpn.cli import begin, causes, check, ctl, outputs, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
-from mcpn.errors import InputError, McpnError, SemanticsError
+from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
 from mcpn.report.terminal import plain
 
 TRACEBACK = "MCPN_TRACEBACK"
@@ -32,7 +32,9 @@ class _CommandLine(click.Group):
                 emit_json({"error": error.kind, "message": str(error), "runs": error.runs})
             else:
                 _tell(str(error))
-                for number, run in enumerate(error.runs, 1):
+                # Of two runs that part inside the net, the events are what its user can follow.
+                runs = [error.events] if isinstance(error, ConfluenceError) else error.runs
+                for number, run in enumerate(runs, 1):
                     click.echo(f"  run {number}: {' '.join(run)}", err=True)
             ctx.exit(EXIT_FAILED)
 

@@ -197,17 +197,19 @@ def _alternatives(
     progress: Callable[[int, int], None] | None,
 ) -> AlternativesGraph:
     from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
+    from mcpn.space.clash import in_mission_words
     from mcpn.space.confluence import direct_with_proof
     from mcpn.space.explicit import explore
 
     limits = _limits(max_states)
-    if method == "direct" and proof:
-        return direct_with_proof(mission_net.net, progress=progress, **limits)
-    if method == "direct":
-        return direct(
-            mission_net.net, proof=False, progress=progress, max_states=max_states or DEFAULT_MAX_STATES
-        )
-    return by_reduction(explore(mission_net.net, progress=progress, **limits))
+    with in_mission_words(mission_net):
+        if method == "direct" and proof:
+            return direct_with_proof(mission_net.net, progress=progress, **limits)
+        if method == "direct":
+            return direct(
+                mission_net.net, proof=False, progress=progress, max_states=max_states or DEFAULT_MAX_STATES
+            )
+        return by_reduction(explore(mission_net.net, progress=progress, **limits))
 
 
 @click.command()

@@ -6,17 +6,21 @@ from collections.abc import Callable
 from typing import Literal
 
 from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller
-from mcpn.errors import LimitError
+from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
-from mcpn.space.local.composite import Composite
-from mcpn.space.local.gluing import glue
-from mcpn.space.local.graph import LocalGraph
-from mcpn.space.local.placing import DEFAULT_MAX_STATES, Making
+from mcpn.space.local.placing import DEFAULT_MAX_STATES
 
 Form = Literal["flat", "hierarchical"]
 Progress = Callable[[int, int], None]
+
+DEFAULT_MAX_STATES = 1_000_000
+"""States of a section that its machine lists at most."""
+
+MOST_UNTOLD = 10_000
+"""States of a section that are listed without a word."""
 
 
 def generate(
@@ -48,29 +52,28 @@ def generate(
                 f"{faulty} hardware resources that may fail have 2^{faulty} states and a flat controller has "
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
-        graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
+        with in_mission_words(mission_net):
+            graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
+    for section in mission_net.graph.sections:
+        if section.interruptions:
+            raise InputError.at(
+                section.source,
+                f"section {section.name} may be interrupted, which machines of sections do not know: use --flat",
+            )
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    composite = glue(mission_net.usage, mission_net.graph, Making(max_states=limit, progress=progress))
-    sizes = _unlisted(composite)
-    if sizes:
-        most = max(sizes.values())
-        text = "; ".join(f"section {name} has {size:,} states" for name, size in sizes.items())
-        if most > limit:
-            raise LimitError(f"{text}: a machine lists every state, the limit is {limit:,} (--max-states)")
-        if told:
-            told(f"{text}: listing them")
-        making = Making(max_states=limit, most_listed=None, progress=progress)
-        composite = glue(mission_net.usage, mission_net.graph, making)
-        if sizes := _unlisted(composite):
-            raise LimitError(f"section {next(iter(sizes))} cannot be listed: the limit is {limit:,}")
-    return hierarchical_controller(composite)
-
-
-def _unlisted(composite: Composite) -> dict[str, int]:
-    """Sections whose states are a diagram, the first of each type, with how many they are."""
-    found: dict[int, tuple[str, int]] = {}
-    for placed in composite.sections:
-        if not isinstance(placed.local, LocalGraph):
-            found.setdefault(id(placed.local), (placed.section.name, placed.local.size))
-    return dict(found.values())
+    composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
+    listed: dict[SectionType, AlternativesGraph] = {}
+    for placed in composite.sections.values():
+        type_ = placed.type
+        if type_ not in listed:
+            size = f"section {placed.name} has {type_.size:,} states"
+            if type_.size > limit:
+                raise LimitError(
+                    f"{size}: a machine lists every state, the limit is {limit:,} (--max-states)"
+                )
+            if told and type_.size > MOST_UNTOLD:
+                told(f"{size}: listing them")
+            # The composite has proved what the mission reaches confluent.
+            listed[type_] = direct(type_.net.net, proof=False, max_states=limit)
+    return hierarchical_controller(composite, listed)

@@ -99,11 +99,14 @@ class Activity(Element):
             one alternative that bears the activity's name.
         produces: Names of the software resources that it produces; may be empty.
         parameters: For the control law, whatever the alternative.
+        switch_back: Whether it evaluates its alternatives again when one of higher priority than the running
+            one becomes possible; else it keeps the one that runs (paper, 6.2).
     """
 
     alternatives: tuple[Alternative, ...]
     produces: tuple[str, ...] = ()
     parameters: tuple[Parameter, ...] = ()
+    switch_back: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

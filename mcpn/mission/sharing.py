@@ -8,7 +8,7 @@ that consumes it has an interface of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -26,6 +26,7 @@ class Sharing:
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
+        self._again: dict[str, bool] = {}
         self._under: dict[tuple[str, str], frozenset[str]] = {}
 
     @cached_property
@@ -55,10 +56,16 @@ class Sharing:
         """Whether a producer evaluates its alternatives again each time that a consumer gives a product back.
 
         A producer that serves goes on if another consumer asks before the last one releases, and is started
-        anew if it asks after. Both may come of one failure, in either order, and make a difference where the
-        producer, or one that serves it, has several alternatives: the one that goes on keeps its alternative.
+        anew if it asks after. Both may come of one failure, or of one event that leads several branches of a
+        block onward, in either order, and make a difference where the producer, or one that serves it, has
+        several alternatives: the one that goes on keeps its alternative.
         There, and only there, it evaluates them again, so that both orders end alike.
         """
+        if activity not in self._again:
+            self._again[activity] = self._order_matters(activity)
+        return self._again[activity]
+
+    def _order_matters(self, activity: str) -> bool:
         usage = self.usage
         if not self.serves(activity):
             return False
@@ -70,13 +77,25 @@ class Sharing:
             for product in usage.activities[activity].produces
             for owner in self.owners(product)
         ]
+        if len(asking) > 1 and self._branches_are_interrupted:
+            return True
         if any(self.serves(a) for consumers in asking for a in consumers):
             return True
-        affected = [self._affecting(consumers, activity) for consumers in asking]
+        affected = [self.affecting(consumers, activity) for consumers in asking]
         return any(not one.isdisjoint(other) for one, other in combinations(affected, 2))
 
-    def _affecting(self, consumers: tuple[str, ...], producer: str) -> frozenset[str]:
-        """Hardware whose failure may make some activities ask or release, the producer's failure aside."""
+    @cached_property
+    def _branches_are_interrupted(self) -> bool:
+        """Whether one event may lead several branches of a block onward at once."""
+        inner = (graph for graph in self.usage.graphs() if graph is not self.usage.graph)
+        return any(section.interruptions for graph in inner for section in graph.sections)
+
+    def affecting(self, consumers: Collection[str], producer: str) -> frozenset[str]:
+        """Hardware whose failure may make some activities ask or release, the producer's failure aside.
+
+        It reaches them from below, by an error of something else that they consume, and from above, where it
+        makes their own consumers release.
+        """
         usage = self.usage
         above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
         return frozenset[str]().union(*(self._under_all(a, producer) for a in above))
@@ -89,7 +108,7 @@ class Sharing:
             for k in usage.resources_of({activity}):
                 if k in usage.hardware:
                     found |= usage.hardware_under(k)
-                elif usage.producer[k] != without:
+                elif usage.producer[k] != without and usage.can_fail(k):
                     found |= self._under_all(usage.producer[k], without)
             self._under[key] = found
         return self._under[key]

@@ -21,6 +21,7 @@ from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSec
 from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
 from mcpn.mission.sharing import Sharing
+from mcpn.mission.switching import Switching
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""
@@ -158,22 +159,20 @@ class Usage:
     def released_unasked(self, resource: str) -> bool:
         """Whether the resource may be released while its producer, evaluating, still brings or takes it.
 
-        So it is where some activity consumes it beside another that fails with what makes the producer
-        evaluate again, and where the producer may have waited for another activity's release.
+        So it is where one failure makes the producer evaluate again, and somebody above, with something
+        else, give the resource back; and where the producer may have waited for another activity's release.
         """
         return resource in self._released_unasked or self.may_wait(self.producer[resource])
 
     @cached_property
     def _released_unasked(self) -> frozenset[str]:
-        found: set[str] = set()
-        for activity in self.started:
-            for alternative in self.activities[activity].alternatives:
-                for s in alternative.consumes:
-                    if s in self.producer:
-                        beside = (self.hardware_under(k) for k in alternative.consumes if k != s)
-                        if self._evaluated_after(self.producer[s]) & frozenset[str]().union(*beside):
-                            found.add(s)
-        return frozenset(found)
+        return frozenset(
+            s
+            for name in self.started
+            for s in self.activities[name].produces
+            if self._evaluated_after(name)
+            & self.sharing.affecting([a for a in self.started if s in self.resources_of({a})], name)
+        )
 
     def _evaluated_after(self, activity: str) -> frozenset[str]:
         """The hardware whose failure may make the activity evaluate its alternatives again."""
@@ -293,6 +292,11 @@ class Usage:
     def sharing(self) -> Sharing:
         """Which resources several activities may use at a time."""
         return Sharing(self)
+
+    @cached_property
+    def switching(self) -> Switching:
+        """Which activities return to a better alternative, and when."""
+        return Switching(self)
 
     @cached_property
     def handover(self) -> Handover:

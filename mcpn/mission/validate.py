@@ -134,6 +134,9 @@ class _Checks:
         yield from _repeats(activity, "produces", activity.produces)
         if not activity.alternatives:
             yield Problem(activity.source, f"activity {activity.name} has no alternative")
+        if activity.switch_back and len(activity.alternatives) == 1:
+            message = f"activity {activity.name} has one alternative: it cannot switch back to a better one"
+            yield Problem(activity.source, message)
         for resource in dict.fromkeys(activity.produces):
             if resource in self.hardware:
                 message = f"activity {activity.name} produces {resource}, which is a hardware resource"

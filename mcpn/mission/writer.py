@@ -119,6 +119,7 @@ def _write_robot(element: etree._Element, robot: Robot) -> None:
             "activity",
             activity,
             produces=" ".join(activity.produces) or None,
+            switch_back="true" if activity.switch_back else None,
             consumes=(" ".join(first.consumes) or None) if short else None,
         )
         _write_parameters(drawn, activity.parameters)

@@ -243,6 +243,7 @@ class _Reader:
         return Activity(
             **common,
             produces=_names(element, "produces"),
+            switch_back=_truth(element, "switch_back", "false"),
             alternatives=alternatives or (short,),
             parameters=self.parameters(element, path),
         )

@@ -82,6 +82,7 @@ class LocalPart:
                 activity.name in usage.handover.with_idle,
                 usage.may_wait(activity.name),
                 usage.sharing.evaluated_on_release(activity.name),
+                activity.switch_back,
             )
             for activity in parts.activities
         )
@@ -93,7 +94,7 @@ class LocalPart:
 
         software = tuple((usage.released_unasked(s.name), shared(s.name)) for s in parts.software)
         return (
-            tuple((h.faulty, shared(h.name)) for h in parts.hardware),
+            tuple((h.faulty, shared(h.name), h.name in usage.switching.watched) for h in parts.hardware),
             software,
             activities,
             self._shape(self.graph, number, task),

@@ -134,20 +134,23 @@ def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: Mission
             terminal.print(note, indent=4)
 
 
-def print_check(check: MissionCheck, warnings: Sequence[Problem], seconds: float) -> None:
+def print_check(
+    check: MissionCheck, warnings: Sequence[Problem], seconds: float, *, internal: bool = False
+) -> None:
     """Prints a mission's verdicts with their runs, functioning modes, warnings and sizes.
 
     Args:
         check: What was found.
         warnings: What reading the mission found suspicious.
         seconds: Time for all of it.
+        internal: Whether runs show the internal firings that decide the outcome.
     """
     terminal = Terminal()
     terminal.print(f"mission {check.mission_net.mission.name}", style="bold")
     terminal.print()
     for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
         if name in check.verdicts:
-            _print_verdict(terminal, check.mission_net, check.verdicts[name])
+            _print_verdict(terminal, check.mission_net, check.verdicts[name], internal)
     if check.modes:
         terminal.print()
         _print_modes(terminal, check.modes)
@@ -179,7 +182,7 @@ def _sizes(check: MissionCheck, seconds: float) -> str:
     return "; ".join([*sizes, f"{seconds:.2f} s"])
 
 
-def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict) -> None:
+def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict, internal: bool) -> None:
     """A sentence and the verdict's name; why, where it is not as it should be; the runs that show it."""
     sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
     sentence = sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
@@ -192,8 +195,9 @@ def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict
     terminal.print(line, style=colour, indent=2, hang=5)
     if verdict.required and not verdict.holds:
         terminal.print(verdict.explanation, indent=7)
-    for number, run in enumerate(verdict.runs, 1):
-        if len(verdict.runs) > 1:
+    runs = verdict.runs if internal else verdict.runs_of_events
+    for number, run in enumerate(runs, 1):
+        if len(runs) > 1:
             terminal.print(f"run {number}", indent=7)
         print_steps(terminal, in_words(mission_net, run), indent=9)
 

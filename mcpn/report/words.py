@@ -26,7 +26,7 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
     last = net.initial
     shown = run.tail
     events = run.transitions[: len(run.transitions) - len(shown)]
-    for t, marking in Run(net, events, settles=not shown).steps():
+    for t, marking in Run(net, events, settles=not run.detailed).steps():
         event = net.transitions[t].event
         if event is not None:
             settled = situation(mission_net, last)
@@ -35,7 +35,10 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
             begun = event, settled
         last = marking
     if begun is not None:
-        yield begun[0], _words(mission_net, *begun, begun[1] if shown else situation(mission_net, last))
+        yield (
+            begun[0],
+            _words(mission_net, *begun, begun[1] if run.detailed else situation(mission_net, last)),
+        )
     yield from ((name, f"internal: {name}") for name in shown)
 
 

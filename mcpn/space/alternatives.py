@@ -8,7 +8,7 @@ every transient marking behind an event is explored once, and its one stable end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -17,10 +17,11 @@ import numpy as np
 from mcpn._kernel import MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import PetriNet
 from mcpn.space.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.firing import MaskedNet
 from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
+from mcpn.space.parting import parting_runs
 
 DEFAULT_MAX_STATES = 5_000_000
 
@@ -159,12 +160,13 @@ def confluence_error(net: PetriNet, runs: list[list[str]]) -> ConfluenceError:
     of = {transition.name: transition for transition in net.transitions}
     origins = [of[run[parted]].provenance for run in runs]
     where = " and ".join(dict.fromkeys(str(o) for o in origins if o))
-    event = next((e for name in reversed(first[:parted]) if (e := of[name].event)), None)
-    after = f"after {event}" if event else "at the start"
+    events = [str(e) for name in first[:parted] if (e := of[name].event)]
+    after = f"after {events[-1]}" if events else "at the start"
     return ConfluenceError(
         f"not confluent: {after} the outcome depends on the interleaving of "
         f"{where or f'{first[parted]} and {second[parted]}'}",
         runs,
+        events,
     )
 
 
@@ -251,23 +253,18 @@ class _Proving:
             raise self.two_ends(marking)
 
     def two_ends(self, marking: int) -> ConfluenceError:
-        """Shows two runs by a search of its own: markings are parted by their ends at one firing."""
-        prefix = self.run(marking)
-        tails: dict[int, list[str]] = {}
-        queue: list[tuple[int, list[str]]] = [(marking, [])]
-        seen = {marking}
-        for at, tail in queue:
-            covered = self.masked.covered(at) & self.masked.internal
-            if not covered:
-                tails[at] = tail
-                if len(tails) == 2:
-                    break
-            for t in self.masked.allowed(covered) if covered else ():
-                after = self.step(at, t)
-                if after not in seen:
-                    seen.add(after)
-                    queue.append((after, [*tail, self.net.transitions[t].name]))
-        return confluence_error(self.net, [[*prefix, *tail] for tail in tails.values()])
+        """Shows two runs that part at two transitions each of which decides the end."""
+        while (origin := self.parents[marking]) is not None and self.net.transitions[origin[1]].internal:
+            marking = origin[0]
+        after: dict[int, dict[int, int]] = {}
+        queue = [marking]
+        for at in queue:
+            if at not in after:
+                covered = self.masked.covered(at) & self.masked.internal
+                after[at] = {t: self.step(at, t) for t in self.masked.allowed(covered)}
+                queue.extend(after[at].values())
+        names = ([self.net.transitions[t].name for t in run] for run in parting_runs(after, marking))
+        return confluence_error(self.net, [[*self.run(marking), *tail] for tail in names])
 
     def run(self, marking: int) -> list[str]:
         run = []
@@ -277,25 +274,46 @@ class _Proving:
         return run[::-1]
 
 
-def outcome(net: PetriNet, marking: Marking, transition: int) -> Marking:
-    """The one stable marking after an event, every interleaving of what follows it explored.
+def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None:
+    """The error of a run of events whose last has not one stable end, every interleaving after each explored.
 
     Args:
         net: A net with priorities.
-        marking: A stable marking, as tokens by place.
-        transition: An event transition that it enables.
+        events: The run from the initial marking; in each marking one transition carries the next event.
 
-    Raises:
-        ConfluenceError: There is more than one; both runs from the marking are given.
-        DivergenceError: Internal evolution need not end.
-        UnsafeError: A firing would put a second token in a place.
+    Returns:
+        The error with whole runs from the initial marking, ``None`` where each event has one stable end.
     """
     walk = _Proving(net)
-    begin = sum(1 << place for place, tokens in enumerate(marking) if tokens)
-    walk.parents[begin] = None
-    after = walk.step(begin, transition)
-    end = walk.stabilise(after, walk.masked.covered(after), (begin, transition))
-    return tuple(end >> place & 1 for place in range(len(net.places)))
+    masked = walk.masked
+    at = masked.initial()
+    covered = masked.covered(at)
+    try:
+        at = walk.stabilise(at, covered, None)
+        for event in events:
+            covered = masked.covered(at)
+            (t,) = [t for t in masked.allowed(covered) if net.transitions[t].event == event]
+            after = walk.step(at, t)
+            at = walk.stabilise(after, masked.covered_after(covered, after, t), (at, t))
+    except SemanticsError as error:
+        return error
+    return None
+
+
+def nearest_fault(net: PetriNet, max_states: int) -> SemanticsError | None:
+    """The error of an event that has not one stable end, after as few events as any.
+
+    Args:
+        net: A net with priorities.
+        max_states: How many stable states may be looked at.
+    """
+    try:
+        direct(net, max_states=max_states)
+    except LimitError:
+        return None
+    except SemanticsError as error:
+        return error
+    return None
 
 
 def direct(

@@ -7,12 +7,12 @@ the net's own rule, along one interleaving, since internal evolution is confluen
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.algebra import Edge
+from mcpn.space.algebra import Edge, S, Space
 
 
 class Completion:
@@ -74,6 +74,11 @@ class Run:
         return [event for t in self.transitions if (event := self.net.transitions[t].event) is not None]
 
     @property
+    def of_events(self) -> Run:
+        """The run without the internal firings that it shows."""
+        return replace(self, transitions=self.transitions[: len(self.transitions) - len(self.tail)])
+
+    @property
     def tail(self) -> list[str]:
         """The names of the internal transitions after the last event, where the run shows them."""
         internal = takewhile(lambda t: self.net.transitions[t].internal, reversed(self.transitions))
@@ -100,3 +105,44 @@ class Run:
 def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:
     """The transitions of some edges, one after the other, with the internal ones that they name."""
     return tuple(t for edge in edges for t in (edge.transition, *edge.internal))
+
+
+def run_of_fewest_events(space: Space[S], goal: S) -> list[Edge] | None:
+    """A run of a markings graph into a goal with as few events as any, internal firings not counted.
+
+    Args:
+        space: The markings graph of a net with priorities.
+        goal: Where the run leads.
+
+    Returns:
+        The run from the initial marking; ``None`` where there is none.
+    """
+    transitions = space.net.transitions
+    internal = [t for t, transition in enumerate(transitions) if transition.internal]
+    events = [t for t, transition in enumerate(transitions) if not transition.internal]
+    # By the number of events so far: the markings just after the last one, and all from there to the next.
+    layers: list[tuple[S, S]] = []
+    entered, seen = space.initial, space.nothing
+    while entered:
+        layers.append((entered, space.reached(entered, transitions=internal) - seen))
+        seen = seen | layers[-1][1]
+        if layers[-1][1] & goal:
+            break
+        entered = space.after(layers[-1][1], events) - seen
+    else:
+        return None
+    goals = [layers[-1][1] & goal]
+    for (begun, _), (_, before) in zip(layers[:0:-1], layers[-2::-1], strict=True):
+        goals.append(before & space.before(begun & space.reaching(goals[-1], transitions=internal), events))
+    run: list[Edge] = []
+    at = space.initial.pick()
+    for number, wanted in enumerate(reversed(goals)):
+        ways = [(wanted, internal)]
+        if number:
+            ways.insert(0, (layers[number][0] & space.reaching(wanted, transitions=internal), events))
+        for target, carrying in ways:
+            part = space.run(at, target, transitions=carrying)
+            assert part is not None, "each layer leads to the next"
+            run += part
+            at = run[-1].target if run else at
+    return run

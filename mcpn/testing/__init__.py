@@ -204,6 +204,7 @@ class _Drawing:
         return Activity(
             name=name,
             produces=produces,
+            switch_back=len(ways) > 1 and self.number(0, 3) == 0,
             alternatives=tuple(ways),
             parameters=self.parameters(),
             description=self.description(),

@@ -21,9 +21,11 @@ from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsErro
 from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
 from mcpn.space.algebra import S, Space
+from mcpn.space.alternatives import nearest_fault
+from mcpn.space.clash import explained
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
 from mcpn.space.local.composing import Options, composite_space
-from mcpn.space.run import Run, transitions_of
+from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
@@ -44,6 +46,11 @@ class Verdict:
     holds: bool | None
     explanation: str = ""
     runs: tuple[Run, ...] = ()
+
+    @property
+    def runs_of_events(self) -> tuple[Run, ...]:
+        """The runs as a designer reads them: without internal firings, each once."""
+        return tuple(dict.fromkeys(run.of_events for run in self.runs))
 
     @property
     def required(self) -> bool:
@@ -131,8 +138,7 @@ def check(
         verdicts["safe"] = Verdict("safe", False, str(error), _runs_of(mission_net, error))
         return MissionCheck(mission_net, verdicts)
     except (ConfluenceError, DivergenceError) as error:
-        why = _explained(mission_net, error)
-        verdicts["confluent"] = Verdict("confluent", False, why, _runs_of(mission_net, error))
+        verdicts["confluent"] = _not_confluent(mission_net, error, limit if engine == "explicit" else None)
     space = alternatives or markings
     if space is None:
         return MissionCheck(mission_net, verdicts)
@@ -147,6 +153,15 @@ def check(
     modes = functioning_modes(mission_net, space)
     sizes = None if alternatives is None else (space.everything.count(), sum(firings.values()))
     return MissionCheck(mission_net, verdicts, markings, alternatives, sizes, modes, unselectable)
+
+
+def _not_confluent(mission_net: MissionNet, error: SemanticsError, max_states: int | None) -> Verdict:
+    """The verdict on an event that has not one stable end; a nearer one is looked for within a limit."""
+    if max_states is not None:
+        error = nearest_fault(mission_net.net, max_states) or error
+    if isinstance(error, ConfluenceError):
+        error = explained(mission_net, error)
+    return Verdict("confluent", False, str(error), _runs_of(mission_net, error))
 
 
 class _Reached(NamedTuple):
@@ -186,7 +201,9 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     found = []
     for name, goal in goals.items():
         good, there_is, there_is_none = _REACHED[name]
-        run = space.run(space.initial.pick(), goal) if goal else None
+        run = None
+        if goal:
+            run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
         if run is None:
             found.append(Verdict(name, not good, there_is_none))
         else:
@@ -204,11 +221,3 @@ def _runs_of(mission_net: MissionNet, error: SemanticsError) -> tuple[Run, ...]:
 def _run_of(mission_net: MissionNet, names: Sequence[str]) -> Run:
     net = mission_net.net
     return Run(net, tuple(net.transition_index[name] for name in names), detailed=True)
-
-
-def _explained(mission_net: MissionNet, error: SemanticsError) -> str:
-    """The error, with the contentions that may be its reason."""
-    contentions = mission_net.usage.contentions
-    if isinstance(error, ConfluenceError) and contentions:
-        return f"{error} ({'; '.join(str(contention) for contention in contentions)})"
-    return str(error)

@@ -189,6 +189,7 @@ class _AlternativeDrawing:
         else:
             self._draw("sel", [self.evaluation, *self.life.quiet], self.runs_and_says)
         self.stop()
+        self.switch_back()
         self.evaluate_again()
         if self.usage.waits_for_release(self.activity.name, self.index):
             self.stop_while_evaluated()
@@ -240,6 +241,17 @@ class _AlternativeDrawing:
     def stop(self) -> None:
         """It runs and is stopped: give all back."""
         self._end("stop", [*self.runs, *self._answers(())], self._releases())
+
+    def switch_back(self) -> None:
+        """An alternative of higher priority is possible again: evaluate every alternative again."""
+        for way in sorted(map(sorted, self.usage.switching.better(self.activity.name, self.index))):
+            self._draw(
+                "back",
+                [*self.runs, *self._answers(())],
+                [*self._releases(), self.life.start],
+                *way,
+                read=[self.canvas.resource(h, "service") for h in way],
+            )
 
     def evaluate_again(self) -> None:
         """A product is given back while another is held: evaluate every alternative again."""

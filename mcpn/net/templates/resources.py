@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mcpn.mission.model import Activity, Hardware, Software
 from mcpn.net.events import Event, What
-from mcpn.net.templates.canvas import Canvas
+from mcpn.net.templates.canvas import Canvas, Pen
 
 
 def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
@@ -19,20 +19,26 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
     free, busy = pen.place("free", initial=1), pen.place("busy")
     if resource.faulty:
         oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+        watched = _watched(canvas, pen, resource)
     available, take = pen.place("available", initial=1), pen.place("take")
     answer, release = pen.place("answer"), pen.place("release")
     if resource.faulty:
         error = pen.place("error")
         fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
-        pen.transition("EV_OOS_f", [free], [failing], event=fails)
-        pen.transition("EV_OOS_b", [busy, answer], [failing, error], event=fails)
+        pen.transition("EV_OOS_f", [free, *watched], [failing], event=fails)
+        pen.transition("EV_OOS_b", [busy, answer, *watched], [failing, error], event=fails)
         pen.transition("3", [failing, available], [oos])
         pen.transition("4", [failing, release], [oos])
-        pen.transition("EV_RD", [oos], [free, available], event=returns)
+        pen.transition("EV_RD", [oos], [free, available, *watched], event=returns)
     pen.transition("8", [busy, release], [free, available])
     pen.transition("9", [free, take], [busy, answer])
     canvas.unit([free, busy, *([oos, failing] if resource.faulty else [])])
     canvas.unit([available, take, answer, release, *([error] if resource.faulty else [])])
+
+
+def _watched(canvas: Canvas, pen: Pen, resource: Hardware) -> list[str]:
+    """The place that says that hardware is in service, where some activity may switch back for it."""
+    return [pen.place("service", initial=1)] if resource.name in canvas.usage.switching.watched else []
 
 
 def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
@@ -137,6 +143,7 @@ def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
     free = pen.place("free", initial=1)
     if resource.faulty:
         oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+        watched = _watched(canvas, pen, resource)
     every = []
     for owner in canvas.owners(r):
         its = canvas.of_interface("hardware", r, resource.source, owner)
@@ -153,7 +160,7 @@ def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
         canvas.unit(interface)
     if resource.faulty:
         fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
-        pen.transition("EV_OOS", [free], [failing], event=fails)
+        pen.transition("EV_OOS", [free, *watched], [failing], event=fails)
         pen.transition("3", [failing, *every], [oos])
-        pen.transition("EV_RD", [oos], [free, *every], event=returns)
+        pen.transition("EV_RD", [oos], [free, *every, *watched], event=returns)
         canvas.unit([free, failing, oos])

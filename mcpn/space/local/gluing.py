@@ -8,10 +8,11 @@ from dataclasses import replace
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.usage import Usage
-from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
+from mcpn.net.sections import junction_part
 from mcpn.net.templates import TemplateSet
 from mcpn.space.alternatives import confluence_error, divergence_error
+from mcpn.space.clash import explained
 from mcpn.space.local.composite import Composite, Tear
 from mcpn.space.local.diagram import Undecided
 from mcpn.space.local.graph import LocalGraph
@@ -130,13 +131,12 @@ def error_of(composite: Composite, tear: Tear, templates: TemplateSet | None) ->
         where = f"sections {name} to {tear.onward.section.name}"
     if isinstance(error, UnsafeError):
         return error
-    text = str(error)
-    if tear.here.event == START and name != composite.graph.entry:
-        text = text.replace(f"after {START}", "at its entry")
-    usage = composite.usage
-    found = usage.contentions if isinstance(error, ConfluenceError) else ()
-    reason = f" ({'; '.join(map(str, found))})" if found else ""
-    return type(error)(f"in {where}: {text}{reason}", error.runs)
+    if isinstance(error, ConfluenceError):
+        part = tear.section.part
+        if tear.onward is not None:
+            part = junction_part(composite.usage, tear.section.section, tear.onward.section)
+        return explained(part.net(templates), error)
+    return type(error)(f"in {where}: {error}", error.runs)
 
 
 def _renamed(error: SemanticsError, placed: PlacedSection, templates: TemplateSet | None) -> SemanticsError:

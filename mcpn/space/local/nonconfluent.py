@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from typing import NoReturn
 
 from mcpn._kernel import Zdd
-from mcpn.errors import LimitError, SemanticsError
+from mcpn.errors import LimitError
+from mcpn.net.events import Event
 from mcpn.net.sections import junction_part
-from mcpn.space.alternatives import direct, outcome
+from mcpn.space.alternatives import direct, fault_after
 from mcpn.space.confluence import open_conflicts, prove_confluent
 from mcpn.space.local.composite_space import CompositeSpace
 from mcpn.space.local.section_type import SectionType
@@ -118,19 +119,19 @@ def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None
     run = composite.run(begin, here, composite.everything - here)
     assert run is not None, "the mission comes there"
     state = run[-1].target if run else begin
-    names = [composite.net.transitions[edge.transition].name for edge in run]
-    marking = composite.marking(state)
-    found: SemanticsError | None = None
+    events = [_event(composite, edge.transition) for edge in run]
     for edge in composite.edges(state):
         if transition is None or edge.transition == transition:
-            try:
-                outcome(composite.net, marking, edge.transition)
-            except SemanticsError as error:
-                found = error
-                break
-    assert found is not None, "what is not confluent in the section's net is not in the mission's"
-    runs = [(*names, *tail) for tail in found.runs]
-    raise type(found)(str(found), runs)
+            found = fault_after(composite.net, [*events, _event(composite, edge.transition)])
+            if found is not None:
+                raise found
+    raise AssertionError("what is not confluent in the section's net is not in the mission's")
+
+
+def _event(composite: CompositeSpace, transition: int) -> Event:
+    event = composite.net.transitions[transition].event
+    assert event is not None, "only events lead from one stable marking to another"
+    return event
 
 
 def refuse_open_junctions(composite: CompositeSpace) -> None:

@@ -1,0 +1,91 @@
+"""Return to a better alternative: when an alternative is possible again, by which hardware is in service.
+
+The paper's activity leaves its alternative only when it is stopped or a resource fails (6.2). An activity
+that is declared to switch back also leaves it when one of higher priority becomes possible, and evaluates all
+of them again. An alternative is possible where the hardware that it consumes is in service, and some
+alternative of the producer of each software resource that it consumes is possible.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
+
+from mcpn.errors import LimitError
+
+if TYPE_CHECKING:
+    from mcpn.mission.usage import Usage
+
+Ways: TypeAlias = frozenset[frozenset[str]]
+"""Minimal sets of hardware that can fail, each enough if all of it is in service."""
+
+MAX_WAYS = 100
+"""Sets of hardware that may make one alternative possible."""
+
+
+class Switching:
+    """Static facts on activities that switch back.
+
+    Args:
+        usage: Static facts of the mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self.usage = usage
+        self._ways: dict[str, Ways] = {}
+
+    @cached_property
+    def watched(self) -> frozenset[str]:
+        """Hardware whose return makes some activity evaluate its alternatives again."""
+        usage = self.usage
+        found = frozenset[str]()
+        for a in usage.started:
+            for i in range(len(usage.activities[a].alternatives)):
+                found = found.union(*self.better(a, i))
+        return found
+
+    def better(self, activity: str, alternative: int) -> Ways:
+        """Sets of hardware that make an alternative of higher priority than this one possible.
+
+        Raises:
+            LimitError: There are too many.
+        """
+        if not self.usage.activities[activity].switch_back:
+            return frozenset()
+        higher = self.usage.activities[activity].alternatives[:alternative]
+        ways = _minimal(way for better in higher for way in self._all_of(activity, better.consumes))
+        # What is always possible is never left out.
+        return frozenset() if frozenset() in ways else ways
+
+    def _possible(self, activity: str) -> Ways:
+        """Sets of hardware that make some alternative of an activity possible."""
+        if activity not in self._ways:
+            alternatives = self.usage.activities[activity].alternatives
+            self._ways[activity] = _minimal(
+                way for each in alternatives for way in self._all_of(activity, each.consumes)
+            )
+        return self._ways[activity]
+
+    def _all_of(self, activity: str, resources: Iterable[str]) -> Ways:
+        usage = self.usage
+        found: Ways = frozenset({frozenset()})
+        for k in resources:
+            each = frozenset({usage.hardware_under(k)})
+            if k not in usage.hardware:
+                each = self._possible(usage.producer[k])
+            found = _minimal(one | other for one in found for other in each)
+            if len(found) > MAX_WAYS:
+                raise LimitError(
+                    f"activity {activity}: more than {MAX_WAYS} sets of hardware make an alternative "
+                    "possible: the limit on what it may switch back to was hit"
+                )
+        return found
+
+
+def _minimal(ways: Iterable[frozenset[str]]) -> Ways:
+    kept: list[frozenset[str]] = []
+    for way in sorted(set(ways), key=len):
+        if not any(other <= way for other in kept):
+            kept.append(way)
+    return frozenset(kept)

@@ -1,0 +1,223 @@
+"""Why a mission is not confluent: who wants what at the same moment, and what can be changed.
+
+Two runs of a :class:`mcpn.errors.ConfluenceError` part at two internal transitions that take the same token.
+The token's element is what is wanted, the elements of the transitions are the rivals. Every engine finds its
+error on its own; the words for it are made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import permutations
+
+from mcpn.errors import ConfluenceError
+from mcpn.mission.flatten import ParallelSection
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import Marking, Provenance, Transition
+
+_RESOURCE = ("let one of them use another resource", "give one of them an alternative without {wanted}")
+REMEDIES = {
+    "hardware": (*_RESOURCE, 'declare {wanted} with shared="true"'),
+    "software": (*_RESOURCE, 'declare {wanted} without exclusive="true"'),
+    "activity": ("give one of them an activity of its own",),
+    "producer": ("put in sequence what needs its resources", "produce them by activities of their own"),
+}
+"""What a designer can change, by what is wanted."""
+
+SEQUENCE = {
+    "branches": "put the two in sequence",
+    "objective": "start them by two objectives in sequence",
+}
+"""What else, by where both run; activities of which one supplies the other cannot run in sequence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """One who wants what another wants at the same moment.
+
+    Args:
+        kind: ``activity``, ``objective``, or ``software`` for a resource that is asked for.
+        name: Its name.
+        objectives: Objectives that run, or are about to, and need it; in the mission's order.
+    """
+
+    kind: str
+    name: str
+    objectives: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        if self.kind == "objective":
+            return f"objective {self.name}"
+        return f"{self.name} ({_objectives(self.objectives)})" if self.objectives else self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Clash:
+    """What two want at the same moment, so that the outcome depends on who comes first.
+
+    Args:
+        kind: ``hardware`` or ``software`` (both ask for it), ``activity`` (both start it), ``producer`` (one
+            stops it while another asks for what it produces), or empty where it is none of these.
+        wanted: Names of what is wanted, in the net's order.
+        rivals: Both, in the order of their names.
+        where: ``branches`` (of a parallel block), ``objective`` (both are for the same one), ``chain`` (and
+            one activity of it needs both).
+        block: The innermost parallel block whose branches they are in, if there is one.
+    """
+
+    kind: str
+    wanted: tuple[str, ...]
+    rivals: tuple[Rival, Rival]
+    where: str
+    block: str | None
+
+    def __str__(self) -> str:
+        who, wanted = self._who(), _enumeration(self.wanted)
+        match self.kind:
+            case "hardware" | "software":
+                said = f"{who} ask for {wanted} at the same moment"
+            case "activity":
+                said = f"{who} start {_plural('activity', 'activities', self.wanted)} at the same moment"
+            case "producer":
+                asked = next((r.name for r in self.rivals if r.kind == "software"), "its resource")
+                said = f"activity {wanted} may stop at the moment at which {asked} is asked for"
+            case _:
+                said = f"{who} act at the same moment"
+        remedies = [remedy.format(wanted=wanted) for remedy in REMEDIES.get(self.kind, ())]
+        if self.kind != "producer" and self.where in SEQUENCE:
+            remedies.insert(0, SEQUENCE[self.where])
+        advice = f"; to change this, {', or '.join(remedies)}" if remedies else ""
+        return f"not confluent: {said}, and what follows depends on which comes first{advice}"
+
+    def _who(self) -> str:
+        one, other = self.rivals
+        if self.where != "branches" and one.objectives:
+            return f"{one.name} and {other.name}, both for {_objectives(one.objectives)},"
+        who = f"{one} and {other}"
+        if one.kind == other.kind == "objective":
+            who = f"objectives {one.name} and {other.name}"
+        return f"{who}, both in parallel block {self.block}," if self.block is not None else who
+
+
+def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceError:
+    """The error in the words of the mission.
+
+    Args:
+        mission_net: The net of the mission, or of a part of it, that the error's runs are of.
+        error: The error.
+
+    Returns:
+        An error with the same runs.
+    """
+    of = mission_net.net.transitions, mission_net.net.transition_index
+    events = [e for name in error.runs[0] if (e := of[0][of[1][name]].event) is not None]
+    return ConfluenceError(str(find_clash(mission_net, error)), error.runs, [str(event) for event in events])
+
+
+@contextmanager
+def in_mission_words(mission_net: MissionNet) -> Iterator[None]:
+    """Explains an error of the mission's net that is raised inside."""
+    try:
+        yield
+    except ConfluenceError as error:
+        raise explained(mission_net, error) from error
+
+
+def find_clash(mission_net: MissionNet, error: ConfluenceError) -> Clash:
+    """Finds who wants what where the two runs of an error part.
+
+    Args:
+        mission_net: The net of the mission, or of a part of it, that the error's runs are of.
+        error: The error.
+    """
+    net = mission_net.net
+    first, second = error.runs
+    parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
+    marking = net.initial
+    for name in first[:parted]:
+        marking = net.fire(marking, net.transition_index[name])
+    rivals = [net.transitions[net.transition_index[run[parted]]] for run in (first, second)]
+    return _Finding(mission_net, marking).clash(rivals[0], rivals[1])
+
+
+class _Finding:
+    def __init__(self, mission_net: MissionNet, marking: Marking) -> None:
+        self.mission_net = mission_net
+        self.usage = mission_net.usage
+        said = [mission_net.roles[p] for p, tokens in enumerate(marking) if tokens and p in mission_net.roles]
+        here = {name for kind, name in said if kind in ("objective", "pending")}
+        self.objectives = [section for section in mission_net.graph.walk() if section.name in here]
+
+    def clash(self, one: Transition, other: Transition) -> Clash:
+        wanted = dict.fromkeys(self._contended(one, other))
+        kinds = {kind for kind, _ in wanted}
+        rivals = sorted((self._rival(one), self._rival(other)), key=lambda r: (r.name, r.kind))
+        names = tuple(name for _, name in wanted)
+        objectives = {rival.kind for rival in rivals} == {"objective"}
+        if kinds and kinds <= {"hardware", "software"} and {r.kind for r in rivals} == {"activity"}:
+            kind = "hardware" if "hardware" in kinds else "software"
+        elif kinds == {"activity"} and objectives:
+            kind = "activity"
+        elif "software" in {r.kind for r in rivals}:
+            asked = next(r.name for r in rivals if r.kind == "software")
+            kind, names = "producer", (self.usage.producer[asked],)
+        else:
+            kind = ""
+        a, b = rivals
+        return Clash(kind, names, (a, b), self._where(a, b), self._block(a, b))
+
+    def _where(self, one: Rival, other: Rival) -> str:
+        if one.kind != "activity" or other.kind != "activity" or one.objectives != other.objectives:
+            return "branches"
+        named = {
+            a for section in self.objectives if section.name in one.objectives for a in section.activities
+        }
+        needs = (self.usage.closure(a) for a in named)
+        return "chain" if any({one.name, other.name} <= below for below in needs) else "objective"
+
+    def _contended(self, one: Transition, other: Transition) -> Iterator[tuple[str, str]]:
+        """Elements of the tokens that one of them takes and the other needs."""
+        takes = [{p for p, _ in t.consume} for t in (one, other)]
+        needs = [{p for p, _ in (*t.consume, *t.read)} for t in (one, other)]
+        for place in sorted(takes[0] & needs[1] | takes[1] & needs[0]):
+            origin = self.mission_net.net.places[place].provenance
+            if origin is not None:
+                yield origin.kind, origin.name
+
+    def _rival(self, transition: Transition) -> Rival:
+        origin = transition.provenance or Provenance("transition", transition.name)
+        if origin.kind not in ("activity", "alternative"):
+            return Rival(origin.kind, origin.name)
+        activity = origin.name.partition(".")[0]
+        needing = (
+            section.name
+            for section in self.objectives
+            if any(activity in self.usage.closure(a) for a in section.activities)
+        )
+        return Rival("activity", activity, tuple(needing))
+
+    def _block(self, one: Rival, other: Rival) -> str | None:
+        sides = [set(r.objectives) if r.kind == "activity" else {r.name} for r in (one, other)]
+        found = None
+        for graph in self.usage.graphs():
+            for section in graph.sections:
+                branches = section.branches if isinstance(section, ParallelSection) else ()
+                inside = [{inner.name for inner in b.graph.walk()} | {b.name} for b in branches]
+                if any(sides[0] & a and sides[1] & b for a, b in permutations(inside, 2)):
+                    found = section.name
+        return found
+
+
+def _objectives(names: Sequence[str]) -> str:
+    return _plural("objective", "objectives", names)
+
+
+def _plural(one: str, several: str, names: Sequence[str]) -> str:
+    return f"{one if len(names) == 1 else several} {_enumeration(names)}"
+
+
+def _enumeration(names: Sequence[str]) -> str:
+    """Names one after the other, as a sentence has them."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

@@ -1,0 +1,210 @@
+"""Errors of missions that are not confluent: their runs replayed, their words held against the mission."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import pytest
+from hypothesis import assume, event, given
+
+from mcpn.check.spaces import Engine
+from mcpn.check.verdicts.mission import check
+from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot, Software
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.alternatives import by_reduction, direct
+from mcpn.space.clash import Clash, Rival, explained, find_clash
+from mcpn.space.explicit import explore
+from mcpn.testing import missions
+
+CONTENDED = missions(max_objectives=2, max_sections=4, max_hardware=2)
+
+
+def errors_of(found: MissionNet) -> list[ConfluenceError]:
+    """By reduction and directly; none where the mission is confluent or too large."""
+    errors = []
+    try:
+        markings = explore(found.net, max_states=20_000)
+    except LimitError:
+        return []
+    for reduced in (True, False):
+        try:
+            by_reduction(markings) if reduced else direct(found.net)
+        except ConfluenceError as error:
+            errors.append(error)
+    assert len(errors) in (0, 2)
+    return errors
+
+
+def stable_ends(net: PetriNet, start: Marking) -> set[Marking]:
+    """By plain search over internal transitions."""
+    seen, queue, ends = {start}, deque([start]), set()
+    while queue:
+        marking = queue.popleft()
+        internal = [t for t in net.enabled(marking) if net.transitions[t].internal]
+        if not internal:
+            ends.add(marking)
+        for after in (net.fire(marking, t) for t in internal):
+            if after not in seen:
+                seen.add(after)
+                queue.append(after)
+    return ends
+
+
+def markings_of(net: PetriNet, run: tuple[str, ...]) -> list[Marking]:
+    """The markings that a run passes; each of its transitions must be enabled, priorities respected."""
+    passed = [net.initial]
+    for name in run:
+        t = net.transition_index[name]
+        assert t in net.enabled(passed[-1]), f"{name} is not enabled"
+        passed.append(net.fire(passed[-1], t))
+    return passed
+
+
+@given(CONTENDED)
+def test_runs_part_where_the_outcome_is_decided(mission: Mission) -> None:
+    found = compose(mission)
+    net = found.net
+    errors = errors_of(found)
+    event(f"confluent: {not errors}")
+    for error in errors:
+        first, second = error.runs
+        one, other = markings_of(net, first), markings_of(net, second)
+        assert one[-1] != other[-1]
+        assert stable_ends(net, one[-1]) == {one[-1]}
+        assert stable_ends(net, other[-1]) == {other[-1]}
+        parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
+        assert all(net.transitions[net.transition_index[run[parted]]].internal for run in error.runs)
+        assert stable_ends(net, one[parted + 1]) == {one[-1]}
+        assert stable_ends(net, other[parted + 1]) == {other[-1]}
+        of = (net.transitions[net.transition_index[name]].event for name in first)
+        assert error.events == tuple(str(e) for e in of if e is not None)
+
+
+@given(CONTENDED)
+def test_a_clash_is_of_the_mission(mission: Mission) -> None:
+    found = compose(mission)
+    activities = {a.name: a for a in mission.activities}
+    running = {section.name: section.activities for section in found.graph.walk()}
+
+    def below(activity: str) -> set[str]:
+        producers = {s: a.name for a in mission.activities for s in a.produces}
+        ways = activities[activity].alternatives
+        suppliers = {producers[k] for way in ways for k in way.consumes if k in producers}
+        return {activity}.union(*map(below, suppliers))
+
+    for error in errors_of(found):
+        clash = find_clash(found, error)
+        event(f"{clash.kind or 'other'}: {clash.where}")
+        names = tuple(rival.name for rival in clash.rivals)
+        if clash.kind in ("hardware", "software"):
+            for rival in clash.rivals:
+                consumed = {k for way in activities[rival.name].alternatives for k in way.consumes}
+                assert consumed >= set(clash.wanted)
+                assert rival.objectives
+                for objective in rival.objectives:
+                    assert any(rival.name in below(a) for a in running[objective])
+        elif clash.kind == "activity":
+            for name in names:
+                assert set(running[name]) >= set(clash.wanted)
+        else:
+            assert clash.kind == "producer"
+            (producer,) = clash.wanted
+            assert any(rival.name in activities[producer].produces for rival in clash.rivals)
+            continue
+        # The warnings that are given before any state is explored have it, too.
+        known = {(c.wanted.removeprefix("activity "), c.rivals) for c in found.usage.contentions}
+        assert any((wanted, names) in known for wanted in clash.wanted) or clash.kind == "activity"
+
+
+@given(CONTENDED)
+def test_every_engine_says_the_same(mission: Mission) -> None:
+    found = compose(mission)
+    errors = errors_of(found)
+    assume(errors)
+    words = str(explained(found, errors[1]))
+    engines: tuple[Engine, ...] = ("explicit", "symbolic", "local")
+    told = [check(found, engine=engine).verdicts["confluent"] for engine in engines]
+    assert [verdict.holds for verdict in told] == [False] * 3
+    assert told[0].explanation == told[1].explanation == words
+    assert told[0].runs == told[1].runs
+    torn = direct(found.net, tear=True).torn
+    each = {str(explained(found, t.error)) for t in torn if isinstance(t.error, ConfluenceError)}
+    event(f"local names the nearest: {told[2].explanation == words}")
+    assert told[2].explanation in each
+
+
+def robot(*activities: Activity) -> tuple[Robot, ...]:
+    software = tuple(Software(name=s) for a in activities for s in a.produces)
+    return (Robot(name="r", hardware=(Hardware(name="h"),), software=software, activities=activities),)
+
+
+def activity(name: str, *consumes: str, produces: tuple[str, ...] = ()) -> Activity:
+    return Activity(name=name, alternatives=(Alternative(name=name, consumes=consumes),), produces=produces)
+
+
+def clash_of(mission: Mission) -> Clash:
+    found = compose(mission)
+    with pytest.raises(ConfluenceError) as raised:
+        direct(found.net)
+    return find_clash(found, raised.value)
+
+
+def test_two_branches_want_one_resource() -> None:
+    blocks = (
+        Objective(name="film", activities=("film",)),
+        Objective(name="advance", activities=("advance",)),
+    )
+    clash = clash_of(
+        Mission(
+            name="m",
+            robots=robot(activity("film", "h"), activity("advance", "h")),
+            blocks=(Parallel(name="census", blocks=blocks),),
+        )
+    )
+    rivals = Rival("activity", "advance", ("advance",)), Rival("activity", "film", ("film",))
+    assert clash == Clash("hardware", ("h",), rivals, "branches", "census")
+    assert str(clash) == (
+        "not confluent: advance (objective advance) and film (objective film), both in parallel block "
+        "census, ask for h at the same moment, and what follows depends on which comes first; to change "
+        "this, put the two in sequence, or let one of them use another resource, or give one of them an "
+        'alternative without h, or declare h with shared="true"'
+    )
+
+
+def test_two_activities_of_one_objective() -> None:
+    clash = clash_of(
+        Mission(
+            name="m",
+            robots=robot(activity("film", "h"), activity("advance", "h")),
+            blocks=(Objective(name="x", activities=("film", "advance")),),
+        )
+    )
+    assert (clash.where, clash.block) == ("objective", None)
+    assert "advance and film, both for objective x, ask for h" in str(clash)
+    assert "start them by two objectives in sequence" in str(clash)
+
+
+def test_an_activity_and_its_supplier_cannot_run_in_sequence() -> None:
+    suppliers = activity("see", "h", produces=("image",)), activity("hear", "h", produces=("sound",))
+    clash = clash_of(
+        Mission(
+            name="m",
+            robots=robot(*suppliers, activity("follow", "image", "sound")),
+            blocks=(Objective(name="x", activities=("follow",)),),
+        )
+    )
+    assert clash.where == "chain"
+    assert "hear and see, both for objective x, ask for h" in str(clash)
+    assert "sequence" not in str(clash)
+
+
+def test_two_branches_start_one_activity() -> None:
+    blocks = (Objective(name="a", activities=("film",)), Objective(name="b", activities=("film",)))
+    clash = clash_of(
+        Mission(name="m", robots=robot(activity("film", "h")), blocks=(Parallel(name="both", blocks=blocks),))
+    )
+    assert (clash.kind, clash.wanted) == ("activity", ("film",))
+    assert "objectives a and b, both in parallel block both, start activity film" in str(clash)
+    assert "an activity of its own" in str(clash)

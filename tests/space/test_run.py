@@ -1,0 +1,51 @@
+"""Runs of fewest events, against weighted shortest paths of another library."""
+
+from __future__ import annotations
+
+import networkx as nx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.errors import LimitError, UnsafeError
+from mcpn.net.petri import PetriNet
+from mcpn.space.algebra import S, Space
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams import DiagramMarkings
+from mcpn.space.explicit import explore
+from mcpn.space.run import run_of_fewest_events
+from mcpn.space.symbolic import reach
+from tests.net.nets import nets
+
+
+@given(nets(events=True), st.data())
+def test_no_run_has_fewer_events(net: PetriNet, data: st.DataObject) -> None:
+    try:
+        graph = explore(net, max_states=300)
+    except (UnsafeError, LimitError):
+        return
+    weighted: nx.DiGraph[int] = nx.DiGraph()
+    weighted.add_nodes_from(range(graph.states))
+    for source, label, target in zip(graph.sources, graph.labels, graph.targets, strict=True):
+        cost = int(not net.transitions[int(label)].internal)
+        known = weighted.get_edge_data(int(source), int(target), {"weight": 1})
+        weighted.add_edge(int(source), int(target), weight=min(cost, known["weight"]))
+    fewest = nx.single_source_dijkstra_path_length(weighted, 0)
+    places = data.draw(st.sets(st.integers(0, len(net.places) - 1), min_size=1))
+    wanted = [s for s in range(graph.states) if any(graph.marking(s)[p] for p in places)]
+    least = min((fewest[s] for s in wanted), default=None)
+    check(net, ArraySpace(graph), places, least)
+    check(net, DiagramMarkings(reach(net)), places, least)
+
+
+def check(net: PetriNet, space: Space[S], places: set[int], least: float | None) -> None:
+    run = run_of_fewest_events(space, space.marked(places))
+    if least is None:
+        assert run is None
+        return
+    assert run is not None
+    marking = net.initial
+    for edge in run:
+        assert edge.transition in net.enabled(marking)
+        marking = net.fire(marking, edge.transition)
+    assert any(marking[p] for p in places)
+    assert sum(not net.transitions[edge.transition].internal for edge in run) == least
