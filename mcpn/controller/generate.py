@@ -9,9 +9,11 @@ from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_
 from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
-from mcpn.space.local.placing import DEFAULT_MAX_STATES
+from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.section_type import SectionType
 
 Form = Literal["flat", "hierarchical"]
 Progress = Callable[[int, int], None]
@@ -59,7 +61,8 @@ def generate(
         if section.interruptions:
             raise InputError.at(
                 section.source,
-                f"section {section.name} may be interrupted, which machines of sections do not know: use --flat",
+                f"section {section.name} may be interrupted, and machines of sections have no exit for "
+                "that: use --flat",
             )
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     composite = composite_space(mission_net, Options(max_states=limit, progress=progress))

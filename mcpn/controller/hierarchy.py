@@ -24,7 +24,7 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.space.alternatives import AlternativesGraph
-from mcpn.space.local.composite_space import CompositeSpace
+from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")
