@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Literal
 
 from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
 from mcpn.space.alternatives import AlternativesGraph, direct
@@ -57,13 +57,7 @@ def generate(
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
-    for section in mission_net.graph.sections:
-        if section.interruptions:
-            raise InputError.at(
-                section.source,
-                f"section {section.name} may be interrupted, and machines of sections have no exit for "
-                "that: use --flat",
-            )
+    _refuse_interruptions(mission_net)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
     listed: dict[SectionType, AlternativesGraph] = {}
@@ -80,3 +74,13 @@ def generate(
             # The composite has proved what the mission reaches confluent.
             listed[type_] = direct(type_.net.net, proof=False, max_states=limit)
     return hierarchical_controller(composite, listed)
+
+
+def _refuse_interruptions(mission_net: MissionNet) -> None:
+    for section in mission_net.graph.sections:
+        for interruption in section.interruptions:
+            where = f"{interruption.source}: " if interruption.source else ""
+            raise LimitError(
+                f"{where}the event {interruption.event} may interrupt section {section.name}, and machines "
+                "of sections have no exit for that: use --flat"
+            )

@@ -196,7 +196,7 @@ class Wearing(PaperTemplates):
     ("templates", "place", "section"),
     [
         (Outliving(), "filming_Stop", "transect.census"),
-        (Keeping(), "thruster_actuator_free", "coral_head.manual_moving"),
+        (Keeping(), "thruster_actuator_busy", "coral_head.manual_moving"),
         (Spending(), "filming_film", "transect.census"),
         (Wearing(), "thruster_actuator_new", "coral_head.manual_moving"),
     ],

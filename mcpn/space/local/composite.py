@@ -28,13 +28,16 @@ class CompositeSpace(Runs):
         tokens, marked = list(self.net.initial), set(levels)
         tokens[self.mission_net.beginning] = int(name == BEGIN)
         placed = self.sections.get(name)
+        local_marking = () if placed is None else placed.type.encoding.marking(levels)
+        if placed is not None:
+            marked |= self.own_bits(placed, local_marking)
         for hardware in self.layout.hardware:
             bits = tuple(b for b, slot in enumerate(self.layout.slots[hardware]) if slot in marked)
             for place, value in self._beside[hardware].get(bits, {}).items():
                 tokens[place] = value
         if placed is not None:
             places = placed.places
-            for local, value in enumerate(placed.type.encoding.marking(levels)):
+            for local, value in enumerate(local_marking):
                 tokens[places[local]] = value
             tokens[self.mission_net.beginning] = 0
         elif name in ENDS:
@@ -156,7 +159,12 @@ class CompositeSpace(Runs):
         if placed is not None and (local := placed.local_place(place)) is not None:
             return placed.type.encoding.bit(local)
         if place in self._slot_of_place:
-            return self._slot_of_place[place]
+            slot, reverse = self._slot_of_place[place]
+            if placed is None or slot not in placed.slots:
+                return slot, reverse
+            # An interface of the section's own hardware that the section does not use follows its state.
+            level, opposite = placed.bit_of(slot)
+            return level, reverse != opposite
         if place == self.mission_net.beginning:
             return name == BEGIN
         if place in (self.mission_net.success, self.mission_net.failure):
