@@ -20,7 +20,7 @@ __version__ = "0.1.0"
 _ROOMS = ("check", "controller")
 """Rooms that are called like functions."""
 
-_FACE = ("causes", "ctl", "read_mission", "states")
+_FACE = ("causes", "ctl", "picture", "read_mission", "states")
 
 
 def __getattr__(name: str) -> object:

@@ -28,6 +28,7 @@ from mcpn.space.summary import SpaceSummary, summarise
 
 if TYPE_CHECKING:
     from mcpn.check.causes import Causes
+    from mcpn.report.pictures.svg import MissionPicture
 
 
 def read_mission(path: str | Path) -> Mission:
@@ -85,6 +86,17 @@ def ctl(
     assert isinstance(net, PetriNet)
     questions = Questions(net, mission_net, on=on, fair=fair, engine=engine)
     return questions.answer(formula, questions.core(parse(formula)))
+
+
+def picture(of: Mission | MissionNet) -> MissionPicture:
+    """Draws a mission; a notebook shows the picture, and ``save`` writes it as SVG.
+
+    Args:
+        of: The mission.
+    """
+    from mcpn.report.pictures.svg import MissionPicture
+
+    return MissionPicture(as_net(of))
 
 
 def causes(of: Mission | MissionNet) -> Causes:

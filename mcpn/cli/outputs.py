@@ -12,6 +12,7 @@ from mcpn.cli.shared import (
     STATES_AND_EDGES,
     emit_json,
     import_option,
+    is_net,
     json_option,
     limit_option,
     mission_net_of,
@@ -81,9 +82,19 @@ def controller(
 @import_option
 @json_option
 def convert(source: Path, target: Path, import_root: Path | None, as_json: bool) -> None:
-    """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json)."""
+    """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json).
+
+    A mission is drawn where TARGET ends in .svg.
+    """
     from mcpn.net.formats import save_net
 
+    if target.suffix.lower() == ".svg" and not is_net(source):
+        from mcpn.report.pictures.svg import MissionPicture
+
+        MissionPicture(mission_net_of(source, import_root)).save(target)
+        if as_json:
+            emit_json({"file": str(target), "warnings": []})
+        return
     net = net_of(source, import_root)
     warning = save_net(net, target)
     if as_json:

@@ -1,0 +1,1 @@
+"""Pictures of a mission, made without any program or library for drawing."""

@@ -1,0 +1,136 @@
+"""A mission as it was written, as boxes in boxes; protocols are drawn where they are used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from mcpn.mission.expansion.scope import Scope, copies, several
+from mcpn.mission.graph import ObjectivesGraph
+from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
+
+
+@dataclass(frozen=True)
+class Box:
+    """A block, or the mission itself.
+
+    Args:
+        key: A number that no other box has.
+        kind: ``mission``, ``objective``, ``recursive``, ``parallel``, ``use`` or ``each``.
+        name: As written.
+        description: As written.
+        notes: Rounds, tries, the protocol, being optional.
+        mandatory: False for an optional child of a parallel block.
+        activities: What an objective runs.
+        success: The route on success as written; ``None`` for the default.
+        failure: The same for failure.
+        handlers: What it does on declared events.
+        children: What it holds, in document order.
+    """
+
+    key: int
+    kind: str
+    name: str
+    description: str | None = None
+    notes: tuple[str, ...] = ()
+    mandatory: bool = True
+    activities: tuple[str, ...] = ()
+    success: str | None = None
+    failure: str | None = None
+    handlers: tuple[Handler, ...] = ()
+    children: tuple[Box, ...] = ()
+
+
+_KINDS = {
+    Objective: "objective",
+    Recursive: "recursive",
+    Parallel: "parallel",
+    Use: "use",
+    Each: "each",
+}
+
+
+def boxes(mission: Mission, graph: ObjectivesGraph) -> tuple[Box, Mapping[str, int]]:
+    """The boxes of a mission.
+
+    Args:
+        mission: The mission.
+        graph: Its objectives graph.
+
+    Returns:
+        The mission's box, and for each elementary objective of the graph the key of the box that it comes
+        from: rounds and tries of one block have the same.
+    """
+    building = _Building(mission)
+    root = building.mission(mission)
+    keys = building.keys
+    return root, {s.name: keys[s.written or s.name] for s in graph.walk()}
+
+
+class _Building:
+    def __init__(self, mission: Mission) -> None:
+        self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
+        self.count = 0
+        self.keys: dict[str, int] = {}
+
+    def mission(self, mission: Mission) -> Box:
+        children = tuple(self.box(block, [Scope()]) for block in mission.blocks)
+        return Box(
+            -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
+        )
+
+    def box(self, block: Block, scopes: list[Scope], within: str = "") -> Box:
+        """A block that stands in some scopes: one for each copy of the blocks around it."""
+        key, self.count = self.count, self.count + 1
+        scopes = [inner for scope in scopes for inner in _expanded(block, scope)]
+        children: tuple[Block, ...] = ()
+        if isinstance(block, Objective):
+            self.keys |= {scope.name(block): key for scope in scopes}
+        elif isinstance(block, Use):
+            protocol = self.protocols[block.protocol]
+            children, scopes = protocol.blocks, [scope.into_protocol(block, protocol) for scope in scopes]
+        elif isinstance(block, Each):
+            children = block.blocks
+        else:
+            children, scopes = block.blocks, [scope.into(block) for scope in scopes]
+        kind = _KINDS[type(block)]
+        return Box(
+            key,
+            kind,
+            block.name,
+            block.description,
+            tuple(_notes(block, within)),
+            block.mandatory or within != "parallel",
+            block.activities if isinstance(block, Objective) else (),
+            block.success,
+            block.failure,
+            block.handlers,
+            tuple(self.box(child, scopes, kind) for child in children),
+        )
+
+
+def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
+    """The scopes of a block's rounds and tries; of an ``each`` those of what it holds, by value."""
+    if not several(block):
+        yield scope
+        return
+    for blocks, inner in copies(block, scope):
+        if isinstance(block, Each) and block.repeat is None and not block.retries:
+            yield inner
+        else:
+            yield from _expanded(blocks[0], inner)
+
+
+def _notes(block: Block, within: str) -> Iterator[str]:
+    if within == "parallel" and not block.mandatory:
+        yield "optional"
+    if isinstance(block, Use):
+        yield f"protocol {block.protocol}"
+    elif isinstance(block, Parallel):
+        yield "in parallel"
+    elif isinstance(block, Each):
+        yield f"for each of {len(block.values)}: {' '.join(block.values)}"
+    if block.repeat is not None:
+        yield f"{block.repeat} rounds"
+    if block.retries:
+        yield f"up to {block.retries + 1} tries"

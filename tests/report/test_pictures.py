@@ -1,0 +1,134 @@
+"""Pictures of missions: everything of the mission is in them, and nothing of it is obeyed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from lxml import etree
+
+import mcpn
+from mcpn.mission.flatten import flatten
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    Hardware,
+    Mission,
+    Objective,
+    Parallel,
+    Recursive,
+    Robot,
+    walk,
+)
+from mcpn.mission.xml import read_mission
+from mcpn.report.pictures.boxes import Box, boxes
+from mcpn.report.pictures.layout import lay_out
+from mcpn.testing import missions
+from tests import commands
+from tests.conftest import ROOT
+
+SVG = "{http://www.w3.org/2000/svg}"
+HOSTILE = "</title><script>alert(1)</script>\"' onload=\u202e\u0000]]>&amp;" + "x" * 5000
+
+
+def every(box: Box) -> list[Box]:
+    return [box, *(inner for child in box.children for inner in every(child))]
+
+
+@given(missions())
+def test_every_objective_has_its_box(mission: Mission) -> None:
+    """The boxes are those that the mission's text has, and copies lead to the box of what they copy."""
+    root, keys = boxes(mission, flatten(mission))
+    found = {box.key: box for box in every(root)}
+    assert len(found) == len(every(root))
+    for section in flatten(mission).walk():
+        box = found[keys[section.name]]
+        assert box.kind == "objective"
+        assert box.activities == section.activities
+        assert box.name in section.written
+    picture = lay_out(root, mission)
+    drawn = Counter(dict(frame.data)["box"] for frame in picture.frames if "box" in dict(frame.data))
+    assert drawn == Counter(str(box.key) for box in found.values() if box.kind == "objective")
+    assert len(drawn) >= sum(isinstance(block, Objective) for block in walk(mission.blocks))
+
+
+@given(missions())
+def test_nothing_stands_on_something_else(mission: Mission) -> None:
+    """Two frames are apart, or one is in the other."""
+    root, _ = boxes(mission, flatten(mission))
+    picture = lay_out(root, mission)
+    spans = [(f.x, f.y, f.x + f.width, f.y + f.height) for f in picture.frames]
+    for i, (left, top, right, bottom) in enumerate(spans):
+        assert 0 <= left < right <= picture.width
+        assert 0 <= top < bottom <= picture.height
+        for other in spans[:i]:
+            apart = other[2] <= left or right <= other[0] or other[3] <= top or bottom <= other[1]
+            inside = other[0] < left and other[1] < top and right < other[2] and bottom < other[3]
+            assert apart or inside, (spans[i], other)
+
+
+@pytest.mark.parametrize("name", ["ulysse", "rover", "drone", "glider", "courier"])
+def test_a_mission_is_drawn(name: str, tmp_path: Path) -> None:
+    path = ROOT / "experiments" / name / "mission.xml"
+    assert commands.mcpn("convert", path, tmp_path / "m.svg").returncode == 0
+    tree = etree.parse(tmp_path / "m.svg")
+    texts = {element.text for element in tree.iter(f"{SVG}text")}
+    mission = read_mission(path)
+    assert {a.name for a in mission.activities} | {h.name for h in mission.hardware} <= texts
+    for handler in mission.handlers:
+        assert any(f"on {handler.event}" in (text or "") for text in texts)
+    picture = mcpn.picture(mission)  # type: ignore[operator]
+    assert picture._repr_svg_() == (tmp_path / "m.svg").read_text()
+
+
+def test_routes_of_ulysse() -> None:
+    """One line from each block for each outcome, as the mission's text says."""
+    mission = read_mission(ROOT / "experiments" / "ulysse" / "mission.xml")
+    root, _ = boxes(mission, flatten(mission))
+    titles = Counter(line.title for line in lay_out(root, mission).lines)
+    for title in (
+        "coral_head: failure leads to transect",
+        "diving: failure leads to going_up",
+        "census: failure leads to going_up",
+        "going_up: failure leads to fail",
+        "manual_moving succeeds",
+        "census succeeds",
+        "transect succeeds",
+    ):
+        assert titles[title] == 1, title
+
+
+def hostile() -> Mission:
+    """A mission whose texts try to be more than text."""
+    sensor = Hardware(name="s", description=HOSTILE)
+    work = Activity(name="a", description=HOSTILE, alternatives=(Alternative(name="w", consumes=("s",)),))
+    inner = Parallel(
+        name="p",
+        blocks=(
+            Objective(name="o", activities=("a",), description=HOSTILE),
+            Recursive(name="r", mandatory=False, blocks=(Objective(name="q", activities=("b",)),)),
+        ),
+    )
+    other = Activity(name="b", alternatives=(Alternative(name="b"),))
+    robot = Robot(name="robot", hardware=(sensor,), activities=(work, other))
+    return Mission(name="m", description=HOSTILE, blocks=(inner,), robots=(robot,))
+
+
+def test_a_hostile_mission_is_text() -> None:
+    svg = mcpn.picture(hostile()).svg  # type: ignore[operator]
+    tree = etree.fromstring(svg.encode())
+    assert not list(tree.iter(f"{SVG}script"))
+    assert not [name for element in tree.iter() for name in element.attrib if str(name).startswith("on")]
+    titles = [element.text for element in tree.iter(f"{SVG}title")]
+    assert any("<script>alert(1)</script>" in (title or "") for title in titles)
+
+
+def test_a_net_is_not_drawn(tmp_path: Path) -> None:
+    ulysse = ROOT / "experiments" / "ulysse" / "mission.xml"
+    assert commands.mcpn("convert", ulysse, tmp_path / "u.net").returncode == 0
+    found = commands.mcpn("convert", tmp_path / "u.net", tmp_path / "u.svg")
+    assert found.returncode == 2
+    assert ".svg" in found.stderr
+    assert not (tmp_path / "u.svg").exists()
