@@ -108,6 +108,23 @@ def hardware_fails_while_its_activity_waits() -> Mission:
     )
 
 
+def one_failure_strikes_a_producer_and_what_is_above() -> Mission:
+    """``fly`` gives the position back as the lidar fails, while ``scanning`` evaluates for the same reason.
+
+    So the scan is released by ``localisation``, which has nothing beside it, in a chain of stops.
+    """
+    return Mission(
+        name="drone",
+        robots=robot(
+            (Hardware(name="lidar", shared=True),),
+            activity("scanning", ("lidar",), produces=("scan",)),
+            activity("localisation", ("scan",), produces=("position",)),
+            activity("fly", ("position", "lidar")),
+        ),
+        blocks=(Objective(name="leg", activities=("fly",), retries=1),),
+    )
+
+
 def eight_branches() -> Mission:
     names = [f"leg{i}" for i in range(8)]
     return Mission(
@@ -140,6 +157,20 @@ def test_every_engine_and_both_controllers_agree(mission: Mission) -> None:
 def test_a_shared_image_needs_no_luck() -> None:
     mission = a_producer_falls_back_while_its_section_stops(exclusive=False)
     assert judge(mission, random.Random(1)) == "confluent, cannot contend"
+
+
+def test_a_scan_released_in_a_chain_of_stops_is_not_counted_twice() -> None:
+    mission = one_failure_strikes_a_producer_and_what_is_above()
+    assert judge(mission, random.Random(1)) == "confluent, cannot contend"
+    found = compose(mission)
+    graph = by_reduction(explore(found.net))
+    failed, repaired = Event(What.OUT_OF_SERVICE, "lidar"), Event(What.REPAIRED, "lidar")
+    # The first leg began with lidar and lost it; the second begins after the repair, and runs.
+    (first, second) = (o.name for o in found.graph.walk())
+    begun = (START, failed, repaired, Event(What.FAILURE, first))
+    again = situation(found, after(found, graph, *begun))
+    assert again.objectives == (second,)
+    assert again.mode == {a: f"{a}0" for a in ("scanning", "localisation", "fly")}
 
 
 def test_what_begins_waits_until_no_producer_evaluates() -> None:

@@ -73,8 +73,8 @@ class _Drawing:
         # Each protocol with the islands that it needs and how many elementary objectives it has.
         self.protocols: list[tuple[Protocol, list[_Island], int]] = []
         self.unused: list[str] = []
-        # Hardware, and which activity uses it, where only one may.
-        self.hardware_names: set[str] = set()
+        # Hardware that one activity may use at a time; who uses it, where no other may at all.
+        self.exclusive_hardware: set[str] = set()
         self.users: dict[str, str] = {}
         self.events: tuple[str, ...] = ()
 
@@ -150,7 +150,7 @@ class _Drawing:
 
     def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
         hardware = tuple(self.hardware(f"h{i}") for i in range(self.number(1, self.shape.hardware)))
-        self.hardware_names = {h.name for h in hardware}
+        self.exclusive_hardware = {h.name for h in hardware if not h.shared}
         islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
         self.islands = [_Island(i) for i in range(islands)]
         for i, h in enumerate(hardware):
@@ -181,7 +181,7 @@ class _Drawing:
         return Hardware(
             name=name,
             faulty=faulty,
-            shared=self.number(0, 3) == 0,
+            shared=self.number(0, 1 if self.shape.own_hardware else 3) == 0,
             description=self.description(),
             failure_rate=rates[0],
             repair_rate=rates[1],
@@ -228,7 +228,7 @@ class _Drawing:
                 left = made
             if left:
                 chosen.append(self.draw(st.sampled_from(left)))
-        self.users |= {k: activity for k in chosen if k in self.hardware_names}
+        self.users |= {k: activity for k in chosen if k in self.exclusive_hardware}
         return tuple(chosen)
 
     def may_join(self, island: _Island, resource: str, chosen: list[str]) -> bool:

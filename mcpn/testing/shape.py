@@ -28,8 +28,9 @@ class Shape:
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
             contends.
-        own_hardware: Whether hardware that one activity consumes is consumed by no other, and all software is
-            shared; with ``shared_activities`` off as well nothing contends, whatever runs together.
+        own_hardware: Whether hardware that one activity consumes is consumed by no other unless it is shared,
+            as half of it is then, and all software is shared; with ``shared_activities`` off as well nothing
+            contends, whatever runs together.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and

@@ -195,8 +195,8 @@ def test_every_mission_keeps_its_promises(mission: Mission) -> None:
 
 
 @given(missions(own_hardware=True, shared_activities=False, hardware=4, alternatives=2, activities=3))
-def test_a_mission_that_shares_software_alone_is_confluent(mission: Mission) -> None:
-    """The theorem of papers/templates.md: what runs together may share any software, in any chain."""
+def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> None:
+    """The theorem of papers/templates.md: what runs together may share software and hardware in any chain."""
     found = compose(mission)
     assert found.usage.contentions == ()
     event(f"shared: {bool(found.usage.sharing.consumers)}")
