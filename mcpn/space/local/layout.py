@@ -8,7 +8,7 @@ open (in either state), so that sections of one type have equal diagrams whateve
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from functools import cached_property
 from itertools import chain
 from typing import Literal
@@ -45,6 +45,8 @@ class Layout:
             for i, name in enumerate(self.hardware)
         }
         self._events: dict[tuple[tuple[int, ...], ...], int] = {}
+        self._toggles: dict[str, dict[str, tuple[int, int]]] = {}
+        self.known: dict[Hashable, list[int]] = {}
 
     @cached_property
     def all_slots(self) -> list[int]:
@@ -85,6 +87,11 @@ class Layout:
 
         ``fails`` and ``repaired``; ``dies`` where hardware may die.
         """
+        if name not in self._toggles:
+            self._toggles[name] = self._drawn_toggles(name)
+        return self._toggles[name]
+
+    def _drawn_toggles(self, name: str) -> dict[str, tuple[int, int]]:
         oos, *rest = self.slots[name]
         if not rest:
             return {

@@ -254,10 +254,13 @@ def beside(layout: Layout, allowed: Allowed, *, undone: bool, but: Collection[st
         undone: Whether those are wanted that undo it.
         but: Hardware whose events are not wanted.
     """
-    return [
-        pair[undone]
-        for name in layout.hardware
-        if name not in but
-        for kind, pair in layout.toggles(name).items()
-        if allowed.beside is None or (name, kind) in allowed.beside
-    ]
+    key = allowed.beside, undone, tuple(but)
+    if key not in layout.known:
+        layout.known[key] = [
+            pair[undone]
+            for name in layout.hardware
+            if name not in but
+            for kind, pair in layout.toggles(name).items()
+            if allowed.beside is None or (name, kind) in allowed.beside
+        ]
+    return layout.known[key]
