@@ -137,7 +137,7 @@ def _found(mission_net: MissionNet, engine: str, max_states: int | None) -> Find
         )
     causes, rows = tried("causes", lambda: _causes(mission_net, engine, max_states)) or (None, None)
     if causes is not None and rows is None:
-        notes.append(f"No FMECA table: more than {MOST_ROWS} objectives (mcpn causes --fmeca writes it).")
+        notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
     controller = tried("controller", lambda: _controller(mission_net, engine, max_states))
     warnings = list(dict.fromkeys(warnings))
     return Findings(checked, causes, rows, controller, notes, warnings, engine, seconds)
