@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
 
+MOST_ROWS = 50
+"""Objectives up to which a page has the FMECA table."""
+
 MOST_HARDWARE, MOST_OBJECTIVES, MOST_STATES = 8, 60, 200_000
 """Up to so many the graph of the whole mission is tried where nobody names an engine."""
 
@@ -133,26 +136,21 @@ def _found(mission_net: MissionNet, engine: str, max_states: int | None) -> Find
         )
     causes, rows = tried("causes", lambda: _causes(mission_net, engine, max_states)) or (None, None)
     if causes is not None and rows is None:
-        notes.append(
-            "No FMECA table: it needs the graph of the whole mission (--engine explicit or symbolic)."
-        )
+        notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
     controller = tried("controller", lambda: _controller(mission_net, engine, max_states))
     warnings = list(dict.fromkeys(warnings))
     return Findings(checked, causes, rows, controller, notes, warnings, engine, seconds)
 
 
 def _causes(mission_net: MissionNet, engine: str, max_states: int | None) -> tuple[Any, Any]:
-    """Causes and the FMECA table, which only the graph of the whole mission gives."""
-    from mcpn.check.causes import find_causes, find_causes_locally
-    from mcpn.check.fmeca import fmeca
-    from mcpn.check.losing import Outlook
-    from mcpn.space.confluence import direct_with_proof
+    """Causes and, of missions that are not long, the FMECA table."""
+    from mcpn.check.causes.find import find_causes
+    from mcpn.check.causes.fmeca import fmeca
 
-    limits: dict[str, Any] = {} if max_states is None else {"max_states": max_states}
-    if engine == "local":
-        return find_causes_locally(mission_net, **limits), None
-    outlook = Outlook(mission_net, direct_with_proof(mission_net.net, **limits))
-    return find_causes(mission_net, outlook), fmeca(outlook)
+    causes = find_causes(
+        mission_net, engine="local" if engine == "local" else "explicit", max_states=max_states
+    )
+    return causes, fmeca(causes.prospects) if len(causes.objectives) <= MOST_ROWS else None
 
 
 def _controller(mission_net: MissionNet, engine: str, max_states: int | None) -> dict[str, Any]:

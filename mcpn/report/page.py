@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from mcpn import __version__
-from mcpn.check.conditions import enumeration, sentence
+from mcpn.check.causes.conditions import enumeration, sentence
 from mcpn.check.runs import what_happens
 from mcpn.net.events import Event
 from mcpn.report.causes import COLUMNS, fmeca_rows
@@ -29,8 +29,8 @@ from mcpn.report.text import SENTENCES
 from mcpn.report.words import in_words
 
 if TYPE_CHECKING:
-    from mcpn.check.causes import Causes
-    from mcpn.check.fmeca import Row
+    from mcpn.check.causes.find import Causes
+    from mcpn.check.causes.fmeca import Row
     from mcpn.check.verdicts.mission import MissionCheck
 
 
