@@ -12,19 +12,17 @@ from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
-from mcpn.check.causes import Causes, find_causes, find_causes_locally
-from mcpn.check.conditions import enumeration
-from mcpn.check.fmeca import fmeca
+from mcpn.check.causes.conditions import enumeration
+from mcpn.check.causes.find import Causes, find_causes
+from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import resolve
-from mcpn.check.losing import Outlook
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.report.causes import fmeca_rows
-from mcpn.space.confluence import direct_with_proof
 from mcpn.space.diagrams import DiagramMarkings
 from mcpn.space.symbolic import reach
 
@@ -34,8 +32,7 @@ ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 def ulysse() -> None:
     """Prints the cut sets of Ulysse, confirmed for every subset of its hardware, and its FMECA table."""
     found = compose(read_mission(ULYSSE))
-    outlook = Outlook(found, direct_with_proof(found.net))
-    causes = find_causes(found, outlook)
+    causes = find_causes(found, engine="explicit")
     confirm(found, causes)
     print("| fails | if |\n|---|---|")
     for goal in (causes.mission, *causes.objectives.values()):
@@ -43,7 +40,7 @@ def ulysse() -> None:
         print(f"| {goal.name} | {told} |")
     shown = ("local_effect", "mission_effect", "compensation", "recovery", "severity", "with_others")
     print(f"\n| hardware | objective | {' | '.join(shown)} |\n{'|---' * (len(shown) + 2)}|")
-    for row in fmeca_rows(fmeca(outlook)):
+    for row in fmeca_rows(fmeca(causes.prospects)):
         print("| " + " | ".join(row[c] for c in ("hardware", "objective", *shown)) + " |")
 
 
@@ -58,7 +55,7 @@ def confirm(found: MissionNet, causes: Causes) -> None:
         for dead in combinations(hardware, size):
             lost = any(set(names) <= set(dead) for names in causes.mission.cut_sets)
             assert success_reachable(found, dead) is not lost, dead
-    assert find_causes_locally(found).mission.moments == causes.mission.moments
+    assert find_causes(found, engine="local").mission.moments == causes.mission.moments
     print(f"confirmed by CTL for {2 ** len(hardware)} subsets, and by composition\n")
 
 
@@ -119,15 +116,15 @@ def growth() -> None:
         for parts in (2, 3, 4, 10, 20):
             found = compose(shape(parts, 3))
             started = time.perf_counter()
-            local = find_causes_locally(found)
+            local = find_causes(found, engine="local")
             seconds = time.perf_counter() - started
             # Closed form: any of the parts with its three ways.
             assert len(local.mission.cut_sets) == parts
             whole = "-"
             if parts <= 3:
                 started = time.perf_counter()
-                outlook = Outlook(found, direct_with_proof(found.net))
-                assert find_causes(found, outlook).mission.moments == local.mission.moments
+                whole_causes = find_causes(found, engine="explicit")
+                assert whole_causes.mission.moments == local.mission.moments
                 whole = f"{time.perf_counter() - started:.2f}"
             sizes = f"{3 * parts} | {parts} | {3**parts}"
             print(f"| {shape.__name__} of {parts} | {sizes} | {whole} | {seconds:.2f} |")

@@ -26,17 +26,16 @@ from missions import Parameters, generate
 
 from mcpn import __version__
 from mcpn.check.verdicts.mission import check
-from mcpn.controller.hierarchy import flat_controller, hierarchical_controller
+from mcpn.controller.generate import generate as generate_controller
+from mcpn.controller.hierarchy import flat_controller
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.explicit import explore
-from mcpn.space.local.composite import Composite
-from mcpn.space.local.composite_space import CompositeSpace
-from mcpn.space.local.gluing import glue
-from mcpn.space.local.placing import Making
+from mcpn.space.local.composing import composite_space
+from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.symbolic import reach
 
 SECONDS, GIB = 60, 4
@@ -121,25 +120,31 @@ def ulysse() -> None:
     """Every way to the alternatives graph of Ulysse, in one run, and the sizes of its controllers."""
     mission_net = compose(read_mission(Path(__file__).parent / "ulysse" / "mission.xml"))
     net = mission_net.net
-    ways: dict[str, Callable[[], AlternativesGraph | Composite]] = {
-        "reduction": lambda: by_reduction(explore(net)),
-        "direct, with proof": lambda: direct_with_proof(net),
-        "direct, without": lambda: direct(net, proof=False),
-        "local": lambda: glue(mission_net.usage, mission_net.graph),
+
+    def local() -> tuple[int, int]:
+        space = composite_space(mission_net)
+        return space.everything.count(), sum(space.firings(space.everything).values())
+
+    def sizes_of(graph: AlternativesGraph) -> tuple[int, int]:
+        return graph.states, graph.edges
+
+    ways: dict[str, Callable[[], tuple[int, int]]] = {
+        "reduction": lambda: sizes_of(by_reduction(explore(net))),
+        "direct, with proof": lambda: sizes_of(direct_with_proof(net)),
+        "direct, without": lambda: sizes_of(direct(net, proof=False)),
+        "local": local,
     }
     seconds: dict[str, float] = {}
     for name, way in ways.items():
         times = []
         for _ in range(7):
             started = time.perf_counter()
-            found = way()
-            sizes = found.states, found.edges
+            sizes = way()
             times.append(time.perf_counter() - started)
         seconds[name] = sorted(times)[3]
         ratio = seconds["reduction"] / seconds[name]
         print(f"ulysse, {name:18} {sizes[0]} states, {sizes[1]} edges, {seconds[name]:.4f} s, {ratio:6.1f} x")
-    composite = glue(mission_net.usage, mission_net.graph, Making(most_listed=None))
-    for controller in (flat_controller(mission_net, direct(net)), hierarchical_controller(composite)):
+    for controller in (flat_controller(mission_net, direct(net)), generate_controller(mission_net)):
         print(f"ulysse, {controller.form} controller: {controller.size}")
 
 

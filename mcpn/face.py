@@ -27,7 +27,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.summary import SpaceSummary, summarise
 
 if TYPE_CHECKING:
-    from mcpn.check.causes import Causes
+    from mcpn.check.causes.find import Causes
     from mcpn.report.pictures.svg import MissionPicture
 
 
@@ -109,6 +109,6 @@ def causes(of: Mission | MissionNet) -> Causes:
         SemanticsError: The mission is not safe or not confluent.
         LimitError: A limit was hit.
     """
-    from mcpn.check.causes import find_causes_locally
+    from mcpn.check.causes.find import find_causes
 
-    return find_causes_locally(as_net(of))
+    return find_causes(as_net(of))

@@ -18,7 +18,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from mcpn.controller.hierarchy import flat_controller, hierarchical_controller
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import flat_controller
 from mcpn.controller.targets.json import document
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
@@ -27,10 +28,8 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
 from mcpn.space.confluence import prove_confluent
 from mcpn.space.explicit import explore
-from mcpn.space.local.composite import Composite
-from mcpn.space.local.expand import expand
-from mcpn.space.local.gluing import glue
-from mcpn.space.local.placing import Making
+from mcpn.space.listing import written_out
+from mcpn.space.local.composing import composite_space
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
 from tests.controller.test_lockstep import walk
@@ -101,24 +100,21 @@ def judge(mission: Mission, choice: random.Random) -> str:
         with pytest.raises(type(error)):
             prove_confluent(net, space=space)
         with pytest.raises((ConfluenceError, DivergenceError)):
-            glue(usage, mission_net.graph, Making(most_listed=None))
+            composite_space(mission_net)
         return "not confluent"
     prove_confluent(net, space=space)
     assert space.stable is not None
     assert space.stable.count() == whole.states
-    composite = glue(usage, mission_net.graph, Making(most_listed=None))
-    written = expand(composite, mission_net)
+    written = written_out(composite_space(mission_net), "local", "", LIMIT)
     for name in ("markings", "offsets", "targets", "labels"):
         assert np.array_equal(getattr(written, name), getattr(whole, name)), name
-    lockstep(mission_net, whole, composite, choice)
+    lockstep(mission_net, whole, choice)
     return "confluent, may contend" if usage.contentions else "confluent, cannot contend"
 
 
-def lockstep(
-    mission_net: MissionNet, whole: AlternativesGraph, composite: Composite, choice: random.Random
-) -> None:
+def lockstep(mission_net: MissionNet, whole: AlternativesGraph, choice: random.Random) -> None:
     """Drives both controllers by the same random events; the net itself, which is slow, on some missions."""
-    controllers = [flat_controller(mission_net, whole), hierarchical_controller(composite)]
+    controllers = [flat_controller(mission_net, whole), generate(mission_net)]
     if choice.random() < NET_TOO:
         walk(mission_net, controllers, choice, EVENTS)
         return

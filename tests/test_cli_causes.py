@@ -89,7 +89,7 @@ def test_fmeca_and_fault_tree_are_written(tmp_path: Path) -> None:
         (["--fmeca", "table.txt"], "expected .csv or .json"),
         (["--severity", "mission lst=I"], "mission lost unless repaired=NAME"),
         (["--rates"], "has no duration"),
-        (["--max-states", "100"], "limit on states"),
+        (["--engine", "explicit", "--max-states", "100"], "limit on states"),
     ],
 )
 def test_bad_input_is_told(arguments: list[str], message: str, tmp_path: Path) -> None:

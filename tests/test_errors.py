@@ -17,8 +17,7 @@ from mcpn.errors import (
     UnsafeError,
 )
 from mcpn.space.compare import Disagreement
-from mcpn.space.local.diagram import Undecided
-from mcpn.space.local.protocol import PremiseError
+from mcpn.space.local.section_type import PremiseError
 
 
 def kinds(kind: type[McpnError]) -> set[type[McpnError]]:
@@ -32,8 +31,7 @@ ERRORS = [
     UnsafeError("p", "t", ["q", "r"], ["u", "v"]),
     ConfluenceError("not confluent", [["a"], ["b", "c"]]),
     DivergenceError("divergent", [["a", "a"]]),
-    PremiseError("o", "p", [["MISSION_EV_START"]]),
-    Undecided("a conflict"),
+    PremiseError("o", "p", ["MISSION_EV_START"]),
     Disagreement("on states"),
 ]
 

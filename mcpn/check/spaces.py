@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any, Literal, TypeAlias
 
-from mcpn.errors import InputError
+from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.alternatives import by_reduction
+from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.confluence import prove_confluent
+from mcpn.space.confluence import direct_with_proof, prove_confluent
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress, explore
 from mcpn.space.local.composing import Options, composite_space
@@ -58,6 +59,59 @@ def space_of(
         return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit)
     return markings if on == "markings" else alternatives_by(markings, limit)[0]
+
+
+def stable_space(
+    mission_net: MissionNet,
+    *,
+    engine: Engine = "auto",
+    max_states: int | None = None,
+    progress: Progress | None = None,
+) -> Space[Any]:
+    """The alternatives graph of a mission, the whole markings graph left out where the engine can.
+
+    Args:
+        mission_net: The mission's net.
+        engine: Arrays, diagrams or composition.
+        max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges that are listed.
+
+    Raises:
+        SemanticsError: The mission is not 1-safe or not confluent.
+        LimitError: A limit was hit.
+    """
+    if engine != "explicit":
+        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
+    faulty = sum(h.faulty for h in mission_net.mission.hardware)
+    if 2**faulty > limit:
+        found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
+        raise LimitError(f"{found}, the limit on states is {limit}: use --engine local")
+    return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
+
+
+def mortal_space(
+    mission_net: MissionNet, *, engine: Engine = "auto", max_states: int | None = None
+) -> Space[Any]:
+    """The alternatives graph of a mission whose hardware may die (:mod:`mcpn.net.mortal`).
+
+    Args:
+        mission_net: The mission's net, whose internal evolution is confluent and ends.
+        engine: Arrays, diagrams or composition.
+        max_states: Limit on states that are listed one by one.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    if engine == "local":
+        return composite_space(mission_net, Options(max_states=limit, mortal=True))
+    net = mortal(mission_net).net
+    # Dying changes nothing but what may be repaired: what was confluent still is.
+    if engine == "explicit":
+        return ArraySpace(direct(net, proof=False, max_states=limit))
+    return DiagramAlternatives(reach(net))
 
 
 def markings_by(

@@ -17,17 +17,23 @@ from mcpn.cli.shared import (
     mission_net_of,
     progress_line,
 )
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError
 
 if TYPE_CHECKING:
-    from mcpn.check.losing import Outlook
+    from mcpn.check.causes.risk import Risk
+    from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.report.causes import Classes
+
+MOST_TOLD = 50
+"""Objectives up to which runs and FMECA rows are told without being asked for."""
 
 
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option("--engine", type=click.Choice(["explicit", "local"]), default="explicit", show_default=True)
+@click.option(
+    "--engine", type=click.Choice(["explicit", "symbolic", "local"]), default="local", show_default=True
+)
 @click.option(
     "--objective", "objectives", multiple=True, metavar="NAME", help="Look at this objective alone."
 )
@@ -49,7 +55,7 @@ if TYPE_CHECKING:
 @json_option
 def causes(
     mission: Path,
-    engine: str,
+    engine: Engine,
     objectives: tuple[str, ...],
     fmeca: Path | None,
     openpsa: Path | None,
@@ -62,49 +68,41 @@ def causes(
 ) -> None:
     """Tell what makes MISSION fail: minimal sets of lost hardware, critical events, what each loss does.
 
-    The engine local glues graphs of the mission's sections and needs no graph of the whole; runs, the FMECA
-    table and numbers of risk are of the engine explicit.
+    Every engine answers every question; local needs no space of the whole mission. Numbers of risk list the
+    states of the whole mission. Of missions with more than 50 objectives, runs and FMECA rows are of those
+    that --objective names, or of all with --fmeca.
     """
     from dataclasses import asdict
 
-    from mcpn.check.causes import find_causes, find_causes_locally
-    from mcpn.check.conditions import minimal_formula
-    from mcpn.check.fmeca import fmeca as table_of
+    from mcpn.check.causes.conditions import minimal_formula
+    from mcpn.check.causes.find import find_causes
+    from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
+    from mcpn.space.clash import in_mission_words
 
     started = time.perf_counter()
     classes = _classes(severities)
     if fmeca is not None:
         report.check_table_name(fmeca)
     mission_net = mission_net_of(mission, import_root)
-    limits = {} if max_states is None else {"max_states": max_states}
-    outlook = None
-    if engine == "explicit":
-        outlook = _outlook(mission_net, limits, as_json)
-        every = find_causes(mission_net, outlook)
-    else:
-        for option, given in (("--fmeca", fmeca is not None), ("--rates", rates)):
-            if given:
-                raise InputError.at(None, f"{option} needs the graph of the whole mission: --engine explicit")
-        every = find_causes_locally(mission_net, **limits)
+    with progress_line(as_json) as progress, in_mission_words(mission_net):
+        every = find_causes(mission_net, engine=engine, progress=progress, max_states=max_states)
     found = every.of(objectives) if objectives else every
     goals = {found.mission.name: found.mission, **found.objectives}
     formulas = {name: minimal_formula(goal.cut_sets).text for name, goal in goals.items()} if formula else {}
-    rows = table_of(outlook) if outlook else []
-    numbers = None
-    if outlook and rates:
-        from mcpn.check.risk import risk
-
-        numbers = risk(outlook)
+    short = len(found.objectives) <= MOST_TOLD
+    wanted = None if fmeca is not None else list(found.objectives)
+    rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
+    numbers = _risk(mission_net, max_states) if rates else None
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         write_atomically(openpsa, open_psa(mission_net.usage, every.mission.cut_sets, cut_sets))
     if fmeca is not None:
         report.save_fmeca(rows, fmeca, classes)
     if as_json:
-        document: dict[str, Any] = report.causes_object(found)
+        document: dict[str, Any] = report.causes_object(found, runs=short)
         if formulas:
             document["formulas"] = formulas
         if numbers is not None:
@@ -120,28 +118,18 @@ def causes(
         report.print_risk(numbers)
 
 
-def _outlook(mission_net: MissionNet, limits: dict[str, int], quiet: bool) -> Outlook:
-    """The mission on its alternatives graph, unless that is bound to be too large."""
-    from mcpn.check.losing import Outlook
-    from mcpn.space.alternatives import DEFAULT_MAX_STATES
-    from mcpn.space.clash import in_mission_words
-    from mcpn.space.confluence import direct_with_proof
+def _risk(mission_net: MissionNet, max_states: int | None) -> Risk:
+    """Numbers of risk, on the listed states of the whole mission."""
+    from mcpn.check.causes.prospects import Prospects
+    from mcpn.check.causes.risk import risk
+    from mcpn.check.spaces import stable_space
 
-    # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
-    faulty = sum(h.faulty for h in mission_net.mission.hardware)
-    most = limits.get("max_states", DEFAULT_MAX_STATES)
-    if 2**faulty > most:
-        found = (
-            f"{faulty} hardware resources that may fail have 2^{faulty} states, the limit on states is {most}"
-        )
-        raise LimitError(f"{found}: use --engine local")
-    with progress_line(quiet) as progress, in_mission_words(mission_net):
-        return Outlook(mission_net, direct_with_proof(mission_net.net, progress=progress, **limits))
+    return risk(Prospects(mission_net, stable_space(mission_net, engine="explicit", max_states=max_states)))
 
 
 def _classes(given: tuple[str, ...]) -> Classes:
     """Severity classes with the names that the user gives."""
-    from mcpn.check.fmeca import Severity
+    from mcpn.check.causes.fmeca import Severity
     from mcpn.report.causes import STANDARD
 
     known = {severity.words: severity for severity in Severity}

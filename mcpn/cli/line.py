@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from mcpn import __version__
-from mcpn.cli import begin, causes, check, ctl, outputs, simulate, spaces
+from mcpn.cli import begin, causes, check, ctl, outputs, report, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
 from mcpn.report.terminal import plain
@@ -53,6 +53,7 @@ for command in (
     ctl.ctl,
     outputs.controller,
     outputs.convert,
+    report.report,
     simulate.simulate,
     spaces.compare,
     begin.init,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
-    from mcpn.space.local.composite import Composite
+    from mcpn.space.local.composite import CompositeSpace
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -103,20 +103,13 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
     return compose(read_mission(path, import_root=import_root))
 
 
-def composite_of(
-    mission_net: MissionNet, max_states: int | None, *, quiet: bool = False, listed: bool = False
-) -> Composite:
-    """The local spaces of a mission, glued; with the states of every section listed where so asked."""
-    from mcpn.space.local.gluing import glue
-    from mcpn.space.local.placing import DEFAULT_MAX_STATES, MOST_LISTED, Making
+def composite_of(mission_net: MissionNet, max_states: int | None, *, quiet: bool = False) -> CompositeSpace:
+    """The sections of a mission, glued."""
+    from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
 
     with progress_line(quiet, SECTIONS) as progress:
-        making = Making(
-            max_states=DEFAULT_MAX_STATES if max_states is None else max_states,
-            most_listed=None if listed else MOST_LISTED,
-            progress=progress,
-        )
-        return glue(mission_net.usage, mission_net.graph, making)
+        limit = DEFAULT_MAX_STATES if max_states is None else max_states
+        return composite_space(mission_net, Options(max_states=limit, progress=progress))
 
 
 def is_net(path: Path) -> bool:

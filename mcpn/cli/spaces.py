@@ -111,7 +111,7 @@ def _local_counts(
         "places": len(mission_net.net.places),
         "transitions": len(mission_net.net.transitions),
         **{name: getattr(whole, name, None) for name in names},
-        "stable_states": composite.states,
+        "stable_states": composite.everything.count(),
         "engine": "local",
         "seconds": time.perf_counter() - started,
     }
@@ -172,10 +172,11 @@ def _local_sizes(mission_net: MissionNet, max_states: int | None, quiet: bool) -
     """Sizes of the alternatives graph of the whole by arithmetic, without writing it out."""
     started = time.perf_counter()
     composite = composite_of(mission_net, max_states, quiet=quiet)
+    fired = composite.firings(composite.everything)
     return {
-        "states": composite.states,
-        "edges": composite.edges,
-        "events": len(composite.events),
+        "states": composite.everything.count(),
+        "edges": sum(fired.values()),
+        "events": len({mission_net.net.transitions[t].event for t in fired}),
         "method": "local",
         "seconds": time.perf_counter() - started,
     }
@@ -183,10 +184,12 @@ def _local_sizes(mission_net: MissionNet, max_states: int | None, quiet: bool) -
 
 def _written_out(mission_net: MissionNet, max_states: int | None, quiet: bool) -> AlternativesGraph:
     """The alternatives graph of the whole from its sections."""
-    from mcpn.space.local.expand import expand
+    from mcpn.space.alternatives import DEFAULT_MAX_STATES
+    from mcpn.space.listing import written_out
 
-    composite = composite_of(mission_net, None, quiet=quiet, listed=True)
-    return expand(composite, mission_net, **_limits(max_states))
+    composite = composite_of(mission_net, None, quiet=quiet)
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    return written_out(composite, "local", "each type of section proved confluent on its own net", limit)
 
 
 def _alternatives(

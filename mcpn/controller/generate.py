@@ -9,15 +9,20 @@ from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
-from mcpn.space.local.composite import Composite
-from mcpn.space.local.gluing import glue
-from mcpn.space.local.graph import LocalGraph
-from mcpn.space.local.placing import DEFAULT_MAX_STATES, Making
+from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.section_type import SectionType
 
 Form = Literal["flat", "hierarchical"]
 Progress = Callable[[int, int], None]
+
+DEFAULT_MAX_STATES = 1_000_000
+"""States of a section that its machine lists at most."""
+
+MOST_UNTOLD = 10_000
+"""States of a section that are listed without a word."""
 
 
 def generate(
@@ -52,27 +57,30 @@ def generate(
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
+    _refuse_interruptions(mission_net)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    composite = glue(mission_net.usage, mission_net.graph, Making(max_states=limit, progress=progress))
-    sizes = _unlisted(composite)
-    if sizes:
-        most = max(sizes.values())
-        text = "; ".join(f"section {name} has {size:,} states" for name, size in sizes.items())
-        if most > limit:
-            raise LimitError(f"{text}: a machine lists every state, the limit is {limit:,} (--max-states)")
-        if told:
-            told(f"{text}: listing them")
-        making = Making(max_states=limit, most_listed=None, progress=progress)
-        composite = glue(mission_net.usage, mission_net.graph, making)
-        if sizes := _unlisted(composite):
-            raise LimitError(f"section {next(iter(sizes))} cannot be listed: the limit is {limit:,}")
-    return hierarchical_controller(composite)
+    composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
+    listed: dict[SectionType, AlternativesGraph] = {}
+    for placed in composite.sections.values():
+        type_ = placed.type
+        if type_ not in listed:
+            size = f"section {placed.name} has {type_.size:,} states"
+            if type_.size > limit:
+                raise LimitError(
+                    f"{size}: a machine lists every state, the limit is {limit:,} (--max-states)"
+                )
+            if told and type_.size > MOST_UNTOLD:
+                told(f"{size}: listing them")
+            # The composite has proved what the mission reaches confluent.
+            listed[type_] = direct(type_.net.net, proof=False, max_states=limit)
+    return hierarchical_controller(composite, listed)
 
 
-def _unlisted(composite: Composite) -> dict[str, int]:
-    """Sections whose states are a diagram, the first of each type, with how many they are."""
-    found: dict[int, tuple[str, int]] = {}
-    for placed in composite.sections:
-        if not isinstance(placed.local, LocalGraph):
-            found.setdefault(id(placed.local), (placed.section.name, placed.local.size))
-    return dict(found.values())
+def _refuse_interruptions(mission_net: MissionNet) -> None:
+    for section in mission_net.graph.sections:
+        for interruption in section.interruptions:
+            where = f"{interruption.source}: " if interruption.source else ""
+            raise LimitError(
+                f"{where}the event {interruption.event} may interrupt section {section.name}, and machines "
+                "of sections have no exit for that: use --flat"
+            )

@@ -24,7 +24,8 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.space.alternatives import AlternativesGraph
-from mcpn.space.local.composite import Composite
+from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.section_type import SectionType
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")
 """Kinds of names that differ between sections of one type."""
@@ -144,32 +145,34 @@ class Controller:
         )
 
 
-def hierarchical_controller(composite: Composite) -> Controller:
+def hierarchical_controller(
+    composite: CompositeSpace, listed: Mapping[SectionType, AlternativesGraph]
+) -> Controller:
     """Generates the controller of a mission with a machine for each type of section.
 
     Args:
-        composite: The mission's composite, the states of every section listed.
+        composite: The mission's composite.
+        listed: By type of section, the alternatives graph of its local net.
 
     Returns:
         The controller.
     """
-    numbers: dict[int, int] = {}
-    types, sections = list[SectionMachine](), list[PlacedMachine]()
-    for placed in composite.sections:
-        local = placed.listed
-        if id(local) not in numbers:
-            numbers[id(local)] = len(types)
-            types.append(section_machine(local.net, local.graph, local.faulty))
-        number = numbers[id(local)]
-        renaming = placed.renaming
-        names = {kind: dict(getattr(renaming, kind)) for kind in KINDS}
-        section = placed.section
+    numbers = {type_: number for number, type_ in enumerate(listed)}
+    types = [section_machine(type_.net, graph, type_.faulty) for type_, graph in listed.items()]
+    sections = []
+    for placed in composite.sections.values():
+        number = numbers[placed.type]
+        names = {kind: dict(getattr(placed.renaming, kind)) for kind in KINDS}
         events = tuple(_renamed(event, names) for event in types[number].events)
-        routes = {"success": section.success, "failure": section.failure}
-        sections.append(PlacedMachine(section.name, number, names, events, routes))
-    mission = composite.usage.mission.name
+        sections.append(PlacedMachine(placed.name, number, names, events, dict(placed.routes)))
+    mission_net = composite.mission_net
     return Controller(
-        mission, "hierarchical", composite.faulty, composite.graph.entry, tuple(sections), tuple(types)
+        mission_net.mission.name,
+        "hierarchical",
+        composite.layout.hardware,
+        mission_net.graph.entry,
+        tuple(sections),
+        tuple(types),
     )
 
 

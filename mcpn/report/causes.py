@@ -10,20 +10,23 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes import Causes, GoalCauses, Survival
-from mcpn.check.conditions import enumeration, sentence
-from mcpn.check.cutsets import CutSet
-from mcpn.check.fmeca import Row, Severity
-from mcpn.check.losing import CriticalEvent
-from mcpn.check.runs import Step, what_happens
+from mcpn.check.causes.conditions import enumeration, sentence
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.find import Causes, GoalCauses, Survival
+from mcpn.check.causes.fmeca import Row, Severity
+from mcpn.check.causes.prospects import CriticalEvent
+from mcpn.check.runs import what_happens
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
+from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
+from mcpn.report.words import in_words
+from mcpn.space.run import Run
 
 if TYPE_CHECKING:
-    from mcpn.check.risk import Risk
+    from mcpn.check.causes.risk import Risk
 
 Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
@@ -48,8 +51,12 @@ COLUMNS = (
 # --- objects -------------------------------------------------------------------------------------------
 
 
-def causes_object(causes: Causes) -> dict[str, Any]:
+def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
     """Failure causes as what JSON holds.
+
+    Args:
+        causes: Failure causes of a mission.
+        runs: Whether runs are looked for and told; without them their keys are left out.
 
     Returns:
         ``objectives``, by qualified name, and ``mission``, each with ``cut_sets`` (sorted lists of hardware
@@ -57,22 +64,26 @@ def causes_object(causes: Causes) -> dict[str, Any]:
         what stands behind them; ``survival``, the start first, then each section.
     """
     return {
-        "mission": _goal(causes.mission),
-        "objectives": {name: _goal(goal) for name, goal in causes.objectives.items()},
+        "mission": _goal(causes.mission, runs),
+        "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
         "survival": [
             {
                 "section": found.section,
                 "cut_sets": _lists(found.cut_sets),
                 "always": found.always,
                 "at_most": found.at_most,
-                "run": None if found.run is None else [str(step.event) for step in found.run],
+                **({"run": _events(found.run)} if runs else {}),
             }
             for found in causes.survival
         ],
     }
 
 
-def _goal(goal: GoalCauses) -> dict[str, Any]:
+def _events(run: Run | None) -> list[str] | None:
+    return None if run is None else [str(event) for event in run.events]
+
+
+def _goal(goal: GoalCauses, runs: bool) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
@@ -82,20 +93,21 @@ def _goal(goal: GoalCauses) -> dict[str, Any]:
             "without_repairs": _all_critical(goal.critical),
             "with_repairs": _all_critical(goal.critical_with_repairs),
         },
-        "runs": [
-            {"cut_set": list(names), "events": None if run is None else [str(step.event) for step in run]}
-            for names, run in goal.runs.items()
-        ],
+        **({"runs": _runs(goal)} if runs else {}),
         "monotone": goal.nonmonotone is None,
     }
 
 
-def _texts(events: Sequence[Event] | None) -> list[str] | None:
-    return None if events is None else [str(event) for event in events]
+def _runs(goal: GoalCauses) -> list[dict[str, Any]]:
+    return [{"cut_set": list(names), "events": _events(run)} for names, run in goal.runs.items()]
 
 
-def _all_critical(found: Sequence[CriticalEvent] | None) -> list[dict[str, Any]] | None:
-    return None if found is None else [_critical(critical) for critical in found]
+def _texts(events: Sequence[Event]) -> list[str]:
+    return [str(event) for event in events]
+
+
+def _all_critical(found: Sequence[CriticalEvent]) -> list[dict[str, Any]]:
+    return [_critical(critical) for critical in found]
 
 
 def _critical(critical: CriticalEvent) -> dict[str, Any]:
@@ -185,8 +197,10 @@ def print_causes(causes: Causes) -> None:
     terminal.print()
     _print_survival(terminal, causes.survival)
     for lost, run in causes.mission.runs.items():
-        _print_run(terminal, f"failure by {enumeration(lost)}" if lost else "failure without any loss", run)
-    _print_run(terminal, "success in spite of the most failures", causes.survival[0].run)
+        what = f"failure by {enumeration(lost)}" if lost else "failure without any loss"
+        _print_run(terminal, causes.mission_net, what, run)
+    most = causes.survival[0].run
+    _print_run(terminal, causes.mission_net, "success in spite of the most failures", most)
     _print_critical(terminal, causes)
     for goal in (causes.mission, *causes.objectives.values()):
         if goal.nonmonotone is not None:
@@ -231,12 +245,12 @@ def _survived(always: int, at_most: int) -> str:
     )
 
 
-def _print_run(terminal: Terminal, what: str, run: Sequence[Step] | None) -> None:
+def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run | None) -> None:
     if run is None:
         return
     terminal.print()
     terminal.print(f"{what}:", style="bold")
-    print_steps(terminal, ((step.event, step.words) for step in run), indent=2)
+    print_steps(terminal, in_words(mission_net, run), indent=2)
 
 
 def _print_critical(terminal: Terminal, causes: Causes) -> None:

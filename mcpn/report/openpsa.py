@@ -18,9 +18,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lxml import etree
 
-from mcpn.check.availability import Availability, LostObjectives
-from mcpn.check.cutsets import CutSet
-from mcpn.check.families import MAX_ELEMENTS, NEVER, Family
+from mcpn.check.causes.availability import Availability, LostObjectives
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.families import MAX_ELEMENTS, NEVER, Family
 from mcpn.mission.model import Hardware
 from mcpn.mission.usage import Usage
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
 from mcpn.report.words import in_words
-from mcpn.space.local.composite_space import CompositeSpace
+from mcpn.space.local.composite import CompositeSpace
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer

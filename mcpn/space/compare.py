@@ -12,8 +12,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
-from mcpn.space.local.gluing import glue
-from mcpn.space.local.placing import DEFAULT_MAX_STATES, Making
+from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
 from mcpn.space.summary import ENGINES, summarise
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
@@ -88,7 +87,7 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Me
 def _local(mission: Mission, max_states: int) -> tuple[dict[str, int | None], float]:
     mission_net = compose(mission)
     started = time.perf_counter()
-    stable = glue(mission_net.usage, mission_net.graph, Making(max_states=max_states)).states
+    stable = composite_space(mission_net, Options(max_states=max_states)).everything.count()
     return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
 
 

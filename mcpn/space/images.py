@@ -51,6 +51,10 @@ class ImageStore:
         """The sets of a family and all that contain one of them."""
         return family.saturate(self._puts)
 
+    def with_member(self, family: Zdd, number: int) -> Zdd:
+        """The sets of a family that have not a number, with it."""
+        return family.images([self._puts[number]])
+
     def of_diagram(self, states: Zdd, store: Store, bits: Sequence[Bit]) -> Zdd:
         """The image of a diagram of another store.
 

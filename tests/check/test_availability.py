@@ -6,9 +6,9 @@ from itertools import combinations
 
 from hypothesis import given, settings
 
-from mcpn.check.availability import Availability
-from mcpn.check.cutsets import Losses, Moment
-from mcpn.check.losing import Outlook
+from mcpn.check.causes.availability import Availability
+from mcpn.check.causes.cutsets import CutSet, Moment
+from mcpn.check.causes.families import Families, Family
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
@@ -25,6 +25,7 @@ from mcpn.mission.model import (
 from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
+from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal
 from tests.shares import returns_early
 
@@ -41,23 +42,27 @@ def test_where_nothing_contends_the_text_says_what_the_graph_says(mission: Missi
 
 def agree(found: MissionNet) -> None:
     try:
-        losses = Losses(Outlook(found, direct(found.net, max_states=5000)))
+        direct(found.net, max_states=5000)
+        asked = Asked(found)
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
-    text, outlook = Availability(found.usage, losses.families), losses.outlook
+    hardware = asked.prospects.hardware
+    text = Availability(found.usage, Families(len(hardware)))
+
+    def listed(family: Family) -> list[CutSet]:
+        names = [tuple(sorted(hardware[h] for h in m)) for m in text.families.members(family)]
+        return sorted(names, key=lambda members: (len(members), members))
+
     assert text.exact
-    assert text.mission == losses.cut_sets(outlook.mission, Moment.START)
+    assert listed(text.mission) == asked.cut_sets(None, Moment.START)
     for section in found.graph.sections:
-        if losses.entry(section.name).any():
-            assert text.mission_from[section.name] == losses.cut_sets(
-                outlook.mission, Moment.ENTRY, section.name
-            )
-    for section in found.graph.walk():
-        goal = outlook.objectives[section.name]
-        if goal.running.any():
-            assert text.objectives[section.name] == losses.cut_sets(goal, Moment.WHENEVER)
-            assert text.objectives[section.name] == losses.cut_sets(goal, Moment.ENTRY, section.name)
+        if asked.prospects.entered(section):
+            assert listed(text.mission_from[section.name]) == asked.cut_sets(None, Moment.ENTRY, section.name)
+    for objective in found.graph.walk():
+        if asked.goal(objective.name).running:
+            for moment in (Moment.WHENEVER, Moment.ENTRY):
+                assert listed(text.objectives[objective.name]) == asked.cut_sets(objective.name, moment)
 
 
 def test_a_block_is_not_left_while_a_branch_never_ends() -> None:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check import conditions
-from mcpn.check.conditions import minimal_formula, sentence
+from mcpn.check.causes import conditions
+from mcpn.check.causes.conditions import minimal_formula, sentence
 from mcpn.errors import LimitError
 
 NAMES = ["GPS", "IMU", "_odd", "camera", "thruster"]

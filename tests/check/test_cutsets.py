@@ -9,21 +9,29 @@ from itertools import combinations
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from mcpn.check.cutsets import CutSet, Losses, Moment
+from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
+from mcpn.check.causes.find import Causes
+from mcpn.check.causes.fmeca import fmeca
+from mcpn.check.causes.prospects import Prospects
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import resolve
-from mcpn.check.losing import Outlook
+from mcpn.check.spaces import Engine
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import What
+from mcpn.net.mortal import mortal
 from mcpn.space.alternatives import direct
+from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.diagrams import DiagramMarkings
 from mcpn.space.graph import StateGraph
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
+from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions, minimal
 from tests.shares import returns_early
 
@@ -41,45 +49,48 @@ ULYSSE: dict[str, list[CutSet]] = {
 }
 
 
-@pytest.fixture(scope="module")
-def ulysse_losses(ulysse_net: MissionNet) -> Losses:
-    return Losses(Outlook(ulysse_net, direct(ulysse_net.net)))
+@pytest.fixture(scope="module", params=ENGINES)
+def ulysse_asked(ulysse_net: MissionNet, request: pytest.FixtureRequest) -> Asked:
+    return Asked(ulysse_net, request.param)
 
 
-def test_ulysse_cut_sets(ulysse_losses: Losses) -> None:
-    losses, outlook = ulysse_losses, ulysse_losses.outlook
-    for name, goal in outlook.objectives.items():
-        assert losses.listed(losses.cut_sets(goal, Moment.ENTRY, name)) == ULYSSE[name]
-        assert losses.listed(losses.cut_sets(goal, Moment.WHENEVER)) == ULYSSE[name]
-        assert losses.listed(losses.cut_sets(goal, Moment.SOMETIME)) == ULYSSE[name]
+def test_ulysse_cut_sets(ulysse_asked: Asked) -> None:
+    asked = ulysse_asked
+    for name in asked.prospects.objectives:
+        for moment in (Moment.ENTRY, Moment.WHENEVER, Moment.SOMETIME):
+            assert asked.cut_sets(name, moment) == ULYSSE[name]
     for moment in (Moment.START, Moment.WHENEVER, Moment.SOMETIME):
-        assert losses.listed(losses.cut_sets(outlook.mission, moment)) == NAVIGATION
+        assert asked.cut_sets(None, moment) == NAVIGATION
     # Without navigation diving fails, so that the census is never entered.
-    filming = outlook.objectives["transect.filming"]
-    assert losses.listed(losses.cut_sets(filming, Moment.START)) == NAVIGATION
+    assert asked.cut_sets("transect.filming", Moment.START) == NAVIGATION
 
 
-def test_ulysse_cut_sets_by_brute_force(ulysse_net: MissionNet, ulysse_losses: Losses) -> None:
-    confirm(ulysse_net, ulysse_losses)
+def test_ulysse_cut_sets_by_brute_force(ulysse_asked: Asked) -> None:
+    confirm(ulysse_asked)
 
 
 def test_regions_on_markings_and_on_stable_markings_agree(
-    ulysse_net: MissionNet, ulysse_markings: StateGraph, ulysse_losses: Losses
+    ulysse_net: MissionNet, ulysse_markings: StateGraph
 ) -> None:
-    alternatives, markings = ulysse_losses.outlook, Outlook(ulysse_net, ulysse_markings)
+    markings: Prospects[ArraySet] = Prospects(ulysse_net, ArraySpace(ulysse_markings))
+    alternatives: Prospects[ArraySet] = Prospects(ulysse_net, ArraySpace(direct(ulysse_net.net)))
+    graph = direct(ulysse_net.net)
     rows = {row.tobytes(): s for s, row in enumerate(ulysse_markings.markings)}
-    stable = np.array([rows[row.tobytes()] for row in alternatives.graph.markings])
+    stable = np.array([rows[row.tobytes()] for row in graph.markings])
+    internal = frozenset(i for i, t in enumerate(ulysse_net.net.transitions) if t.internal)
     pairs = [(alternatives.mission, markings.mission)]
     pairs += [(goal, markings.objectives[name]) for name, goal in alternatives.objectives.items()]
     for on_stable, on_all in pairs:
         for repairs in (True, False):
-            one, other = alternatives.losing(on_stable, repairs), markings.losing(on_all, repairs)
-            assert np.array_equal(one, other[stable])
+            one = alternatives.losing(on_stable, repairs=repairs)
+            wanted = markings.allowed(on_all, repairs=repairs) | internal
+            other = on_all.running - markings.space.reaching(on_all.won, on_all.along, wanted)
+            assert np.array_equal(one.mask, other.mask[stable])
 
 
-def confirm(found: MissionNet, losses: Losses) -> None:
+def confirm(asked: Asked) -> None:
     """Every cut set at every moment is that of brute force over all subsets of hardware."""
-    play, outlook = Play(found), losses.outlook
+    found, play = asked.found, Play(asked.found)
     everything = play.reach([play.initial])
     begin = play.marks("MISSION_begin")
     forced = play.forced()
@@ -89,14 +100,13 @@ def confirm(found: MissionNet, losses: Losses) -> None:
     def check(computed: list[CutSet], lost: list[frozenset[str]]) -> None:
         assert computed == minimal(lost)
 
-    mission = outlook.mission
     at_start = {d: play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(d)]) for d in subsets}
     check(
-        losses.listed(losses.cut_sets(mission, Moment.START)),
+        asked.cut_sets(None, Moment.START),
         [d for d in subsets if not play.mission_survives(at_start[d], d)],
     )
     check(
-        losses.listed(losses.cut_sets(mission, Moment.WHENEVER)),
+        asked.cut_sets(None, Moment.WHENEVER),
         [
             d
             for d in subsets
@@ -108,7 +118,7 @@ def confirm(found: MissionNet, losses: Losses) -> None:
         ],
     )
     check(
-        losses.listed(losses.cut_sets(mission, Moment.SOMETIME)),
+        asked.cut_sets(None, Moment.SOMETIME),
         [
             d
             for d in subsets
@@ -120,11 +130,11 @@ def confirm(found: MissionNet, losses: Losses) -> None:
         ],
     )
     for section in found.graph.walk():
-        name, goal = section.name, outlook.objectives[section.name]
+        name = section.name
         runs = play.marks(f"OBJ_{name}")
         running = [m for m in everything if runs(m)]
         check(
-            losses.listed(losses.cut_sets(goal, Moment.WHENEVER)),
+            asked.cut_sets(name, Moment.WHENEVER),
             [
                 d
                 for d in subsets
@@ -132,7 +142,7 @@ def confirm(found: MissionNet, losses: Losses) -> None:
             ],
         )
         check(
-            losses.listed(losses.cut_sets(goal, Moment.SOMETIME)),
+            asked.cut_sets(name, Moment.SOMETIME),
             [
                 d
                 for d in subsets
@@ -142,7 +152,7 @@ def confirm(found: MissionNet, losses: Losses) -> None:
             ],
         )
         check(
-            losses.listed(losses.cut_sets(goal, Moment.START)),
+            asked.cut_sets(name, Moment.START),
             [d for d in subsets if not play.ever_succeeds(at_start[d], name, d)],
         )
         entered = {
@@ -159,7 +169,7 @@ def confirm(found: MissionNet, losses: Losses) -> None:
                 others,
             )
             check(
-                losses.listed(losses.cut_sets(goal, Moment.ENTRY, name)),
+                asked.cut_sets(name, Moment.ENTRY),
                 [
                     d
                     for d in subsets
@@ -167,7 +177,7 @@ def confirm(found: MissionNet, losses: Losses) -> None:
                 ],
             )
             check(
-                losses.listed(losses.cut_sets(mission, Moment.ENTRY, name)),
+                asked.cut_sets(None, Moment.ENTRY, name),
                 [
                     d
                     for d in subsets
@@ -180,32 +190,68 @@ def pending(found: MissionNet, name: str) -> bool:
     return ("pending", name) in found.by_role
 
 
-@settings(max_examples=100)
+def small(mission: Mission, max_states: int) -> MissionNet | None:
+    """The net of a mission that every engine answers for, or ``None``."""
+    found = compose(mission)
+    try:
+        direct(found.net, max_states=max_states)
+    except (LimitError, SemanticsError) as error:
+        returns_early(type(error).__name__)
+        return None
+    return found
+
+
+@settings(max_examples=50)
 @given(
     missions(max_objectives=2, max_sections=5, max_hardware=3, max_producers=2)
-    | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3)
+    | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3),
+    st.sampled_from(ENGINES),
 )
-def test_cut_sets_are_those_of_brute_force(mission: Mission) -> None:
-    found = compose(mission)
-    try:
-        graph = direct(found.net, max_states=400)
-    except (LimitError, SemanticsError) as error:
-        returns_early(type(error).__name__)
+def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> None:
+    found = small(mission, 400)
+    if found is not None:
+        confirm(Asked(found, engine))
+
+
+@settings(max_examples=25)
+@given(missions(max_hardware=3, max_sections=5) | fragile_missions(max_hardware=3))
+def test_engines_agree_on_all_causes(mission: Mission) -> None:
+    found = small(mission, 500)
+    if found is None:
         return
-    confirm(found, Losses(Outlook(found, graph)))
+
+    def told(causes: Causes) -> object:
+        goals = (causes.mission, *causes.objectives.values())
+        return (
+            [
+                (
+                    g.name,
+                    g.moments,
+                    g.nonmonotone,
+                    sorted(map(repr, g.critical)),
+                    sorted(map(repr, g.critical_with_repairs)),
+                    {names: run is not None for names, run in g.runs.items()},
+                )
+                for g in goals
+            ],
+            [(s.section, s.cut_sets, s.always, s.at_most, s.run is None) for s in causes.survival],
+            [replace(row) for row in fmeca(causes.prospects)],
+        )
+
+    first, *others = (told(Asked(found, engine).all) for engine in ENGINES)
+    for other in others:
+        assert other == first
 
 
 @settings(max_examples=100)
-@given(fragile_missions(max_hardware=4, max_alternatives=2))
-def test_a_cut_set_makes_success_unreachable_and_no_proper_subset_does(mission: Mission) -> None:
-    found = compose(mission)
-    try:
-        graph = direct(found.net, max_states=2000)
-    except (LimitError, SemanticsError) as error:
-        returns_early(type(error).__name__)
+@given(fragile_missions(max_hardware=4, max_alternatives=2), st.sampled_from(ENGINES))
+def test_a_cut_set_makes_success_unreachable_and_no_proper_subset_does(
+    mission: Mission, engine: Engine
+) -> None:
+    found = small(mission, 2000)
+    if found is None:
         return
-    losses = Losses(Outlook(found, graph))
-    for names in losses.listed(losses.cut_sets(losses.outlook.mission, Moment.START)):
+    for names in Asked(found, engine).cut_sets(None, Moment.START):
         assert not success_reachable(found, names)
         for back in names:
             assert success_reachable(found, [h for h in names if h != back])
@@ -231,17 +277,20 @@ def test_ulysse_cut_sets_by_ctl_on_the_net(ulysse_net: MissionNet) -> None:
 
 
 def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) -> None:
-    graph = direct(ulysse_net.net)
-    outlook = Outlook(ulysse_net, graph)
-    assert all(Losses(outlook).nonmonotone(goal) is None for goal in outlook.objectives.values())
+    asked = Asked(ulysse_net)
+    assert all(asked.cuts.nonmonotone(asked.dying(name)) is None for name in asked.prospects.objectives)
     # A robot whose GPS never fails once the thruster has, nor the thruster once the GPS has.
-    gps, thruster = outlook.index["GPS_sensor"], outlook.index["thruster_actuator"]
-    out = outlook.out[graph.sources]
-    spared = (outlook.failing == gps) & out[:, thruster] | (outlook.failing == thruster) & out[:, gps]
+    whole = mortal(ulysse_net)
+    graph = direct(whole.net, proof=False)
+    prospects: Prospects[ArraySet] = Prospects(whole, ArraySpace(graph))
+    spared = np.zeros(graph.edges, np.bool_)
+    for first, other in (("GPS_sensor", "thruster_actuator"), ("thruster_actuator", "GPS_sensor")):
+        fails = np.isin(graph.labels, list(prospects.carrying(What.OUT_OF_SERVICE, first)))
+        spared |= fails & graph.marked(whole.by_role["oos", other][0])[graph.sources]
     offsets = np.concatenate(([0], np.cumsum(np.bincount(graph.sources[~spared], minlength=graph.states))))
     fewer = replace(graph, offsets=offsets, targets=graph.targets[~spared], labels=graph.labels[~spared])
-    losses = Losses(Outlook(ulysse_net, fewer))
-    found = losses.nonmonotone(losses.outlook.objectives["transect.diving"])
+    cuts = CutSets(Prospects(whole, ArraySpace(fewer)))
+    found = cuts.nonmonotone(cuts.mortal.objectives["transect.diving"])
     assert found is not None
     assert found.lost == ("thruster_actuator",)
     assert found.larger == ("GPS_sensor", "thruster_actuator")
@@ -252,15 +301,16 @@ def test_a_retry_is_another_run() -> None:
     robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use,))
     again = Objective(name="x", activities=("use",), failure="x")
     found = compose(Mission(name="m", robots=(robot,), blocks=(again,)))
-    outlook = Outlook(found, direct(found.net))
-    (goal,) = outlook.objectives.values()
+    prospects = Asked(found).prospects
+    (goal,) = prospects.objectives.values()
     # Once refused, the present run is lost whatever is repaired; the mission is not, for x is tried again.
-    lost = outlook.losing(goal, repairs=True)
-    assert lost.any()
+    lost = prospects.losing(goal, repairs=True)
+    assert lost
     play = Play(found)
-    assert {outlook.graph.marking(s) for s in np.flatnonzero(lost).tolist()} == {
+    marking = prospects.space.marking
+    assert {marking(s) for s in np.flatnonzero(lost.mask).tolist()} == {
         m
         for m in play.reach([play.initial])
         if play.marks("OBJ_x")(m) and not play.objective_survives(m, "x", frozenset())
     }
-    assert not outlook.losing(outlook.mission, repairs=True).any()
+    assert not prospects.losing(prospects.mission, repairs=True)

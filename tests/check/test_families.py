@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.families import ALWAYS, NEVER, Families, Family
+from mcpn.check.causes.families import ALWAYS, NEVER, Families, Family
 from mcpn.errors import LimitError
 
 SIZE = 5

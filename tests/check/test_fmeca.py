@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from mcpn.check.fmeca import Row, Severity, fmeca
-from mcpn.check.losing import Outlook
+from mcpn.check.causes.fmeca import Row, Severity, fmeca
+from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
 from mcpn.space.alternatives import direct
+from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions
 from tests.shares import returns_early
 
 
-@pytest.fixture(scope="module")
-def ulysse_rows(ulysse_net: MissionNet) -> dict[tuple[str, str], Row]:
-    rows = fmeca(Outlook(ulysse_net, direct(ulysse_net.net)))
+@pytest.fixture(scope="module", params=ENGINES)
+def ulysse_rows(ulysse_net: MissionNet, request: pytest.FixtureRequest) -> dict[tuple[str, str], Row]:
+    rows = fmeca(Asked(ulysse_net, request.param).prospects)
     return {(row.hardware, row.objective): row for row in rows}
 
 
@@ -66,11 +68,12 @@ def test_the_thruster_ends_the_mission(ulysse_rows: dict[tuple[str, str], Row]) 
 
 
 @settings(max_examples=60)
-@given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5))
-def test_severities_are_those_of_plain_search(mission: Mission) -> None:
+@given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5), st.sampled_from(ENGINES))
+def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) -> None:
     found = compose(mission)
     try:
-        rows = fmeca(Outlook(found, direct(found.net, max_states=500)))
+        direct(found.net, max_states=500)
+        rows = fmeca(Asked(found, engine).prospects)
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return

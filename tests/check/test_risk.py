@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mcpn.check.losing import Outlook
-from mcpn.check.risk import Risk, risk
+from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.risk import Risk, risk
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.mission.model import (
     Activity,
@@ -29,6 +29,7 @@ from mcpn.mission.model import (
 )
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
+from mcpn.space.arrays import ArraySpace
 from tests.check.oracle import Play, fragile_missions
 from tests.shares import returns_early
 
@@ -36,7 +37,7 @@ LAMBDA, MU, D = 0.25, 0.5, 1.6
 
 
 def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
-    return risk(Outlook(found, direct(found.net, max_states=max_states)))
+    return risk(Prospects(found, ArraySpace(direct(found.net, max_states=max_states))))
 
 
 def mission(hardware: list[Hardware], ways: dict[str, list[tuple[str, ...]]], *blocks: Block) -> MissionNet:

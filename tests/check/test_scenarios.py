@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from mcpn.check.causes import find_causes
-from mcpn.check.cutsets import Losses, Moment
-from mcpn.check.losing import Goal, Outlook
-from mcpn.check.scenarios import Scenarios
+from mcpn.check.causes.cutsets import Moment
+from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
-from mcpn.space.alternatives import AlternativesGraph, direct
+from mcpn.space.alternatives import direct
+from mcpn.space.run import Run
+from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions
 from tests.shares import returns_early
 
 
-def events(graph: AlternativesGraph, run: list[int]) -> list[str]:
-    return [str(graph.event(edge)) for edge in run]
+def events(run: Run) -> list[str]:
+    return [str(event) for event in run.events]
 
 
-def test_ulysse_runs_to_failure(ulysse_net: MissionNet) -> None:
-    graph = direct(ulysse_net.net)
-    scenarios = Scenarios(Losses(Outlook(ulysse_net, graph)))
-    goal = scenarios.outlook.objectives["transect.going_up"]
-    run = scenarios.to_failure(goal, ["thruster_actuator"])
+@pytest.mark.parametrize("engine", ENGINES)
+def test_ulysse_runs_to_failure(ulysse_net: MissionNet, engine: Engine) -> None:
+    asked = Asked(ulysse_net, engine)
+    run = asked.scenarios.to_failure(asked.goal("transect.going_up"), ["thruster_actuator"])
     assert run is not None
     # The way through the failures of moving and of diving is the shortest, and the lost thruster forces both.
-    assert sorted(events(graph, run)) == [
+    assert sorted(events(run)) == [
         "MISSION_EV_START",
         "OBJ_coral_head.manual_moving_EV_FAIL",
         "OBJ_transect.diving_EV_FAIL",
@@ -37,37 +38,37 @@ def test_ulysse_runs_to_failure(ulysse_net: MissionNet) -> None:
     ]
 
 
-def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet) -> None:
-    graph = direct(ulysse_net.net)
-    scenarios = Scenarios(Losses(Outlook(ulysse_net, graph)))
+@pytest.mark.parametrize("engine", ENGINES)
+def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Engine) -> None:
+    asked = Asked(ulysse_net, engine)
     for section in (None, "coral_head.manual_moving", "transect.census", "transect.going_up"):
-        run = scenarios.most_failures(section)
+        run = asked.scenarios.most_failures(None if section is None else asked.sections[section])
         assert run is not None
         # The thruster is in use to the end; of the two sensors one may be lost.
-        (failure,) = [e for e in events(graph, run) if e.endswith("_EV_OOS")]
+        (failure,) = [e for e in events(run) if e.endswith("_EV_OOS")]
         assert failure in ("GPS_sensor_EV_OOS", "IMU_sensor_EV_OOS")
 
 
 @settings(max_examples=80)
-@given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5))
-def test_runs_show_what_they_say(mission: Mission) -> None:
+@given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5), st.sampled_from(ENGINES))
+def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:
     found = compose(mission)
     try:
-        graph = direct(found.net, max_states=600)
+        direct(found.net, max_states=600)
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
-    losses = Losses(Outlook(found, graph))
-    scenarios, play = Scenarios(losses), Play(found)
+    asked, play = Asked(found, engine), Play(found)
+    scenarios = asked.scenarios
 
-    def replayed(run: list[int]) -> list[str]:
-        names = events(graph, run)
+    def replayed(run: Run) -> list[str]:
+        names = events(run)
         play.after(play.initial, names)  # each event is possible where it happens
         return names
 
-    def shown(goal: Goal, last: str | None) -> None:
-        for names in losses.listed(losses.cut_sets(goal, Moment.SOMETIME)):
-            run = scenarios.to_failure(goal, names)
+    def shown(name: str | None, last: str | None) -> None:
+        for names in asked.cut_sets(name, Moment.SOMETIME):
+            run = scenarios.to_failure(asked.goal(name), names)
             assert run is not None
             told = replayed(run)
             assert {e for e in told if e.endswith("_EV_OOS")} == {f"{h}_EV_OOS" for h in names}
@@ -77,9 +78,9 @@ def test_runs_show_what_they_say(mission: Mission) -> None:
             else:
                 assert not play.mission_survives(play.after(play.initial, told), frozenset(names))
 
-    shown(losses.outlook.mission, None)
-    for name, goal in losses.outlook.objectives.items():
-        shown(goal, f"OBJ_{name}_EV_FAIL")
+    shown(None, None)
+    for name in asked.prospects.objectives:
+        shown(name, f"OBJ_{name}_EV_FAIL")
     success = play.marks("MISSION_success")
     robust = scenarios.most_failures()
     # The most failures before success, by plain search.
@@ -88,9 +89,9 @@ def test_runs_show_what_they_say(mission: Mission) -> None:
         assert not ends
     else:
         assert success(play.after(play.initial, replayed(robust)))
-        failures = [e for e in events(graph, robust) if e.endswith("_EV_OOS")]
+        failures = [e for e in events(robust) if e.endswith("_EV_OOS")]
         assert len(failures) == max(len(play.out(m)) for m in ends)
-    start = find_causes(found, losses.outlook).survival[0]
+    start = asked.all.survival[0]
     survived = [d for d in play.subsets() if play.mission_survives(dead_from_the_start(play, d), d)]
     assert start.at_most == max(map(len, survived), default=None)
     sizes = range(len(play.hardware) + 1)

@@ -13,9 +13,8 @@ import pytest
 from hypothesis import given, settings
 from lxml import etree
 
-from mcpn.check.availability import Availability
-from mcpn.check.cutsets import CutSet, Losses, Moment
-from mcpn.check.losing import Outlook
+from mcpn.check.causes.availability import Availability
+from mcpn.check.causes.cutsets import CutSet, Moment
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Hardware, Mission
 from mcpn.mission.xml import read_mission
@@ -23,6 +22,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.report.openpsa import open_psa
 from mcpn.space.alternatives import direct
 from mcpn.testing import missions
+from tests.check.asked import Asked
 from tests.check.oracle import fragile_missions, minimal
 from tests.shares import returns_early
 
@@ -96,10 +96,10 @@ def solve(document: bytes) -> dict[str, list[CutSet]]:
 
 
 def cut_sets(found: MissionNet, max_states: int) -> tuple[list[CutSet], dict[str, list[CutSet]]]:
-    losses = Losses(Outlook(found, direct(found.net, max_states=max_states)))
-    mission = losses.listed(losses.cut_sets(losses.outlook.mission, Moment.START))
-    objectives = losses.outlook.objectives
-    return mission, {n: losses.listed(losses.cut_sets(g, Moment.ENTRY, n)) for n, g in objectives.items()}
+    direct(found.net, max_states=max_states)
+    asked = Asked(found)
+    objectives = {name: asked.cut_sets(name, Moment.ENTRY) for name in asked.prospects.objectives}
+    return asked.cut_sets(None, Moment.START), objectives
 
 
 def check(found: MissionNet, max_states: int = 5000) -> bytes:

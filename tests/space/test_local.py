@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import event, given, reject
-from hypothesis import strategies as st
 
-from mcpn.controller.hierarchy import hierarchical_controller
+from mcpn.controller.generate import generate
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import (
     Activity,
@@ -30,20 +29,16 @@ from mcpn.net.events import Event
 from mcpn.net.sections import junction_part
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
+from mcpn.space.confluence import prove_confluent
 from mcpn.space.explicit import explore
-from mcpn.space.graph import Mask
-from mcpn.space.local.composite import Composite
-from mcpn.space.local.diagram import LocalDiagram
-from mcpn.space.local.expand import expand
-from mcpn.space.local.gluing import glue
-from mcpn.space.local.junction import is_confluent, sharing_pairs
-from mcpn.space.local.placing import Making, local_graphs
-from mcpn.space.local.protocol import OUTCOMES, Outcome, PremiseError
+from mcpn.space.listing import written_out
+from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.nonconfluent import sharing_pairs
+from mcpn.space.local.section_type import PremiseError, SectionType
+from mcpn.space.local.sections import PlacedSection
 from mcpn.testing import missions
-
-
-def composed(mission_net: MissionNet, most_listed: int | None = None) -> Composite:
-    return glue(mission_net.usage, mission_net.graph, Making(most_listed=most_listed))
+from tests.shares import returns_early
 
 
 def check_equal(found: AlternativesGraph, expected: AlternativesGraph) -> None:
@@ -51,15 +46,22 @@ def check_equal(found: AlternativesGraph, expected: AlternativesGraph) -> None:
         assert np.array_equal(getattr(found, name), getattr(expected, name)), name
 
 
-def test_ulysse(ulysse: Mission, ulysse_net: MissionNet) -> None:
-    composite = composed(ulysse_net)
-    # Table 1 of the paper.
-    assert (composite.states, composite.edges) == (260, 1332)
-    assert len({id(placed.local) for placed in composite.sections}) == 2
-    check_equal(expand(composite, ulysse_net), direct(ulysse_net.net))
+def sizes(space: CompositeSpace) -> tuple[int, int]:
+    return space.everything.count(), sum(space.firings(space.everything).values())
 
 
-def rounds(count: int, retries: int) -> Composite:
+def types(space: CompositeSpace) -> set[SectionType]:
+    return {placed.type for placed in space.sections.values()}
+
+
+def test_ulysse(ulysse_net: MissionNet) -> None:
+    composite = composite_space(ulysse_net)
+    assert sizes(composite) == (260, 1332)  # the reference net's
+    assert len(types(composite)) == 2
+    check_equal(written_out(composite, "local", "", 1000), direct(ulysse_net.net))
+
+
+def rounds(count: int, retries: int) -> MissionNet:
     driver = Activity(
         name="driver", produces=("S",), alternatives=(Alternative(name="driver", consumes=("H",)),)
     )
@@ -72,86 +74,41 @@ def rounds(count: int, retries: int) -> Composite:
     )
     visit = Objective(name="visit", activities=("travel",), retries=retries)
     each = Recursive(name="tour", blocks=(visit,), repeat=count)
-    return composed(compose(Mission(name="m", robots=(robot,), blocks=(each,))))
+    return compose(Mission(name="m", robots=(robot,), blocks=(each,)))
 
 
 def test_rounds_and_tries_are_of_one_type() -> None:
-    one, more = rounds(1, 0), rounds(500, 3)
+    nets = rounds(1, 0), rounds(500, 3)
+    one, more = map(composite_space, nets)
     assert (len(one.sections), len(more.sections)) == (1, 2000)
-    assert len({id(placed.local) for placed in more.sections}) == 1
-    assert more.local_states == one.local_states
+    assert len(types(more)) == 1
     around = 3 * 4  # before the start and at both ends, by the hardware out of service
-    assert more.states - around == 2000 * (one.states - around)
-    assert len(hierarchical_controller(more).types) == 1
+    assert sizes(more)[0] - around == 2000 * (sizes(one)[0] - around)
+    assert len(generate(nets[1]).types) == 1
 
 
 @given(missions())
 def test_the_composite_is_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
-    usage = mission_net.usage
     try:
         whole = by_reduction(explore(mission_net.net, max_states=50_000))
     except LimitError:
         reject()
     except (ConfluenceError, DivergenceError):
         event("not confluent")
-        assert usage.contentions
+        assert mission_net.usage.contentions
         with pytest.raises((ConfluenceError, DivergenceError)):
-            composed(mission_net)
+            composite_space(mission_net)
         return
-    composite = composed(mission_net)
-    torn = any(p.listed.graph.torn for p in composite.sections) or composite.junctions
-    event(f"contention that the mission does not come to: {bool(torn)}")
-    event(f"{len(composite.sections)} sections, {len({id(p.local) for p in composite.sections})} types")
-    assert (composite.states, composite.edges) == (whole.states, whole.edges)
-    check_equal(expand(composite, mission_net), whole)
-    success, failure = whole.marked(mission_net.success), whole.marked(mission_net.failure)
-    assert ("success" in composite.ends) == success.any()
-    assert ("failure" in composite.ends) == failure.any()
-    wanted: list[tuple[set[Outcome], Mask]] = [
-        ({"success"}, success),
-        ({"failure"}, failure),
-        (set(OUTCOMES), success | failure),
-    ]
-    for goals, ends in wanted:
-        assert _losing(composite, goals) == int((~whole.reaching(ends)).sum())
-
-
-SOME_DIAGRAMS = st.sampled_from([-1, 1])
-"""Hardware up to which sections are listed: none of them are, or a part."""
-
-
-@given(missions(), SOME_DIAGRAMS)
-def test_diagrams_of_sections_say_what_lists_say(mission: Mission, most_listed: int) -> None:
-    mission_net = compose(mission)
-    try:
-        by_lists = composed(mission_net)
-    except (ConfluenceError, DivergenceError) as error:
-        event("not confluent")
-        with pytest.raises(type(error)):
-            composed(mission_net, most_listed)
-        return
-    composite = composed(mission_net, most_listed)
-    diagrams = sum(isinstance(p.local, LocalDiagram) for p in composite.sections)
-    event(f"{diagrams} diagrams among {len(composite.sections)} sections")
-    assert (composite.states, composite.edges) == (by_lists.states, by_lists.edges)
-    assert (composite.events, composite.ends) == (by_lists.events, by_lists.ends)
-    assert composite.entered.keys() == by_lists.entered.keys()
-    for name, entered in composite.entered.items():
-        assert np.array_equal(entered.masks(), by_lists.entered[name].masks())
-    for goals in ({"success"}, {"failure"}, set(OUTCOMES)):
-        assert _losing(composite, goals) == _losing(by_lists, goals)  # type: ignore[arg-type]
-
-
-def _losing(composite: Composite, goals: set[Outcome]) -> int:
-    """States of the whole from which no goal is reached, by the composite's arithmetic."""
-    count = len(composite.faulty)
-    losing = composite.losing(goals)
-    inside: int = sum(
-        states.count() << count - len(composite.by_name[n].faulty) for n, states in losing.items()
-    )
-    before = 0 if composite.hopeful(goals)[composite.graph.entry] else 1 << count
-    return inside + before + (len(composite.ends - goals) << count)
+    composite = composite_space(mission_net)
+    event(f"{len(composite.sections)} sections, {len(types(composite))} types")
+    assert sizes(composite) == (whole.states, whole.edges)
+    check_equal(written_out(composite, "local", "", 50_000), whole)
+    ends = [mission_net.success], [mission_net.failure], [mission_net.success, mission_net.failure]
+    for places in ends:
+        reaching = composite.reaching(composite.marked(places))
+        goal = np.any([whole.marked(p) for p in places], axis=0)
+        assert reaching.count() == int(whole.reaching(goal).sum())
 
 
 # --- junctions ---------------------------------------------------------------------------------------------
@@ -161,14 +118,21 @@ def _losing(composite: Composite, goals: set[Outcome]) -> int:
 def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
     """The argument of papers/composition.md against a proof on the net of both sections."""
     mission_net = compose(mission)
-    usage, graph = mission_net.usage, mission_net.graph
-    placed = {p.section.name: p for p in local_graphs(usage, graph, Making(most_listed=None))}
-    calm = {name for name, p in placed.items() if not p.listed.graph.torn}
-    for first, second in sharing_pairs(graph, placed):
-        if {first.section.name, second.section.name} <= calm:
-            handover = usage.handover.awaited.get(second.section.name)
+    try:
+        composite = composite_space(mission_net)
+    except (ConfluenceError, DivergenceError):
+        returns_early("not confluent")
+        return
+
+    def calm(placed: PlacedSection) -> bool:
+        return not direct(placed.type.net.net, tear=True).torn
+
+    for first, second in sharing_pairs(composite):
+        if calm(first) and calm(second):
+            handover = mission_net.usage.handover.awaited.get(second.name)
             event(f"gated: {handover is not None}")
-            assert is_confluent(junction_part(usage, first.section, second.section).net().net, 1_000_000)
+            part = junction_part(mission_net.usage, first.section, second.section)
+            prove_confluent(part.net().net)
 
 
 # --- the premise ---------------------------------------------------------------------------------------
@@ -228,22 +192,21 @@ class Wearing(PaperTemplates):
             pen.transition("worn", [new], [], read=[busy], event=Event.parse("THRUSTER_EV_WORN"))
 
 
-@pytest.mark.parametrize("most_listed", [None, -1], ids=["listed", "diagrams"])
 @pytest.mark.parametrize(
     ("templates", "place", "section"),
     [
         (Outliving(), "filming_Stop", "transect.census"),
-        (Keeping(), "thruster_actuator_free", "coral_head.manual_moving"),
+        (Keeping(), "thruster_actuator_busy", "coral_head.manual_moving"),
         (Spending(), "filming_film", "transect.census"),
         (Wearing(), "thruster_actuator_new", "coral_head.manual_moving"),
     ],
 )
 def test_a_section_that_leaves_something_behind_is_refused(
-    ulysse: Mission, templates: PaperTemplates, place: str, section: str, most_listed: int | None
+    ulysse: Mission, templates: PaperTemplates, place: str, section: str
 ) -> None:
     mission_net = compose(ulysse, templates)
     with pytest.raises(PremiseError, match="use --engine explicit or symbolic") as caught:
-        glue(mission_net.usage, mission_net.graph, Making(templates, most_listed=most_listed))
+        composite_space(mission_net, Options(templates))
     assert (caught.value.place, caught.value.section) == (place, section)
     assert caught.value.runs
 
@@ -251,29 +214,25 @@ def test_a_section_that_leaves_something_behind_is_refused(
 # --- elsewhere -----------------------------------------------------------------------------------------
 
 
-def test_local_graphs_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
+def test_local_spaces_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
     alone: list[tuple[int, int]] = []
-    usage, graph = ulysse_net.usage, ulysse_net.graph
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        composite = glue(usage, graph, Making(executor=pool, progress=lambda *at: done.append(at)))
-        diagrams = glue(usage, graph, Making(executor=pool, most_listed=-1))
-        own = glue(usage, graph, Making(PaperTemplates(), pool, progress=lambda *at: alone.append(at)))
-    assert composite.states == diagrams.states == 260
-    assert (composite.edges, diagrams.edges) == (1332, 1332)
-    # Two types of sections. Of a caller's templates nothing is known: five sections, then their junctions,
-    # one to the next, and one of them to the last by its failure.
+        composite = composite_space(ulysse_net, Options(executor=pool, progress=lambda *at: done.append(at)))
+        own = composite_space(
+            ulysse_net, Options(PaperTemplates(), pool, progress=lambda *at: alone.append(at))
+        )
+    assert sizes(composite) == sizes(own) == (260, 1332)
+    # Two types of sections; of a caller's templates nothing is known, so that each section is its own.
     assert done == [(1, 2), (2, 2)]
-    assert alone[:5] == [(number, 5) for number in range(1, 6)]
-    assert alone[5:] == [(number, 6) for number in range(1, 7)]
-    assert (own.states, own.edges) == (260, 1332)
+    assert alone == [(number, 5) for number in range(1, 6)]
 
 
-def test_local_graphs_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None:
+def test_local_spaces_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None:
     distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
     with (
         distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        composite = glue(ulysse_net.usage, ulysse_net.graph, Making(executor=client.get_executor()))
-    assert (composite.states, composite.edges) == (260, 1332)
+        composite = composite_space(ulysse_net, Options(executor=client.get_executor()))
+    assert sizes(composite) == (260, 1332)

@@ -21,7 +21,7 @@ from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import section_part
 from mcpn.net.templates import TemplateSet
-from mcpn.space.local.composite_space import CompositeSpace
+from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
@@ -30,6 +30,10 @@ from mcpn.space.symbolic import SymbolicSpace, reach
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called after each local space and junction with how many are done and how many there are."""
+
+
+DEFAULT_MAX_STATES = 1_000_000
+"""States of a local net that are listed at most, where confluence must be decided one by one."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Options:
 
     templates: TemplateSet | None = None
     executor: Executor | None = None
-    max_states: int = 1_000_000
+    max_states: int = DEFAULT_MAX_STATES
     progress: Progress | None = None
     mortal: bool = False
 
@@ -91,7 +95,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     layout = Layout(hardware, MORTAL if options.mortal else IMMORTAL, most)
     types = {k: SectionType(parts[name], nets[k], explored[k], layout) for k, name in first.items()}
     for kind, name in first.items():
-        types[kind].check_premise(name)
+        types[kind].check_premise(name, explored[kind])
     whole = mortal(mission_net) if options.mortal else mission_net
     elements = Elements(whole)
     placed = [

@@ -1,251 +1,270 @@
-"""The composite: local spaces glued at their interface states, in place of the graph of the whole mission.
+"""The composite: a mission's alternatives graph as the states of its sections, never put together.
 
-A state of the whole is a section, a state of its local space, and which of the *other* hardware is out of
-service. That other hardware evolves freely beside the section: from any of its states any other is reached by
-events of its own, so it is a factor of two for each resource, and never enumerated. Sizes are sums over
-sections of such products, exact at any size.
+A set of states is a diagram for each section; places and transitions are those of the net of the whole.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
 
-from mcpn.mission.flatten import ObjectivesGraph
-from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.mission.usage import Usage
-from mcpn.net.events import START, Event, What
-from mcpn.space.local.interface import HardwareStates
-from mcpn.space.local.junction import Junction
-from mcpn.space.local.placing import PlacedSection
-from mcpn.space.local.protocol import OUTCOMES, Outcome, TornHere
+from mcpn._kernel import Zdd
+from mcpn.mission.model import SUCCEED
+from mcpn.net.petri import Marking, Provenance, Transition
+from mcpn.space.images import Bit, ImageStore
+from mcpn.space.local.runs import Runs
+from mcpn.space.local.sections import BEGIN, ENDS, PlacedSection
+from mcpn.space.local.sets import CompositeSet, Member
 
-ENDS: Mapping[str, Outcome] = {SUCCEED: "success", FAIL: "failure"}
+FARTHEST = 2**62
 
 
-class Tear(NamedTuple):
-    """Where a mission comes to what is not confluent or need not end.
+class CompositeSpace(Runs):
+    """The alternatives graph of a mission by composition: see :class:`mcpn.space.algebra.Space`."""
 
-    Attributes:
-        section: The section in which it is.
-        onward: The section into which the event leads, where it is of the junction of both.
-        here: The state and the event.
-    """
+    def marking(self, state: Member) -> Marking:
+        """The marking of a member in the whole net, as tokens by place."""
+        name, levels = state
+        tokens, marked = list(self.net.initial), set(levels)
+        tokens[self.mission_net.beginning] = int(name == BEGIN)
+        placed = self.sections.get(name)
+        local_marking = () if placed is None else placed.type.encoding.marking(levels)
+        if placed is not None:
+            marked |= self.own_bits(placed, local_marking)
+        for hardware in self.layout.hardware:
+            bits = tuple(b for b, slot in enumerate(self.layout.slots[hardware]) if slot in marked)
+            for place, value in self._beside[hardware].get(bits, {}).items():
+                tokens[place] = value
+        if placed is not None:
+            places = placed.places
+            for local, value in enumerate(local_marking):
+                tokens[places[local]] = value
+            tokens[self.mission_net.beginning] = 0
+        elif name in ENDS:
+            tokens[self._end_place(name)] = 1
+        return tuple(tokens)
 
-    section: PlacedSection
-    onward: PlacedSection | None
-    here: TornHere
-
-
-@dataclass(frozen=True, eq=False)
-class Composite:
-    """A mission as its sections' local spaces.
-
-    Args:
-        usage: Static facts of the mission.
-        graph: Its objectives graph.
-        sections: Every section with its local space.
-        junctions: Those that are not confluent for all states of their hardware.
-    """
-
-    usage: Usage
-    graph: ObjectivesGraph
-    sections: tuple[PlacedSection, ...]
-    junctions: tuple[Junction, ...] = ()
-    _leading: dict[frozenset[Outcome], dict[str, Any]] = field(default_factory=dict)
+    def _end_place(self, name: str) -> int:
+        return self.mission_net.success if name == SUCCEED else self.mission_net.failure
 
     @cached_property
-    def by_name(self) -> dict[str, PlacedSection]:
-        """Sections by name."""
-        return {placed.section.name: placed for placed in self.sections}
+    def _beside(self) -> dict[str, dict[tuple[int, ...], dict[int, int]]]:
+        """By hardware and its state, the tokens of its places while nobody uses it, where they differ."""
+        return {name: self._idle_tokens(name) for name in self.layout.hardware}
 
-    @property
-    def first(self) -> PlacedSection:
-        """The section that the mission begins with."""
-        return self.by_name[self.graph.entry]
-
-    @cached_property
-    def faulty(self) -> tuple[str, ...]:
-        """All hardware of the mission that can fail, in document order."""
-        return self.first.space.names
-
-    def route(self, name: str, outcome: Outcome) -> str:
-        """Where a section leads: another's name, or one of the mission's ends."""
-        section = self.by_name[name].section
-        return section.success if outcome == "success" else section.failure
-
-    # --- forward ---
-
-    @cached_property
-    def entered(self) -> dict[str, HardwareStates]:
-        """By section that the mission comes to, with which states of its hardware."""
-        found = {self.graph.entry: self.first.frame.everything}
-        waiting = deque([self.graph.entry])
-        while waiting:
-            name = waiting.popleft()
-            reached = self._reached_from(name, found[name])
-            for outcome in OUTCOMES:
-                target = self.route(name, outcome)
-                if target in ENDS:
-                    continue
-                # Hardware that only the next one uses has been free, so it comes in both states.
-                arriving = self.by_name[name].exits(outcome, reached).seen_by(self.by_name[target].frame)
-                known = found.get(target, self.by_name[target].frame.nothing)
-                if arriving - known:
-                    found[target] = known | arriving
-                    if target not in waiting:
-                        waiting.append(target)
+    def _idle_tokens(self, name: str) -> dict[tuple[int, ...], dict[int, int]]:
+        net = self.net
+        own = [t for t, transition in enumerate(net.transitions) if _is_of(transition.provenance, name)]
+        places = [p for p, place in enumerate(net.places) if _is_of(place.provenance, name)]
+        tokens = {p: net.initial[p] for p in places}
+        found: dict[tuple[int, ...], dict[int, int]] = {}
+        wanted = self.layout.statuses()
+        kinds = self.toggles[name]
+        for bits, kind in zip(wanted, ("fails", "dies"), strict=False):
+            run = [kinds[kind]]
+            while run:
+                tokens = _fired(net.transitions[run.pop()], tokens)
+                run = [
+                    t for t in own if net.transitions[t].internal and _can_fire(net.transitions[t], tokens)
+                ][:1]
+            found[bits] = {p: value for p, value in tokens.items() if value != net.initial[p]}
         return found
 
-    def _reached_from(self, name: str, entered: HardwareStates) -> Any:
-        placed = self.by_name[name]
-        return placed.local.reached(placed.entered(entered))
+    def marked(self, places: Collection[int]) -> CompositeSet:
+        """States that mark at least one of some places."""
+        found = self.nothing
+        for place in places:
+            if place in self._shared or self.net.initial[place]:
+                found |= self.everything - self.at_most({place: 1}, 0)
+                continue
+            for name in self._holding.get(place, ()):
+                part = self.everything.parts.get(name)
+                if part is not None:
+                    found |= self.restricted(CompositeSet(self, {name: part}), [place], ())
+        return found
 
     @cached_property
-    def reached(self) -> dict[str, Any]:
-        """By section that the mission comes to, which states of its local space."""
-        return {name: self._reached_from(name, entered) for name, entered in self.entered.items()}
+    def _shared(self) -> frozenset[int]:
+        """Places that every section knows: of hardware, and of the mission itself."""
+        mission = self.mission_net
+        return frozenset({*self._slot_of_place, mission.beginning, mission.success, mission.failure})
 
     @cached_property
-    def ends(self) -> frozenset[Outcome]:
-        """Ends of the mission that are reached."""
+    def _holding(self) -> Mapping[int, list[str]]:
+        """By place of the whole net, the sections whose local nets have it."""
+        found: dict[int, list[str]] = {}
+        for name, placed in self.sections.items():
+            for place in placed.places:
+                found.setdefault(place, []).append(name)
+        return found
+
+    def restricted(
+        self, states: CompositeSet, marked: Collection[int], unmarked: Collection[int]
+    ) -> CompositeSet:
+        """Those of some states that mark all of some places, and none of others."""
+        found = {}
+        for name, part in states.parts.items():
+            placed = self.sections.get(name)
+            yes, no = set[int](), set[int]()
+            possible = True
+            for wanted, places in ((True, marked), (False, unmarked)):
+                for place in places:
+                    bit = self._bit(name, placed, place)
+                    if isinstance(bit, bool):
+                        possible = possible and bit == wanted
+                    else:
+                        (yes if bit[1] != wanted else no).add(bit[0])
+            if possible and not yes & no:
+                found[name] = part.subset(sorted(yes), sorted(no))
+        return self.of(found)
+
+    def varying(self, states: CompositeSet) -> Collection[int]:
+        """Places of the sections that these states are of, but for those of hardware and of the mission."""
         return frozenset(
-            ENDS[route]
-            for name, reached in self.reached.items()
-            for outcome in OUTCOMES
-            if (route := self.route(name, outcome)) in ENDS and self.by_name[name].exits(outcome, reached)
+            place
+            for name in states.parts
+            if name in self.sections
+            for place in self.sections[name].places
+            if place not in self._shared
         )
 
-    def torn(self) -> Iterator[Tear]:
-        """Where the mission comes to what is not confluent or need not end.
+    def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
+        """States whose weighted sum of tokens is at most a bound."""
+        found = {}
+        for name, part in self.everything.parts.items():
+            levels, constant = self._weigh(name, weights)
+            if any(levels.values()):
+                every = [levels.get(level, 0) for level in range(self.layout.store.levels)]
+                found[name] = part.weighing(every, -FARTHEST, max(-FARTHEST, min(bound - constant, FARTHEST)))
+            elif constant <= bound:
+                found[name] = part
+        return self.of(found)
 
-        States beyond such an event are not reached here, so that nothing else is told of a mission with one.
-        """
-        for name, reached in self.reached.items():
-            placed = self.by_name[name]
-            before = placed.local.with_hardware(placed.local.before, self.entered[name])
-            for here in placed.local.torn(reached, before):
-                yield Tear(placed, None, here)
-        for junction in self.junctions:
-            reached = self.reached.get(junction.first.section.name)
-            if reached is not None:
-                for here in junction.torn(reached):
-                    yield Tear(junction.first, junction.second, here)
+    def _weigh(self, name: str, weights: Mapping[int, int]) -> tuple[dict[int, int], int]:
+        """A weighted sum of tokens in a section, as weights of marked levels and a constant."""
+        levels: dict[int, int] = {}
+        constant, placed = 0, self.sections.get(name)
+        for place, weight in weights.items():
+            where = self._bit(name, placed, place)
+            if isinstance(where, bool):
+                constant += weight * where
+            else:
+                level, reverse = where
+                levels[level] = levels.get(level, 0) + (-weight if reverse else weight)
+                constant += weight if reverse else 0
+        return levels, constant
 
-    @cached_property
-    def tear(self) -> Tear | None:
-        """The first of them, or ``None`` where all that the mission comes to is confluent and ends."""
-        return next(self.torn(), None)
-
-    # --- sizes ---
-
-    @cached_property
-    def states(self) -> int:
-        """Number of stable states of the whole mission, exact."""
-        count = len(self.faulty)
-        inside: int = sum(
-            reached.count() << count - len(self.by_name[name].faulty)
-            for name, reached in self.reached.items()
-        )
-        return inside + (1 + len(self.ends) << count)
-
-    @cached_property
-    def edges(self) -> int:
-        """Number of edges of the whole mission's alternatives graph, exact."""
-        count = len(self.faulty)
-        total = (1 + len(self.ends)) * count << count  # each resource fails or recovers before and after
-        total += 1 << count  # the start
-        for name, reached in self.reached.items():
-            local, free = self.by_name[name].local, count - len(self.by_name[name].faulty)
-            total += (local.edges(reached) << free) + (reached.count() * free << free)
-        return total
-
-    @cached_property
-    def events(self) -> frozenset[Event]:
-        """All events that happen in the mission."""
-        found = {
-            START,
-            *(Event(what, h) for h in self.faulty for what in (What.OUT_OF_SERVICE, What.REPAIRED)),
-        }
-        for name, reached in self.reached.items():
-            placed = self.by_name[name]
-            own = placed.renaming.objectives
-            for label in placed.local.fired(reached):
-                event = placed.local.net.net.transitions[label].event
-                if event and event.what in (What.SUCCESS, What.FAILURE):
-                    found.add(Event(event.what, own[event.element]))
-        return frozenset(found)
+    def _bit(self, name: str, placed: PlacedSection | None, place: int) -> Bit:
+        """Where a part of a set says whether a place of the whole net is marked."""
+        if placed is not None and (local := placed.local_place(place)) is not None:
+            return placed.type.encoding.bit(local)
+        if place in self._slot_of_place:
+            slot, reverse = self._slot_of_place[place]
+            if placed is None or slot not in placed.slots:
+                return slot, reverse
+            # An interface of the section's own hardware that the section does not use follows its state.
+            level, opposite = placed.bit_of(slot)
+            return level, reverse != opposite
+        if place == self.mission_net.beginning:
+            return name == BEGIN
+        if place in (self.mission_net.success, self.mission_net.failure):
+            return name in ENDS and place == self._end_place(name)
+        return bool(self.net.initial[place])
 
     @cached_property
-    def local_states(self) -> int:
-        """States of all local spaces, each type once: what was explored."""
-        return sum(local.size for local in {id(p.local): p.local for p in self.sections}.values())
-
-    # --- backward ---
-
-    def hopeful(self, goals: Iterable[Outcome]) -> dict[str, HardwareStates]:
-        """By section that the mission comes to, entered with which hardware some run leads to an end.
-
-        Whatever is out of service of the other hardware makes no difference: it can change before the section
-        is left.
-
-        Args:
-            goals: The ends that will do.
-        """
-        wanted = frozenset(goals)
-        found = {name: self.by_name[name].frame.nothing for name in self.reached}
-        before: dict[str, set[str]] = {}
-        for name in self.reached:
-            for outcome in OUTCOMES:
-                before.setdefault(self.route(name, outcome), set()).add(name)
-        into_ends = [before.get(route, set()) for route, end in ENDS.items() if end in wanted]
-        waiting = deque(sorted(set[str]().union(*into_ends)))
-        queued = set(waiting)
-        while waiting:
-            name = waiting.popleft()
-            queued.remove(name)
-            wider = self.by_name[name].entries(self._leading_on(name, wanted, found))
-            if wider - found[name]:
-                found[name] |= wider
-                waiting.extend(sorted(before.get(name, set()) - queued))
-                queued |= before.get(name, set())
+    def _slot_of_place(self) -> dict[int, tuple[int, bool]]:
+        """Places of idle hardware by the slot that says the same, or the reverse."""
+        found: dict[int, tuple[int, bool]] = {}
+        for name, states in self._beside.items():
+            slots, initial = self.layout.slots[name], self.net.initial
+            for place in {p for tokens in states.values() for p in tokens}:
+                values = [states[bits].get(place, initial[place]) for bits in self.layout.statuses()]
+                # A place that changes only where the resource dies follows the last slot.
+                slot = slots[0] if values[0] != initial[place] else slots[-1]
+                found[place] = slot, bool(initial[place])
         return found
 
-    def leading_to(self, goals: Iterable[Outcome]) -> dict[str, Any]:
-        """By section that the mission comes to, states reached from which some run leads to an end.
+    def enabling(self, transitions: Collection[int]) -> CompositeSet:
+        """States with an edge of some of these transitions."""
+        wanted, found = frozenset(transitions), dict[str, Zdd]()
+        beside_all = any(t in wanted for kinds in self.toggles.values() for t in kinds.values())
+        names = self.everything.parts if beside_all else {n for t in wanted for n in self._firing.get(t, ())}
+        for name in names:
+            part, placed = self.everything.parts.get(name), self.sections.get(name)
+            if part is None:
+                continue
+            allowed = self.allowed_in(name, wanted)
+            states = part & self._able(name, part, allowed)
+            if placed is not None:
+                states |= part & placed.type.enabling(allowed)
+            elif name == BEGIN and self.mission_net.start in wanted:
+                states = part
+            found[name] = states
+        return self.of(found)
 
-        Args:
-            goals: The ends that will do.
-        """
-        wanted = frozenset(goals)
-        if wanted not in self._leading:
-            hopeful = self.hopeful(wanted)
-            self._leading[wanted] = {
-                name: self._leading_on(name, wanted, hopeful) & reached
-                for name, reached in self.reached.items()
-            }
-        return self._leading[wanted]
+    @cached_property
+    def _firing(self) -> Mapping[int, list[str]]:
+        """By transition of the whole net, the sections whose local nets have it."""
+        found: dict[int, list[str]] = {self.mission_net.start: [BEGIN]}
+        for name, placed in self.sections.items():
+            for t in placed.transitions:
+                found.setdefault(t, []).append(name)
+        return found
 
-    def _leading_on(
-        self, name: str, wanted: frozenset[Outcome], hopeful: Mapping[str, HardwareStates]
-    ) -> Any:
-        """States inside a section from which runs lead to a wanted end, or to a hopeful entry."""
-        placed = self.by_name[name]
-        ends: dict[Outcome, HardwareStates] = {}
-        for outcome in OUTCOMES:
-            route = self.route(name, outcome)
-            if route not in ENDS:
-                ends[outcome] = (
-                    hopeful[route].seen_by(placed.frame) if route in hopeful else placed.frame.nothing
-                )
-            elif ENDS[route] in wanted:
-                ends[outcome] = placed.frame.everything
-        return placed.local.reaching(placed.ending(ends))
+    def firings(self, states: CompositeSet) -> Mapping[int, int]:
+        """In how many of some states each transition has an edge."""
+        counts: dict[int, int] = {}
+        for name, part in states.parts.items():
+            placed, once = self.sections.get(name), self.closed(name, part)
+            own: Collection[str] = () if placed is None else placed.faulty
+            found = {self.mission_net.start: once.count()} if name == BEGIN else {}
+            if placed is not None:
+                found = {placed.transitions[t]: n for t, n in placed.type.firings(once).items()}
+            beside_it = [(t, c) for h in self.layout.hardware if h not in own for t, c in self._needing[h]]
+            numbers = once.counts([condition for _, condition in beside_it])
+            found.update(zip([t for t, _ in beside_it], numbers, strict=True))
+            for t, number in found.items():
+                counts[t] = counts.get(t, 0) + number
+        return {t: number for t, number in counts.items() if number}
 
-    def losing(self, goals: Iterable[Outcome] = ("success",)) -> dict[str, Any]:
-        """By section, the reached states of its local space from which no run leads to a goal."""
-        good = self.leading_to(goals)
-        return {name: reached - good[name] for name, reached in self.reached.items()}
+    @cached_property
+    def _needing(self) -> dict[str, list[tuple[int, int]]]:
+        """By hardware, its transitions while nobody uses it, each with the condition on slots for it."""
+        return {
+            name: [
+                (self.toggles[name][kind], self.layout.store.condition(marked, unmarked))
+                for kind, (marked, unmarked) in self.layout.needs(name).items()
+            ]
+            for name in self.layout.hardware
+        }
+
+    def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
+        """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
+        found = images.nothing
+        known: set[tuple[Zdd, tuple[Bit, ...]]] = set()
+        for name, part in states.parts.items():
+            placed = self.sections.get(name)
+            bits = tuple(self._bit(name, placed, place) for place in places)
+            told = {bit[0] for bit in bits if not isinstance(bit, bool)}
+            projected = self.closed(name, part).onto(sorted(told))
+            if (projected, bits) not in known:
+                known.add((projected, bits))
+                found |= images.of_diagram(projected, self.layout.store, bits)
+        return found
+
+
+def _is_of(provenance: Provenance | None, name: str) -> bool:
+    return provenance is not None and provenance.kind == "hardware" and provenance.name == name
+
+
+def _can_fire(transition: Transition, tokens: Mapping[int, int]) -> bool:
+    return all(tokens.get(p, 0) for p, _ in (*transition.consume, *transition.read))
+
+
+def _fired(transition: Transition, tokens: Mapping[int, int]) -> dict[int, int]:
+    after = dict(tokens)
+    for p, _ in transition.consume:
+        after[p] -= 1
+    for p, _ in transition.produce:
+        after[p] += 1
+    return after

@@ -107,10 +107,10 @@ class Glued:
             local = frozenset(own for own, t in enumerate(placed.transitions) if t in wanted)
         found: list[tuple[int, Zdd]] = []
         if placed is not None:
-            for t, states in (guards or {}).items():
-                own = placed.local_transition(t)
-                if own is not None:
-                    found.append((own, states.parts.get(name, self.layout.store.empty())))
+            limits = guards or {}
+            for own, t in enumerate(placed.transitions):
+                if t in limits:
+                    found.append((own, limits[t].parts.get(name, self.layout.store.empty())))
         return Allowed(local, pairs, tuple(found))
 
     def filtered(

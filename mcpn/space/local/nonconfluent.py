@@ -16,7 +16,7 @@ from mcpn.net.events import Event
 from mcpn.net.sections import junction_part
 from mcpn.space.alternatives import direct, fault_after
 from mcpn.space.confluence import open_conflicts, prove_confluent
-from mcpn.space.local.composite_space import CompositeSpace
+from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
@@ -137,14 +137,28 @@ def _event(composite: CompositeSpace, transition: int) -> Event:
 def refuse_open_junctions(composite: CompositeSpace) -> None:
     """Proves the junctions of a mission whose templates are the caller's own confluent.
 
-    The paper's templates make every junction confluent whose sections are (``papers/composition.md``).
+    The paper's templates make every junction confluent whose sections are (``papers/composition.md``). Of a
+    caller's own nothing is known, so each junction of sections that share anything is proved on the net of
+    both.
 
     Raises:
         SemanticsError: A junction is not confluent for some state of its hardware.
         LimitError: A limit was hit.
     """
-    usage, graph = composite.mission_net.usage, composite.mission_net.graph
+    for first, second in sharing_pairs(composite):
+        part = junction_part(composite.mission_net.usage, first.section, second.section)
+        prove_confluent(part.net(first.templates).net)
+
+
+def sharing_pairs(composite: CompositeSpace) -> Iterator[tuple[PlacedSection, PlacedSection]]:
+    """Sections in a row that share activities or hardware: one that is left, one that is entered."""
+    graph, sections = composite.mission_net.graph, composite.sections
     for first in graph.sections:
-        for second in graph.targets(first):
-            part = junction_part(usage, first, second)
-            prove_confluent(part.net(composite.sections[first.name].templates).net)
+        for name in dict.fromkeys(target.name for target in graph.targets(first)):
+            if not _used(sections[first.name]).isdisjoint(_used(sections[name])):
+                yield sections[first.name], sections[name]
+
+
+def _used(placed: PlacedSection) -> set[tuple[str, str]]:
+    parts = placed.part.parts
+    return {("activity", a.name) for a in parts.activities} | {("hardware", h.name) for h in parts.hardware}

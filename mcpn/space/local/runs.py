@@ -56,10 +56,11 @@ class Runs(Glued):
             if exit_ is None:
                 target = (placed.name, tuple(sorted({*type_.encoding.marked_levels(after), *beside_it})))
             else:
-                target = self._entered(placed.routes[exit_], beside_it | self._own_bits(placed, after))
+                target = self._entered(placed.routes[exit_], beside_it | self.own_bits(placed, after))
             yield Edge(placed.transitions[t], target)
 
-    def _own_bits(self, placed: PlacedSection, marking: Marking) -> set[int]:
+    def own_bits(self, placed: PlacedSection, marking: Marking) -> set[int]:
+        """The slots that say of a section's own hardware what a marking of its local net says."""
         roles = placed.type.net.by_role
         return {
             slot

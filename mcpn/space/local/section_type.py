@@ -8,7 +8,9 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.errors import SemanticsError
+from mcpn.space.diagrams import DiagramAlternatives
 from mcpn.space.local.local_states import Exit, LocalStates
+from mcpn.space.symbolic import SymbolicSpace
 
 
 class PremiseError(SemanticsError):
@@ -17,14 +19,16 @@ class PremiseError(SemanticsError):
     Args:
         section: The section's name.
         place: A place that differs at the section's exit from what it was at its entry.
+        run: The events of a run of the local net that shows it.
     """
 
-    def __init__(self, section: str, place: str) -> None:
+    def __init__(self, section: str, place: str, run: Sequence[str]) -> None:
         self.section = section
         self.place = place
         super().__init__(
             f"section {section} does not leave the place {place} as it was at its entry, so local graphs do "
-            "not give the mission's: use --engine explicit or symbolic"
+            "not give the mission's: use --engine explicit or symbolic",
+            [run],
         )
 
 
@@ -167,11 +171,12 @@ class SectionType(LocalStates):
         )
         return self.to_slots(before, own)
 
-    def check_premise(self, section: str) -> None:
+    def check_premise(self, section: str, explored: SymbolicSpace) -> None:
         """Checks that a section hands on the state of its hardware and nothing else.
 
         Args:
             section: The section's name, for the error.
+            explored: The markings of its local net, on a store of their own.
 
         Raises:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
@@ -186,4 +191,11 @@ class SectionType(LocalStates):
                 levels = set(state) ^ expected
                 hardware = frozenset[int]().union(*(known.levels for known in self._patterns))
                 first = min(self.encoding.places[level] for level in (levels - hardware) or levels)
-                raise PremiseError(section, self.net.net.places[first].name)
+                raise PremiseError(section, self.net.net.places[first].name, _run_to(explored, state))
+
+
+def _run_to(explored: SymbolicSpace, state: Sequence[int]) -> list[str]:
+    """The events of a shortest run of a local net to a stable state, given as its marked levels."""
+    space = DiagramAlternatives(explored)
+    run = space.run(space.initial.pick() or (), space.single(state))
+    return [str(space.net.transitions[edge.transition].event) for edge in run or ()]

@@ -84,6 +84,16 @@ class PlacedSection:
         """The section's own slots, which sets of its states leave open."""
         return sorted(self.layout.slots_of(self.faulty))
 
+    def bit_of(self, slot: int) -> tuple[int, bool]:
+        """The local level that says what one of the section's own slots would, and whether the reverse."""
+        theirs, role = next(
+            (name, role)
+            for name, mine in zip(self.type.faulty, self.faulty, strict=True)
+            for own, role in zip(self.layout.slots[mine], self.layout.bits, strict=True)
+            if own == slot
+        )
+        return self.type.encoding.bit(self.type.net.by_role[role, theirs][0])
+
     @property
     def routes(self) -> Mapping[Exit, str]:
         """By exit, the section that it leads to, or an end of the mission."""

@@ -1,27 +1,27 @@
 """Failure modes, effects and criticality: a row for each hardware resource and objective that it touches.
 
-Every entry is read from the graph: the edges at which the resource goes out of service while the objective
-runs, in runs without repairs in which objectives fail only where they must. A row tells what the failure does
-when all other hardware is in service, and with which other failures it does worse.
+Every entry is read from a space of states: the edges at which the resource goes out of service while the
+objective runs, in runs without repairs in which objectives fail only where they must. A row says what the
+failure does when all other hardware is in service, and with which other failures it does worse.
 
 Source: the columns are those of IEC 60812 (FMEA and FMECA), reduced to what a mission says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, Generic, TypeAlias
 
-import numpy as np
-
-from mcpn.check.losing import Outlook
-from mcpn.check.modes import Situation, situation
+from mcpn.check.causes.prospects import Goal, Prospects
+from mcpn.check.modes import Situation
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.space.graph import Ints, Mask
+from mcpn.net.events import What
+from mcpn.space.algebra import S, Space, partition
+from mcpn.space.images import ImageStore
 
 Others: TypeAlias = tuple[str, ...]
 """Other hardware that is out of service already, sorted."""
@@ -97,53 +97,71 @@ class _Case:
     mission_regained: bool
 
 
-def fmeca(outlook: Outlook) -> list[Row]:
+def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) -> list[Row]:
     """The table of a mission.
 
     Args:
-        outlook: The mission on its alternatives graph.
+        prospects: The mission in a space of its alternatives graph.
+        objectives: Those to look at; all by default.
 
     Returns:
         Rows in the mission's order of hardware, then of objectives; those pairs are left out whose failure
         makes no difference in any company.
     """
-    return list(_Table(outlook).rows())
+    return list(_Table(prospects).rows(objectives))
 
 
-class _Table:
-    def __init__(self, outlook: Outlook) -> None:
-        self.outlook = outlook
-        self.graph = outlook.graph
-        self.net = outlook.mission_net
-        self.usage = outlook.mission_net.usage
-        self.seen = self.graph.reached(outlook.forced)
-        mission = outlook.mission
-        self.lost = outlook.losing(mission, repairs=True)
-        self.lost_unrepaired = outlook.losing(mission, repairs=False)
+@dataclass(frozen=True)
+class _Failures(Generic[S]):
+    """Edges of one transition by which one resource fails while one objective runs.
 
-    def rows(self) -> Iterator[Row]:
+    Args:
+        transition: The transition.
+        before: The states before it.
+        severities: Those of them by the severity of what it does, no effect left out.
+    """
+
+    transition: int
+    before: S
+    severities: dict[Severity, S]
+
+
+class _Table(Generic[S]):
+    def __init__(self, prospects: Prospects[S]) -> None:
+        self.prospects = prospects
+        self.space: Space[S] = prospects.space
+        self.net = prospects.mission_net
+        self.usage = prospects.mission_net.usage
+        self.seen = self.space.reached(
+            self.space.initial, transitions=prospects.unrepaired, guards=prospects.forced
+        )
+        self.lost = prospects.losing(prospects.mission, repairs=True)
+        self.lost_unrepaired = prospects.losing(prospects.mission, repairs=False)
+        self.oos = prospects.places("oos", prospects.hardware)
+        self.images = ImageStore(len(self.oos))
+
+    def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
         owners = {s.name: top.name for top in self.net.graph.sections for s in _elementary(top)}
-        for number, hardware in enumerate(self.outlook.hardware):
+        for hardware in self.prospects.hardware:
             for section in self.net.graph.walk():
-                row = self.row(number, hardware, section, owners[section.name])
-                if row is not None:
-                    yield row
+                if objectives is None or section.name in objectives:
+                    row = self.row(hardware, section, owners[section.name])
+                    if row is not None:
+                        yield row
 
-    def row(self, number: int, hardware: str, section: ElementarySection, owner: str) -> Row | None:
-        outlook, graph = self.outlook, self.graph
-        goal = outlook.objectives[section.name]
+    def row(self, hardware: str, section: ElementarySection, owner: str) -> Row | None:
+        goal = self.prospects.objectives[section.name]
         usable = goal.running & self.seen
-        edges = np.flatnonzero((outlook.failing == number) & usable[graph.sources])
-        if not len(edges):
+        failures = list(self.failures(hardware, goal, usable)) if usable else []
+        if not any(failure.severities for failure in failures):
             return None
-        lost = outlook.losing(goal, repairs=False)
-        severities = self.severities(edges, lost, section)
-        if not severities.any():
-            return None
-        others = outlook.out[graph.sources[edges]]
-        alone = np.flatnonzero(~others.any(axis=1))
-        severity = Severity(int(severities[alone].max(initial=0)))
-        cases = [self.case(e, section, lost) for e in self.distinct(edges, severities, alone)]
+        chosen = self.in_least_company(failures)
+        alone = self.space.marked(self.oos)
+        severity = max(
+            (s for f in failures for s, states in f.severities.items() if states - alone),
+            default=Severity.NO_EFFECT,
+        )
+        cases = [self.case(hardware, state, t, goal) for t, state in self.distinct(chosen, goal)]
         return Row(
             hardware,
             section.name,
@@ -155,97 +173,131 @@ class _Table:
             _joined(self.compensation(c, section) for c in cases),
             _joined(_recovery(c) for c in cases),
             severity,
-            tuple(self.with_others(severities, others, severity)),
+            tuple(self.with_others(failures, severity)),
         )
 
     # --- severity --------------------------------------------------------------------------------------
 
-    def severities(self, edges: Ints, lost: Mask, section: ElementarySection) -> Ints:
-        """The severity of each edge: the worst threshold that it crosses."""
-        before, after = self.graph.sources[edges], self.graph.targets[edges]
-        found = np.where(self.mode_changes(edges, section), int(Severity.DEGRADED), int(Severity.NO_EFFECT))
-        for severity, region in (
-            (Severity.OBJECTIVE_LOST, lost),
-            (Severity.MISSION_LOST_UNLESS_REPAIRED, self.lost_unrepaired),
-            (Severity.MISSION_LOST, self.lost),
-        ):
-            found[region[after] & ~region[before]] = int(severity)
-        return found
+    def failures(self, hardware: str, goal: Goal[S], usable: S) -> Iterator[_Failures[S]]:
+        for t in sorted(self.prospects.carrying(What.OUT_OF_SERVICE, hardware)):
+            before = usable & self.space.enabling([t])
+            if before:
+                yield _Failures(t, before, self.severities(t, before, goal))
 
-    def mode_changes(self, edges: Ints, section: ElementarySection) -> Mask:
-        before, after = self.graph.sources[edges], self.graph.targets[edges]
-        changed = np.zeros(len(edges), np.bool_)
-        for column in self.mode_columns(section):
-            changed |= column[before] != column[after]
+    def severities(self, transition: int, before: S, goal: Goal[S]) -> dict[Severity, S]:
+        """The states before an edge by the worst threshold that it crosses."""
+        found: dict[Severity, S] = {}
+        left = before
+        for severity, region in (
+            (Severity.MISSION_LOST, self.lost),
+            (Severity.MISSION_LOST_UNLESS_REPAIRED, self.lost_unrepaired),
+            (Severity.OBJECTIVE_LOST, self.prospects.losing(goal, repairs=False)),
+        ):
+            crossing = (self.space.before(region, [transition]) & left) - region if region else region
+            if crossing:
+                found[severity] = crossing
+                left = left - crossing
+        changed = self.mode_changes(transition, left, goal)
+        return found | ({Severity.DEGRADED: changed} if changed else {})
+
+    def mode_changes(self, transition: int, before: S, goal: Goal[S]) -> S:
+        """Those of some states in which an edge changes the mode of an objective."""
+        changed = self.space.nothing
+        if not before:
+            return changed
+        after = self.space.after(before, [transition])
+        for place in self.mode_places(goal, before):
+            marking = self.space.restricted(after, [place], ())
+            kept = self.space.before(marking, [transition]) & before if marking else marking
+            was = self.space.restricted(before, [place], ())
+            changed = changed | (was - kept) | (kept - was)
         return changed
 
-    def mode_columns(self, section: ElementarySection) -> list[Mask]:
+    def mode_places(self, goal: Goal[S], states: S) -> list[int]:
         """What the mode of an objective is made of: alternatives and refusals of all that serves it."""
-        mine = frozenset[str]().union(*(self.usage.closure(a) for a in section.activities))
-        return [column for name, columns in self._columns.items() if name in mine for column in columns]
-
-    @cached_property
-    def _columns(self) -> dict[str, list[Mask]]:
-        found: dict[str, list[Mask]] = {}
-        for kind in ("active", "wait", "refused"):
-            for place, name in self.net.saying(kind).items():
-                found.setdefault(name.split(".")[0], []).append(self.graph.marked(place))
-        return found
+        serving, roles = self.prospects.serving[goal.name], self.net.roles
+        return sorted(
+            place
+            for place in self.space.varying(states)
+            if (role := roles.get(place))
+            and role[0] in ("active", "wait", "refused")
+            and role[1].split(".", 1)[0] in serving
+        )
 
     def with_others(
-        self, severities: Ints, others: Mask, alone: Severity
+        self, failures: Sequence[_Failures[S]], alone: Severity
     ) -> Iterator[tuple[Severity, tuple[Others, ...]]]:
         """Severities beyond the one alone, with the minimal sets of hardware that bring them about."""
         for severity in Severity:
             if severity <= alone:
                 continue
-            rows = np.unique(others[severities == int(severity)], axis=0)
-            sets = [frozenset(np.flatnonzero(row).tolist()) for row in rows]
-            least = [s for s in sets if not any(t < s for t in sets)]
+            family = self.images.nothing
+            for failure in failures:
+                if severity in failure.severities:
+                    family |= self.space.image(failure.severities[severity], self.oos, self.images)
+            least = self.images.minimal(family)
             if least:
-                names = [tuple(sorted(self.outlook.hardware[h] for h in s)) for s in least]
+                names = [tuple(sorted(self.prospects.hardware[h] for h in s)) for s in least]
                 yield severity, tuple(sorted(names, key=lambda n: (len(n), n)))
 
     # --- words -----------------------------------------------------------------------------------------
 
-    def distinct(self, edges: Ints, severities: Ints, alone: Ints) -> list[int]:
-        """An edge for each different thing that the failure does alone.
+    def in_least_company(self, failures: Sequence[_Failures[S]]) -> list[_Failures[S]]:
+        """The failures with the fewest other resources out of service: none, wherever that occurs."""
+        for size in range(len(self.oos) + 1):
+            few = self.space.at_most(dict.fromkeys(self.oos, 1), size)
+            chosen = [_Failures(f.transition, f.before & few, f.severities) for f in failures]
+            if any(failure.before for failure in chosen):
+                return chosen
+        raise AssertionError("no state has more hardware out of service than there is")
 
-        Where the resource never fails first, the edges with fewest others out stand for the row.
-        """
-        chosen = alone
-        if not len(chosen):
-            company = self.outlook.out[self.graph.sources[edges]].sum(axis=1)
-            chosen = np.flatnonzero(company == company.min())
-        kinds: dict[tuple[bytes, int], int] = {}
-        active = [column for columns in self._columns.values() for column in columns]
-        for i in chosen.tolist():
-            edge = int(edges[i])
-            ends = (int(self.graph.sources[edge]), int(self.graph.targets[edge]))
-            marks = bytes(bool(column[end]) for column in active for end in ends)
-            kinds.setdefault((marks, int(severities[i])), edge)
-        return list(kinds.values())
+    def distinct(self, failures: Sequence[_Failures[S]], goal: Goal[S]) -> Iterator[tuple[int, Any]]:
+        """A transition and a state before it for each different thing that the failure does."""
+        for failure in failures:
+            effects = [part for states in failure.severities.values() if (part := states & failure.before)]
+            rest = failure.before
+            for states in effects:
+                rest = rest - states
+            for states in [*effects, rest] if rest else effects:
+                yield from self.by_mode(failure.transition, states, goal)
 
-    def case(self, edge: int, section: ElementarySection, lost: Mask) -> _Case:
-        graph = self.graph
-        source, target = int(graph.sources[edge]), int(graph.targets[edge])
-        again = target
-        for e in range(int(graph.offsets[target]), int(graph.offsets[target + 1])):
-            if self.outlook.repaired[e] == self.outlook.failing[edge]:
-                again = int(graph.targets[e])
-        mine = frozenset[str]().union(*(self.usage.closure(a) for a in section.activities))
-        before, after, back = (
-            _within(situation(self.net, graph.marking(s)), mine) for s in (source, target, again)
-        )
+    def by_mode(self, transition: int, states: S, goal: Goal[S]) -> Iterator[tuple[int, Any]]:
+        """A state for each pair of modes before and after."""
+        space, places = self.space, self.mode_places(goal, states)
+        for _, before in partition(space, states, places):
+            for _, after in partition(space, space.after(before, [transition]), places):
+                yield transition, (space.before(after, [transition]) & before).pick()
+
+    def case(self, hardware: str, state: Any, transition: int, goal: Goal[S]) -> _Case:
+        space, repairs = self.space, self.prospects.carrying(What.REPAIRED, hardware)
+        target = next(e.target for e in space.edges(state) if e.transition == transition)
+        again = next((e.target for e in space.edges(target) if e.transition in repairs), target)
+        lost = self.prospects.losing(goal, repairs=False)
+
+        def holds(member: Any, region: S) -> bool:
+            return bool(space.single(member) & region)
+
+        before, after, back = (self.mode(member, goal) for member in (state, target, again))
         return _Case(
             before,
             after,
             back,
-            bool(lost[target]),
-            bool(self.lost_unrepaired[target]),
-            bool(self.lost[target]),
-            bool(lost[target] and not lost[again]),
-            bool(self.lost_unrepaired[target] and not self.lost_unrepaired[again]),
+            holds(target, lost),
+            holds(target, self.lost_unrepaired),
+            holds(target, self.lost),
+            holds(target, lost) and not holds(again, lost),
+            holds(target, self.lost_unrepaired) and not holds(again, self.lost_unrepaired),
+        )
+
+    def mode(self, member: Any, goal: Goal[S]) -> Situation:
+        """The part of a state's mode that concerns an objective."""
+        states = self.space.single(member)
+        ((marked, _),) = partition(self.space, states, self.mode_places(goal, states))
+        said = self.prospects.said(marked)
+        return Situation(
+            mode=dict(name.split(".", 1) for name in said["active"]),
+            waiting=dict(name.split(".", 1) for name in said["wait"]),
+            refused=said["refused"],
         )
 
     def detection(self, case: _Case, hardware: str, section: ElementarySection) -> str:
@@ -296,15 +348,6 @@ def _elementary(section: ElementarySection | ParallelSection) -> Iterator[Elemen
     else:
         for branch in section.branches:
             yield from branch.graph.walk()
-
-
-def _within(found: Situation, activities: frozenset[str]) -> Situation:
-    """The part of a situation that concerns some activities."""
-    return Situation(
-        mode={a: alternative for a, alternative in found.mode.items() if a in activities},
-        waiting={a: alternative for a, alternative in found.waiting.items() if a in activities},
-        refused=tuple(a for a in found.refused if a in activities),
-    )
 
 
 def _joined(told: Iterator[str]) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mcpn.check.cutsets import CutSet
+from mcpn.check.causes.cutsets import CutSet
 from mcpn.errors import LimitError, SemanticsError
 
 MAX_TERMS = 2000

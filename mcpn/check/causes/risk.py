@@ -17,7 +17,7 @@ jumps and solve sparse linear systems (Kemeny, Snell, *Finite Markov Chains*, 19
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -26,10 +26,11 @@ import numpy.typing as npt
 from scipy.sparse import csc_array, csr_array, identity
 from scipy.sparse.linalg import spsolve
 
-from mcpn.check.losing import Outlook
+from mcpn.check.causes.prospects import Prospects
 from mcpn.errors import InputError, Problem
-from mcpn.net.events import START, Event, What
-from mcpn.space.graph import Mask
+from mcpn.net.events import What
+from mcpn.space.arrays import ArraySet, ArraySpace
+from mcpn.space.graph import Ints, Mask
 
 Floats = npt.NDArray[np.float64]
 
@@ -53,11 +54,12 @@ class Risk:
     importance: Mapping[str, float]
 
 
-def risk(outlook: Outlook) -> Risk:
+def risk(prospects: Prospects[ArraySet]) -> Risk:
     """The numbers of a mission whose file gives rates and durations.
 
     Args:
-        outlook: The mission on its alternatives graph.
+        prospects: The mission on its alternatives graph in arrays: a probability is one number for each
+            state, so that the states must be listed.
 
     Returns:
         Success, failure, degraded modes and importance.
@@ -65,28 +67,28 @@ def risk(outlook: Outlook) -> Risk:
     Raises:
         InputError: An objective that may run has no duration.
     """
-    _refuse_unknown(outlook)
-    hardware = {h.name: h for h in outlook.mission_net.mission.hardware}
-    failing = np.array([hardware[name].failure_rate or 0.0 for name in outlook.hardware])
-    repaired = np.array([hardware[name].repair_rate or 0.0 for name in outlook.hardware])
-    chain = Chain(outlook, failing, repaired)
+    _refuse_unknown(prospects)
+    hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
+    failing = np.array([hardware[name].failure_rate or 0.0 for name in prospects.hardware])
+    repaired = np.array([hardware[name].repair_rate or 0.0 for name in prospects.hardware])
+    chain = Chain(prospects, failing, repaired)
     importance = {}
-    for number, name in enumerate(outlook.hardware):
+    for number, name in enumerate(prospects.hardware):
         other_failing, other_repaired = failing.copy(), repaired.copy()
         other_failing[number] = other_repaired[number] = 0.0
-        other = Chain(outlook, other_failing, other_repaired)
-        lost = np.flatnonzero((outlook.graph.sources == 0) & (outlook.failing == number))
-        dead = int(outlook.graph.targets[lost[0]])
+        other = Chain(prospects, other_failing, other_repaired)
+        lost = np.flatnonzero((chain.graph.sources == 0) & (chain.failing == number))
+        dead = int(chain.graph.targets[lost[0]])
         importance[name] = float(other.success[0] - other.success[dead])
     return Risk(float(chain.success[0]), float(chain.failure[0]), chain.degraded_modes, importance)
 
 
-def _refuse_unknown(outlook: Outlook) -> None:
+def _refuse_unknown(prospects: Prospects[ArraySet]) -> None:
     needed = "which numbers of risk need: its mean in hours"
     problems = [
         Problem(section.source, f"objective {section.name} has no duration, {needed}")
-        for section in outlook.mission_net.graph.walk()
-        if section.duration is None and outlook.runs(section.name).any()
+        for section in prospects.mission_net.graph.walk()
+        if section.duration is None and prospects.objectives[section.name].running
     ]
     if problems:
         raise InputError(problems)
@@ -96,32 +98,42 @@ class Chain:
     """The chain of jumps under given rates.
 
     Args:
-        outlook: The mission on its alternatives graph.
+        prospects: The mission on its alternatives graph in arrays.
         failing: Failures per hour, shape (hardware,).
         repaired: Repairs per hour, shape (hardware,).
     """
 
-    def __init__(self, outlook: Outlook, failing: Floats, repaired: Floats) -> None:
-        self.outlook = outlook
-        self.graph = outlook.graph
+    def __init__(self, prospects: Prospects[ArraySet], failing: Floats, repaired: Floats) -> None:
+        assert isinstance(prospects.space, ArraySpace), "numbers are of listed states"
+        self.prospects = prospects
+        self.graph = prospects.space.graph
+        self.failing = self._hardware_of(What.OUT_OF_SERVICE)
+        self.repaired = self._hardware_of(What.REPAIRED)
         self.rates = self._hardware_rates(failing, repaired)
         self.hasty = np.zeros(self.graph.states, np.bool_)
         """States that are left at once."""
-        self._start()
+        self._at_once(self.fired(prospects.carrying(What.START)))
         self._objectives()
-        self.ended = self.graph.marked(outlook.mission_net.success)
-        self.ended |= self.graph.marked(outlook.mission_net.failure)
+        self.ended = self.graph.marked(prospects.mission_net.success)
+        self.ended |= self.graph.marked(prospects.mission_net.failure)
+
+    def _hardware_of(self, what: What) -> Ints:
+        """The number of the resource that fails, or is repaired, at each edge; -1 for other edges."""
+        number = np.full(len(self.graph.net.transitions), -1, np.int64)
+        for i, name in enumerate(self.prospects.hardware):
+            number[list(self.prospects.carrying(what, name))] = i
+        return number[self.graph.labels]
+
+    def fired(self, transitions: Collection[int]) -> Mask:
+        """Edges of some transitions."""
+        return np.isin(self.graph.labels, list(transitions))
 
     def _hardware_rates(self, failing: Floats, repaired: Floats) -> Floats:
-        fails, back = self.outlook.failing, self.outlook.repaired
+        fails, back = self.failing, self.repaired
         rates = np.zeros(self.graph.edges)
         rates[fails >= 0] = failing[fails[fails >= 0]]
         rates[back >= 0] = repaired[back[back >= 0]]
         return rates
-
-    def _start(self) -> None:
-        start = self.outlook.fired(START)
-        self._at_once(start)
 
     def _at_once(self, edges: Mask) -> None:
         """Leaves the states before some edges at once, along those edges alone."""
@@ -132,21 +144,23 @@ class Chain:
         self.hasty |= states
 
     def _objectives(self) -> None:
-        outlook, graph = self.outlook, self.graph
+        prospects, graph = self.prospects, self.graph
         possible = self.rates > 0
-        hardware = (outlook.failing >= 0) | (outlook.repaired >= 0)
+        hardware = (self.failing >= 0) | (self.repaired >= 0)
         failed = np.zeros(graph.edges, np.bool_)
-        for section in outlook.mission_net.graph.walk():
-            goal = outlook.objectives[section.name]
-            well = outlook.fired(Event(What.SUCCESS, section.name))
-            badly = outlook.fired(Event(What.FAILURE, section.name))
-            if not goal.running.any():
+        for section in prospects.mission_net.graph.walk():
+            goal = prospects.objectives[section.name]
+            well = self.fired(prospects.carrying(What.SUCCESS, section.name))
+            badly = self.fired(prospects.carrying(What.FAILURE, section.name))
+            if not goal.running:
                 continue
             assert section.duration is not None
             rate, probability = 1.0 / section.duration, section.failure_probability
             self.rates[well] = rate * (1.0 - probability)
-            self.rates[badly & goal.won[graph.sources]] = rate * probability
-            lost = goal.running & ~graph.reaching(goal.won, goal.along & (~hardware | possible))
+            self.rates[badly & goal.won.mask[graph.sources]] = rate * probability
+            running = goal.running.mask
+            inside = running[graph.sources] & running[graph.targets] & ~well & ~badly
+            lost = running & ~graph.reaching(goal.won.mask, inside & (~hardware | possible))
             failed |= badly & lost[graph.sources]
         self._at_once(failed)
 
@@ -180,12 +194,12 @@ class Chain:
     @cached_property
     def success(self) -> Floats:
         """The probability of mission success, by state."""
-        return self.absorbed(self.graph.marked(self.outlook.mission_net.success))
+        return self.absorbed(self.graph.marked(self.prospects.mission_net.success))
 
     @cached_property
     def failure(self) -> Floats:
         """The probability of mission failure, by state."""
-        return self.absorbed(self.graph.marked(self.outlook.mission_net.failure))
+        return self.absorbed(self.graph.marked(self.prospects.mission_net.failure))
 
     @cached_property
     def degraded_modes(self) -> float:
@@ -210,7 +224,7 @@ class Chain:
 
     @cached_property
     def _into_degraded(self) -> Mask:
-        graph, found = self.graph, self.outlook.mission_net
+        graph, found = self.graph, self.prospects.mission_net
         first = {f"{a.name}.{a.alternatives[0].name}" for a in found.mission.activities}
         active, objectives = found.saying("active"), found.saying("objective")
         degraded = np.zeros(graph.states, np.bool_)

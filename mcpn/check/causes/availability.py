@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property, reduce
 
-from mcpn.check.families import ALWAYS, NEVER, Families, Family
+from mcpn.check.causes.families import ALWAYS, NEVER, Families, Family
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage

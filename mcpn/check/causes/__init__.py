@@ -1,0 +1,1 @@
+"""Why a mission fails: losing regions, cut sets, critical events, FMECA, numbers of risk."""

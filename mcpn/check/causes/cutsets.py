@@ -1,0 +1,169 @@
+"""Minimal cut sets: minimal sets of hardware that, lost for good, leave no way to succeed.
+
+A set is lost for good where it is out of service and never repaired, while other hardware may fail and
+recover as it likes. In the net whose hardware may die (:mod:`mcpn.net.mortal`) the sets that a goal survives
+are the image, on the places *dead*, of the states from which a run without a further death reaches it. When
+the hardware is lost is one of the moments of :class:`Moment`; the sets that are not survived are read off a
+diagram, the minimal ones by their size, and no set is tried on its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import Generic
+
+from mcpn._kernel import Zdd
+from mcpn.check.causes.prospects import Goal, Prospects
+from mcpn.mission.flatten import Section
+from mcpn.space.algebra import S
+from mcpn.space.images import ImageStore
+
+CutSet = tuple[str, ...]
+"""Names of hardware, in alphabetical order."""
+
+
+class Moment(Enum):
+    """When a set of hardware is lost, for it to be a cut set.
+
+    ``START``, ``ENTRY`` and ``WHENEVER`` ask that *every* state with the set out of service loses the goal;
+    ``SOMETIME`` that *one* does.
+    """
+
+    START = "start"
+    """Before the mission begins."""
+    ENTRY = "entry"
+    """At the entry of a section, or at once after it."""
+    WHENEVER = "whenever"
+    """In every state in which the goal is still open: the set loses it at whatever moment it is lost."""
+    SOMETIME = "sometime"
+    """In some state with just this hardware out, after a run without repairs in which objectives failed only
+    where they could not succeed any more: at the worst moment."""
+
+
+@dataclass(frozen=True)
+class Nonmonotone:
+    """A set that is lost while a larger one is not: only hardware that cannot always fail does so.
+
+    Args:
+        lost: A set of hardware that loses the goal at some moment.
+        larger: The same and one resource more, which does not.
+    """
+
+    lost: CutSet
+    larger: CutSet
+
+
+class CutSets(Generic[S]):
+    """The cut sets of a mission and its objectives.
+
+    Args:
+        mortal: The mission in a space of its net whose hardware may die.
+    """
+
+    def __init__(self, mortal: Prospects[S]) -> None:
+        self.mortal = mortal
+        self.space = mortal.space
+        self.hardware = mortal.hardware
+        self.images = ImageStore(len(self.hardware))
+        self._dead = mortal.places("dead", self.hardware)
+        self._hopeful: dict[tuple[str, str], S] = {}
+
+    # --- families of sets of hardware --------------------------------------------------------------------
+
+    def lost(self, states: S) -> Zdd:
+        """The sets of hardware that are dead in some states."""
+        return self.space.image(states, self._dead, self.images)
+
+    def hopeful(self, goal: Goal[S]) -> S:
+        """States from which a goal can be reached with what is still alive."""
+        key = goal.kind, goal.name
+        if key not in self._hopeful:
+            self._hopeful[key] = self.mortal.hopeful(goal)
+        return self._hopeful[key]
+
+    @cached_property
+    def _from_start(self) -> S:
+        """States to which runs lead along which nothing dies after the mission has begun."""
+        mortal = self.mortal
+        before = self.space.marked([mortal.mission_net.beginning])
+        return self.space.reached(before, transitions=mortal.everything)
+
+    @cached_property
+    def _at_worst(self) -> S:
+        """States after runs without repairs and without avoidable failures, with all that is out dead."""
+        mortal, space = self.mortal, self.space
+        transitions = mortal.unrepaired | mortal.dying
+        found = space.reached(space.initial, transitions=transitions, guards=mortal.forced) & mortal.begun
+        for name in self.hardware:
+            alive = [*mortal.places("oos", [name]), *mortal.places("alive", [name])]
+            found = found - space.restricted(found, alive, ())
+        return found
+
+    def survived(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
+        """The sets of hardware that a goal survives.
+
+        Args:
+            goal: The goal.
+            moment: When they are lost; all but ``SOMETIME``.
+            section: The section entered, for ``ENTRY``.
+
+        Returns:
+            Every set, where it is lost in some state that reaches the goal; smaller sets are survived too.
+        """
+        if moment is Moment.START:
+            return self.lost(self._from_start & goal.won)
+        hopeful = self.hopeful(goal) & goal.running
+        if moment is Moment.ENTRY:
+            assert section is not None, "an entry is that of a section"
+            return self.lost(hopeful & self.mortal.entered(section))
+        return self.lost(hopeful & self.mortal.begun)
+
+    def lost_at_worst(self, goal: Goal[S]) -> Zdd:
+        """The sets of hardware that lose a goal at the worst moment."""
+        return self.lost((self._at_worst & goal.running) - self.hopeful(goal))
+
+    # --- minimal cut sets ----------------------------------------------------------------------------------
+
+    def cut_sets(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> list[CutSet]:
+        """The minimal cut sets of a goal.
+
+        Args:
+            goal: The goal.
+            moment: When they are lost.
+            section: The section entered, for ``ENTRY``.
+
+        Returns:
+            Smaller sets first, then in alphabetical order; the empty set alone where the goal can never be
+            reached.
+
+        Raises:
+            LimitError: There are too many.
+        """
+        if moment is Moment.SOMETIME:
+            return self.listed(self.lost_at_worst(goal))
+        return self.listed(self.images.everything - self.survived(goal, moment, section))
+
+    def listed(self, family: Zdd) -> list[CutSet]:
+        """The minimal members of a family by names."""
+        return sorted(map(self._names, self.images.minimal(family)), key=lambda names: (len(names), names))
+
+    def _names(self, members: tuple[int, ...] | list[int]) -> CutSet:
+        return tuple(sorted(self.hardware[member] for member in members))
+
+    def nonmonotone(self, goal: Goal[S]) -> Nonmonotone | None:
+        """A loss at the worst moment that one failure more would undo, where there is one.
+
+        The functions of the other moments are monotone as they stand. That of ``SOMETIME`` is where hardware
+        in service can always fail, which the templates of the paper allow. Where it is not, the minimal cut
+        sets are those of the least monotone function above it: their supersets may survive.
+        """
+        lost = self.lost_at_worst(goal)
+        for number, name in enumerate(self.hardware):
+            one_more = self.images.with_member(lost, number) - lost
+            larger = one_more.pick()
+            if larger is not None:
+                names = self._names(larger)
+                return Nonmonotone(tuple(n for n in names if n != name), names)
+        return None

@@ -1,0 +1,194 @@
+"""Failure causes of a mission, all together: what a report shows and the command line prints.
+
+Which hardware must be lost for the mission and each objective to fail, when; which events decide it, in which
+functioning mode; the shortest runs that show it; how much the mission survives from each section on. Every
+question is asked of a space of states, whichever engine has made it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
+from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
+from mcpn.check.causes.scenarios import Scenarios
+from mcpn.check.spaces import Engine, mortal_space, stable_space
+from mcpn.errors import InputError
+from mcpn.mission.flatten import Section
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
+from mcpn.net.mortal import mortal
+from mcpn.space.explicit import Progress
+from mcpn.space.run import Run
+
+
+@dataclass(frozen=True, eq=False)
+class GoalCauses:
+    """Why one goal fails.
+
+    Args:
+        name: Of the mission or the objective.
+        cut_sets: Minimal cut sets: of the mission at its start, of an objective at its entry.
+        moments: Minimal cut sets by moment, see :class:`mcpn.check.causes.cutsets.Moment`.
+        critical: Events that lead into the losing region where nothing is repaired.
+        critical_with_repairs: The same where hardware may be repaired.
+        nonmonotone: A pair of sets for which more failures are better, where there is one.
+        find_run: Looks for a run to failure by a cut set.
+    """
+
+    name: str
+    cut_sets: list[CutSet]
+    moments: dict[str, list[CutSet]]
+    critical: list[CriticalEvent]
+    critical_with_repairs: list[CriticalEvent]
+    nonmonotone: Nonmonotone | None
+    find_run: Callable[[CutSet], Run | None]
+
+    @property
+    def critical_events(self) -> list[Event]:
+        """The events after which only a repair helps, or nothing."""
+        return sorted({critical.event for critical in self.critical})
+
+    @cached_property
+    def runs(self) -> dict[CutSet, Run | None]:
+        """For each of the cut sets a shortest run to failure, where there is one."""
+        return {names: self.find_run(names) for names in self.cut_sets}
+
+
+@dataclass(frozen=True, eq=False)
+class Survival:
+    """What the mission survives from one moment on.
+
+    Args:
+        section: The section just entered; ``None`` for the start.
+        cut_sets: Minimal cut sets of the mission at that moment.
+        always: So many resources may be lost whichever they are; ``None`` where success is out of reach.
+        at_most: So many may be lost at most; ``None`` where success is out of reach.
+        find_run: Looks for a run through that moment to success with the most failures on the way.
+    """
+
+    section: str | None
+    cut_sets: list[CutSet]
+    always: int | None
+    at_most: int | None
+    find_run: Callable[[], Run | None]
+
+    @cached_property
+    def run(self) -> Run | None:
+        """A run through that moment to success with the most failures on the way, where there is one."""
+        return self.find_run()
+
+
+@dataclass(frozen=True, eq=False)
+class Causes:
+    """Failure causes of a mission.
+
+    Args:
+        mission_net: The mission's net.
+        prospects: The mission in the space that was asked.
+        mission: Why the mission fails.
+        objectives: Why each elementary objective fails, by its name.
+        survival: What the mission survives from its start and from the entry of each section.
+    """
+
+    mission_net: MissionNet
+    prospects: Prospects[Any]
+    mission: GoalCauses
+    objectives: Mapping[str, GoalCauses]
+    survival: list[Survival]
+
+    def of(self, objectives: Iterable[str]) -> Causes:
+        """The same with some elementary objectives alone.
+
+        Raises:
+            InputError: The mission has no such objective.
+        """
+        chosen = list(objectives)
+        for name in chosen:
+            if name not in self.objectives:
+                expected = f"expected one of {', '.join(self.objectives)}"
+                source = self.mission_net.mission.source
+                raise InputError.at(source, f"no objective {name}; {expected}")
+        return replace(self, objectives={name: self.objectives[name] for name in chosen})
+
+
+def find_causes(
+    mission_net: MissionNet,
+    *,
+    engine: Engine = "local",
+    max_states: int | None = None,
+    progress: Progress | None = None,
+) -> Causes:
+    """The failure causes of a mission.
+
+    Args:
+        mission_net: The mission's net.
+        engine: Who makes the spaces: arrays, diagrams or composition. All give the same answers; runs are
+            shortest but for composition, where they pass as few sections as can be.
+        max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges that are listed.
+
+    Returns:
+        Everything but the tables and numbers of :mod:`mcpn.check.causes.fmeca` and
+        :mod:`mcpn.check.causes.risk`.
+
+    Raises:
+        SemanticsError: The mission is not 1-safe or not confluent.
+        LimitError: A limit was hit: on states, memory or minimal cut sets.
+    """
+    prospects = Prospects(
+        mission_net, stable_space(mission_net, engine=engine, max_states=max_states, progress=progress)
+    )
+    dying = mortal_space(mission_net, engine=engine, max_states=max_states)
+    return _Finding(prospects, CutSets(Prospects(mortal(mission_net), dying))).causes()
+
+
+class _Finding:
+    def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any]) -> None:
+        self.prospects = prospects
+        self.cuts = cuts
+        self.scenarios = Scenarios(prospects)
+        self.mission_net = prospects.mission_net
+
+    def causes(self) -> Causes:
+        graph = self.mission_net.graph
+        sections = {section.name: section for section in graph.walk()}
+        mortal = self.cuts.mortal
+        return Causes(
+            self.mission_net,
+            self.prospects,
+            self.goal(self.prospects.mission, mortal.mission, None),
+            {
+                name: self.goal(goal, mortal.objectives[name], sections[name])
+                for name, goal in self.prospects.objectives.items()
+            },
+            [self.survival(section) for section in (None, *graph.sections)],
+        )
+
+    def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None) -> GoalCauses:
+        wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
+        moments = {moment.value: self.cuts.cut_sets(dying, moment, section) for moment in wanted}
+        return GoalCauses(
+            goal.name,
+            moments[(Moment.START if section is None else Moment.ENTRY).value],
+            moments,
+            self.prospects.critical(goal, repairs=False),
+            self.prospects.critical(goal, repairs=True),
+            self.cuts.nonmonotone(dying),
+            lambda names: self.scenarios.to_failure(goal, names),
+        )
+
+    def survival(self, section: Section | None) -> Survival:
+        cuts, mission = self.cuts, self.cuts.mortal.mission
+        moment = Moment.START if section is None else Moment.ENTRY
+        survived = cuts.survived(mission, moment, section)
+        cut_sets = cuts.listed(cuts.images.everything - survived)
+        always = at_most = None
+        if survived:
+            always = len(cut_sets[0]) - 1 if cut_sets else len(cuts.hardware)
+            at_most = cuts.images.sized(survived)
+        name = None if section is None else section.name
+        return Survival(name, cut_sets, always, at_most, lambda: self.scenarios.most_failures(section))

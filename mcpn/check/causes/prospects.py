@@ -1,0 +1,282 @@
+"""What a mission may still reach: goals, losing regions, and the events that lead into them.
+
+Source: the paper, 7.2 ("studying the resource events that force the mission into a branch leading to
+failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
+event ``EV_RD`` does. The goal of the mission is its success; the goal of an objective is that its present run
+ends in success, so that a later retry is another run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Generic, Literal, TypeAlias
+
+from mcpn.check.modes import Mode
+from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.handover import entries
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
+from mcpn.space.algebra import S, Space, partition
+
+Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
+
+
+@dataclass(frozen=True, eq=False)
+class Goal(Generic[S]):
+    """Something that a mission may still reach.
+
+    Args:
+        kind: What is to succeed.
+        name: Its name.
+        running: States in which it is not decided yet.
+        won: States in which it is reached, or in which the event that reaches it may happen.
+        along: States that a run to it may pass.
+        ends: Transitions that end the present run, which no run to it takes.
+    """
+
+    kind: Literal["mission", "objective"]
+    name: str
+    running: S
+    won: S
+    along: S
+    ends: frozenset[int]
+
+
+@dataclass(frozen=True)
+class CriticalEvent:
+    """Edges of one event that lead into a losing region, from one functioning mode.
+
+    Args:
+        event: The event.
+        objectives: Objectives that run before it, in the mission's order.
+        mode: The alternatives, before it, of the activities that the event concerns: those that may use the
+            hardware, directly or through others, or those of the objective that ends.
+        edges: How many edges of the alternatives graph.
+    """
+
+    event: Event
+    objectives: tuple[str, ...]
+    mode: Mode
+    edges: int
+
+
+class Prospects(Generic[S]):
+    """What a mission may still reach in a space of its stable states.
+
+    Args:
+        mission_net: The mission's net, that of the space.
+        space: Its alternatives graph.
+    """
+
+    def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
+        self.mission_net = mission_net
+        self.space = space
+        roles = mission_net.by_role
+        self.hardware = tuple(h.name for h in mission_net.mission.hardware if ("oos", h.name) in roles)
+
+    # --- transitions by what they say --------------------------------------------------------------------
+
+    @cached_property
+    def _by_event(self) -> Mapping[Event, frozenset[int]]:
+        found: dict[Event, set[int]] = {}
+        for t, transition in enumerate(self.mission_net.net.transitions):
+            if transition.event is not None:
+                found.setdefault(transition.event, set()).add(t)
+        return {event: frozenset(transitions) for event, transitions in found.items()}
+
+    def carrying(self, what: What, element: str = "") -> frozenset[int]:
+        """Transitions that carry an event."""
+        return self._by_event.get(Event(what, element), frozenset())
+
+    @cached_property
+    def _by_what(self) -> Mapping[What, frozenset[int]]:
+        found: dict[What, set[int]] = {what: set() for what in What}
+        for event, transitions in self._by_event.items():
+            found[event.what] |= transitions
+        return {what: frozenset(transitions) for what, transitions in found.items()}
+
+    @cached_property
+    def everything(self) -> frozenset[int]:
+        """Transitions that carry an event, but for hardware that dies."""
+        return frozenset(t for of in self._by_event.values() for t in of) - self._by_what[What.LOST]
+
+    @cached_property
+    def unrepaired(self) -> frozenset[int]:
+        """Those of them that repair nothing."""
+        return self.everything - self._by_what[What.REPAIRED]
+
+    @cached_property
+    def failing(self) -> frozenset[int]:
+        """Those of them by which hardware goes out of service."""
+        return self._by_what[What.OUT_OF_SERVICE]
+
+    @cached_property
+    def dying(self) -> frozenset[int]:
+        """Those by which hardware is lost for good, in a space whose hardware may die."""
+        return self._by_what[What.LOST]
+
+    # --- goals -------------------------------------------------------------------------------------------
+
+    def places(self, kind: Kind, names: Iterable[str]) -> list[int]:
+        """Places that say something of some elements."""
+        return [p for name in names for p in self.mission_net.by_role.get((kind, name), ())]
+
+    @cached_property
+    def mission(self) -> Goal[S]:
+        """Success of the mission."""
+        space, name = self.space, self.mission_net.mission.name
+        won = space.marked([self.mission_net.success])
+        return Goal("mission", name, space.everything - won, won, space.everything, frozenset())
+
+    @cached_property
+    def objectives(self) -> Mapping[str, Goal[S]]:
+        """Success of each elementary objective in its present run, by its name, in the mission's order."""
+        return {section.name: self._objective(section.name) for section in self.mission_net.graph.walk()}
+
+    def _objective(self, name: str) -> Goal[S]:
+        running = self.space.marked(self.places("objective", [name]))
+        succeeds = self.carrying(What.SUCCESS, name)
+        won = self.space.enabling(succeeds) & running if running else running
+        return Goal("objective", name, running, won, running, succeeds | self.carrying(What.FAILURE, name))
+
+    @cached_property
+    def begun(self) -> S:
+        """States in which the mission has begun."""
+        return self.space.everything - self.space.marked([self.mission_net.beginning])
+
+    def entered(self, section: Section) -> S:
+        """States at the entry of a section: just entered, or so but for failures that came at once."""
+        space = self.space
+        first = [inner.name for inner in entries(section)]
+        inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
+        running, again = inside, frozenset[int]()
+        if isinstance(section, ElementarySection):
+            # A retry ends one run and begins the next with one event.
+            again = self.carrying(What.SUCCESS, section.name) | self.carrying(What.FAILURE, section.name)
+        else:
+            names = [n for b in section.branches for n in (b.name, *(s.name for s in b.graph.walk()))]
+            kinds: tuple[Kind, ...] = ("objective", "pending", "done")
+            places = [p for kind in kinds for p in self.places(kind, names)]
+            running = running | space.marked(places)
+        before = space.before(inside, self.everything)
+        entry = space.after(before - running, self.everything) & inside
+        if again:
+            entry = entry | (space.after(before & running, again) & inside)
+        return space.reached(entry, transitions=self.failing | self.dying)
+
+    # --- losing regions ------------------------------------------------------------------------------------
+
+    def allowed(self, goal: Goal[S], *, repairs: bool) -> frozenset[int]:
+        """What the edges of a run to a goal may carry."""
+        return (self.everything if repairs else self.unrepaired) - goal.ends
+
+    def hopeful(self, goal: Goal[S], *, repairs: bool = True) -> S:
+        """States from which a goal can be reached; where repairs are allowed, of hardware that is alive."""
+        transitions = self.allowed(goal, repairs=repairs)
+        return self.space.reaching(goal.won, goal.along, transitions)
+
+    def losing(self, goal: Goal[S], *, repairs: bool) -> S:
+        """States in which a goal is still open and can no longer be reached."""
+        known = self._losing.get((goal.name, goal.kind, repairs))
+        if known is None:
+            known = goal.running - self.hopeful(goal, repairs=repairs)
+            self._losing[goal.name, goal.kind, repairs] = known
+        return known
+
+    @cached_property
+    def _losing(self) -> dict[tuple[str, str, bool], S]:
+        return {}
+
+    @cached_property
+    def forced(self) -> Mapping[int, S]:
+        """By transition with which an objective fails, the states in which it cannot succeed any more.
+
+        As guards they leave runs in which objectives fail only where they must; what happens in them is what
+        the lost hardware makes happen.
+        """
+        return {
+            t: self.losing(goal, repairs=False)
+            for name, goal in self.objectives.items()
+            for t in self.carrying(What.FAILURE, name)
+        }
+
+    # --- critical events -----------------------------------------------------------------------------------
+
+    def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
+        """Edges from a chance to reach a goal to none, by event, running objectives and functioning mode.
+
+        Args:
+            goal: What is lost.
+            repairs: Whether hardware may be repaired.
+
+        Returns:
+            In the order of the net's transitions.
+        """
+        losing, allowed = self.losing(goal, repairs=repairs), self.allowed(goal, repairs=repairs)
+        if not losing:
+            return []
+        found: dict[tuple[Event, tuple[str, ...], tuple[str, ...]], int] = {}
+        for t, states in self.space.crossing(goal.running - losing, losing):
+            event = self.mission_net.net.transitions[t].event
+            if t not in allowed or event is None:
+                continue
+            for piece in self.space.pieces(states):
+                for marked, part in partition(self.space, piece, self._telling(event, goal, piece)):
+                    said = self.said(marked)
+                    key = event, said["objective"], said["active"]
+                    found[key] = found.get(key, 0) + part.count()
+        return [
+            CriticalEvent(event, names, dict(n.split(".", 1) for n in mode), count)
+            for (event, names, mode), count in found.items()
+        ]
+
+    def said(self, marked: Iterable[int]) -> dict[str, tuple[str, ...]]:
+        """What some marked places say: by kind, the elements, in the net's order."""
+        found: dict[str, list[str]] = {"objective": [], "active": [], "wait": [], "refused": []}
+        for place in sorted(marked):
+            kind, name = self.mission_net.roles[place]
+            found[kind].append(name)
+        order = {name: i for i, name in enumerate(self._objective_names)}
+        found["objective"].sort(key=order.__getitem__)
+        return {kind: tuple(names) for kind, names in found.items()}
+
+    @cached_property
+    def _objective_names(self) -> list[str]:
+        return [section.name for section in self.mission_net.graph.walk()]
+
+    def _telling(self, event: Event, goal: Goal[S], states: S) -> list[int]:
+        """Places that tell objectives, and the alternatives of the activities that an event concerns."""
+        concerned = self.concerned(event)
+        roles = self.mission_net.roles
+        return [
+            place
+            for place in self.space.varying(states)
+            if (role := roles.get(place))
+            and (role[0] == "objective" or (role[0] == "active" and role[1].split(".", 1)[0] in concerned))
+        ]
+
+    def concerned(self, event: Event) -> frozenset[str]:
+        """Activities that an event concerns: those of the objective, or those that stand on the hardware."""
+        usage = self.mission_net.usage
+        if event.what in (What.SUCCESS, What.FAILURE):
+            return self.serving.get(event.element, frozenset())
+        return frozenset(
+            name
+            for name in usage.started
+            if any(
+                event.element in alternative.consumes
+                for inner in usage.closure(name)
+                for alternative in usage.activities[inner].alternatives
+            )
+        )
+
+    @cached_property
+    def serving(self) -> Mapping[str, frozenset[str]]:
+        """By objective, its activities and all that serve them through resources."""
+        usage = self.mission_net.usage
+        return {
+            section.name: frozenset[str]().union(*(usage.closure(a) for a in section.activities))
+            for section in self.mission_net.graph.walk()
+        }

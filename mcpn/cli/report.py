@@ -1,0 +1,168 @@
+"""The report: everything that is found of a mission, on one page."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mcpn.cli.shared import (
+    EXIT_FAILED,
+    FILE,
+    emit_json,
+    import_option,
+    json_option,
+    limit_option,
+    mission_net_of,
+)
+from mcpn.errors import InputError, LimitError, McpnError, Source
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+    from mcpn.report.page import Findings
+
+MOST_ROWS = 50
+"""Objectives up to which a page has the FMECA table."""
+
+MOST_HARDWARE, MOST_OBJECTIVES, MOST_STATES = 8, 60, 200_000
+"""Up to so many the graph of the whole mission is tried where nobody names an engine."""
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="The page to write, FILE.html.")
+@click.option(
+    "--engine",
+    type=click.Choice(["auto", "explicit", "local"]),
+    default="auto",
+    show_default=True,
+    help="auto: explicit for small missions, else local, which makes no FMECA table.",
+)
+@limit_option
+@import_option
+@json_option
+def report(
+    mission: Path,
+    output: Path,
+    engine: str,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Write a report of MISSION as one HTML page: drawing, verdicts, causes, a controller to click through.
+
+    The page opens from disk, needs no network, and can be printed or sent.
+    """
+    from mcpn.files import write_atomically
+    from mcpn.report.page import page
+
+    if output.suffix.lower() not in (".html", ".htm"):
+        source = Source(str(output))
+        raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
+    found = findings(mission_net_of(mission, import_root), engine, max_states)
+    text = page(found)
+    write_atomically(output, text)
+    if as_json:
+        size = len(text.encode())
+        emit_json({"file": str(output), "bytes": size, "engine": found.engine, "passed": found.check.passed})
+    else:
+        for note in found.notes:
+            click.echo(f"note: {note}", err=True)
+        click.echo(str(output))
+    if not found.check.passed:
+        sys.exit(EXIT_FAILED)
+
+
+def findings(mission_net: MissionNet, engine: str = "auto", max_states: int | None = None) -> Findings:
+    """All that a report tells of a mission.
+
+    Args:
+        mission_net: The mission's net.
+        engine: ``explicit``, ``local``, or ``auto``: explicit where the mission is small.
+        max_states: Limit on states that are listed.
+
+    Raises:
+        SemanticsError: A section hands on more than the state of its hardware.
+        LimitError: A limit was hit.
+    """
+    if engine != "auto":
+        return _found(mission_net, engine, max_states)
+    faulty = sum(h.faulty for h in mission_net.mission.hardware)
+    objectives = sum(1 for _ in mission_net.graph.walk())
+    if faulty <= MOST_HARDWARE and objectives <= MOST_OBJECTIVES:
+        try:
+            return _found(mission_net, "explicit", max_states or MOST_STATES)
+        except LimitError:
+            pass
+    return _found(mission_net, "local", max_states)
+
+
+def _found(mission_net: MissionNet, engine: str, max_states: int | None) -> Findings:
+    from mcpn.check.verdicts.mission import check
+    from mcpn.mission.warnings import find_warnings
+    from mcpn.report.page import Findings
+
+    seconds: dict[str, float] = {}
+    notes: list[str] = []
+
+    @contextmanager
+    def timed(what: str) -> Iterator[None]:
+        started = time.perf_counter()
+        yield
+        seconds[what] = time.perf_counter() - started
+
+    def tried(what: str, find: Callable[[], Any]) -> Any:
+        try:
+            with timed(what):
+                return find()
+        except McpnError as error:
+            notes.append(f"No {what}: {error}")
+            return None
+
+    with timed("verdicts"):
+        checked = check(
+            mission_net, engine="local" if engine == "local" else "explicit", max_states=max_states
+        )
+    warnings = [*map(str, (*find_warnings(mission_net.mission), *checked.unselectable))]
+    warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
+    if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
+        notes.append("No causes and no controller: the reaction to an event is not always the same.")
+        return Findings(
+            checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=engine, seconds=seconds
+        )
+    causes, rows = tried("causes", lambda: _causes(mission_net, engine, max_states)) or (None, None)
+    if causes is not None and rows is None:
+        notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
+    controller = tried("controller", lambda: _controller(mission_net, engine, max_states))
+    warnings = list(dict.fromkeys(warnings))
+    return Findings(checked, causes, rows, controller, notes, warnings, engine, seconds)
+
+
+def _causes(mission_net: MissionNet, engine: str, max_states: int | None) -> tuple[Any, Any]:
+    """Causes and, of missions that are not long, the FMECA table."""
+    from mcpn.check.causes.find import find_causes
+    from mcpn.check.causes.fmeca import fmeca
+
+    causes = find_causes(
+        mission_net, engine="local" if engine == "local" else "explicit", max_states=max_states
+    )
+    return causes, fmeca(causes.prospects) if len(causes.objectives) <= MOST_ROWS else None
+
+
+def _controller(mission_net: MissionNet, engine: str, max_states: int | None) -> dict[str, Any]:
+    """The controller, in one piece where sections cannot be taken apart and the mission is small."""
+    from mcpn.controller.generate import generate
+    from mcpn.controller.targets.json import document
+
+    try:
+        made = generate(mission_net, max_states=max_states)
+    except McpnError:
+        if engine == "local":
+            raise
+        made = generate(mission_net, "flat", max_states=max_states)
+    return document(made, mission_net)

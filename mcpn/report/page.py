@@ -1,0 +1,217 @@
+"""A mission's report as one page of HTML that needs nothing else: no network, no other file.
+
+The page holds the mission as drawn, verdicts with their runs, functioning modes, causes and the FMECA as
+tables, and the controller, run in the browser by a small script. Every text of the mission is escaped, and
+the page forbids itself all scripts but its own.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+from mcpn import __version__
+from mcpn.check.causes.conditions import enumeration, sentence
+from mcpn.check.runs import what_happens
+from mcpn.net.events import Event
+from mcpn.report.causes import COLUMNS, fmeca_rows
+from mcpn.report.pictures.boxes import boxes
+from mcpn.report.pictures.layout import lay_out
+from mcpn.report.templates import environment
+from mcpn.report.text import SENTENCES
+from mcpn.report.words import in_words
+
+if TYPE_CHECKING:
+    from mcpn.check.causes.find import Causes
+    from mcpn.check.causes.fmeca import Row
+    from mcpn.check.verdicts.mission import MissionCheck
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a report tells; what could not be found is ``None``, and a note says why.
+
+    Args:
+        check: The mission's verdicts.
+        causes: Its causes of failure.
+        fmeca: The FMECA table.
+        controller: The hierarchical controller, as the JSON object of :mod:`mcpn.controller.targets.json`.
+        notes: Why something is missing.
+        warnings: What reading the mission found suspicious.
+        engine: The engine that was used.
+        seconds: Time by what took it.
+    """
+
+    check: MissionCheck
+    causes: Causes | None = None
+    fmeca: Sequence[Row] | None = None
+    controller: Mapping[str, Any] | None = None
+    notes: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    engine: str = ""
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that can be sorted and filtered.
+
+    Args:
+        name: Its caption.
+        heads: Of its columns.
+        rows: Texts.
+    """
+
+    name: str
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def page(findings: Findings) -> str:
+    """The report as a page of HTML."""
+    mission_net = findings.check.mission_net
+    root, keys = boxes(mission_net.mission, mission_net.graph)
+    data = json.dumps(_data(findings, keys), separators=(",", ":"))
+    script = resources.files("mcpn.report.templates").joinpath("report.js").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            name=mission_net.mission.name,
+            description=mission_net.mission.description,
+            picture=lay_out(root, mission_net.mission),
+            alone=False,
+            verdicts=list(_verdicts(findings.check)),
+            passed=findings.check.passed,
+            conditions=_conditions(findings.causes),
+            tables=_tables(findings),
+            notes=findings.notes,
+            warnings=findings.warnings,
+            controlled=findings.controller is not None,
+            # Data in a script element ends at the first "<" that closes it: there is none.
+            data=Markup(data.replace("<", "\\u003c")),
+            script=Markup(script),
+            digest=digest,
+            version=__version__,
+        )
+    )
+
+
+def _data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
+    """What the script needs: the controller, words for its events, boxes of its objectives."""
+    if findings.controller is None:
+        return {}
+    document = dict(findings.controller)
+    mission = document["mission"]
+    events = {"MISSION_EV_START", *(e for section in document["sections"] for e in section["events"])}
+    for hardware in document["hardware"]:
+        events |= {f"{hardware}_EV_OOS", f"{hardware}_EV_RD"}
+    typed = {text: Event.parse(text) for text in sorted(events)}
+    document.pop("objectives")
+    document.pop("activities")
+    words = {text: [event.what.value, what_happens(event, mission)] for text, event in typed.items()}
+    return {"controller": document, "events": words, "boxes": dict(keys)}
+
+
+def _verdicts(check: MissionCheck) -> list[dict[str, Any]]:
+    """Each verdict as a sentence, with its runs in mission words."""
+    found = []
+    for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
+        if name not in check.verdicts:
+            continue
+        verdict = check.verdicts[name]
+        sentences = SENTENCES.get(name, (verdict.explanation,) * 3)
+        state = {True: "holds", False: "fails", None: "unknown"}[verdict.holds]
+        runs = []
+        for run in verdict.runs:
+            steps = list(in_words(check.mission_net, run))
+            events = None if run.tail else json.dumps([str(event) for event, _ in steps])
+            runs.append({"steps": [(str(event), words) for event, words in steps], "events": events})
+        found.append(
+            {
+                "name": name,
+                "sentence": sentences[{True: 0, False: 1, None: 2}[verdict.holds]],
+                "state": state if verdict.required else "note",
+                "explanation": verdict.explanation,
+                "runs": runs,
+            }
+        )
+    return found
+
+
+def _conditions(causes: Causes | None) -> list[str]:
+    """When the mission fails, and what it survives from its start on."""
+    return [] if causes is None else [sentence(causes.mission.name, causes.mission.cut_sets)]
+
+
+def _tables(findings: Findings) -> list[Table]:
+    tables = [
+        Table(
+            "Functioning modes",
+            ("objective", "mode", "alternatives"),
+            [
+                (
+                    objective,
+                    str(number),
+                    ", ".join(f"{a}: {way}" for a, way in mode.items() if a != way) or "as written",
+                )
+                for objective, modes in findings.check.modes.items()
+                for number, mode in enumerate(modes, 1)
+            ],
+        )
+    ]
+    if findings.causes is not None:
+        tables += _cause_tables(findings.causes)
+    if findings.fmeca is not None:
+        rows = [[row[column] for column in COLUMNS] for row in fmeca_rows(findings.fmeca)]
+        heads = [column.replace("_", " ") for column in COLUMNS]
+        tables.append(Table("FMECA: what each failure does", heads, rows))
+    return [*tables, _sizes(findings)]
+
+
+def _cause_tables(causes: Causes) -> list[Table]:
+    goals = [causes.mission, *causes.objectives.values()]
+    sets = [
+        (goal.name, enumeration(lost or ("nothing: it fails anyway",)), str(len(lost)))
+        for goal in goals
+        for lost in goal.cut_sets
+    ]
+    critical = [
+        (
+            what_happens(found.event, causes.mission.name),
+            ", ".join(found.objectives) or "no objective",
+            ", ".join(f"{a}: {way}" for a, way in found.mode.items() if a != way) or "as written",
+        )
+        for found in causes.mission.critical or ()
+    ]
+    return [
+        Table("Causes: smallest losses after which it fails", ("what fails", "lost", "how many"), sets),
+        Table("Critical events: after them only a repair helps", ("event", "while", "mode"), critical),
+    ]
+
+
+def _sizes(findings: Findings) -> Table:
+    check = findings.check
+    net = check.mission_net.net
+    rows = [("places", str(len(net.places))), ("transitions", str(len(net.transitions)))]
+    for sizes, what in ((check.marking_sizes, ("markings", "edges")), (check.stable_sizes, _STABLE)):
+        if sizes is not None:
+            rows += [(name, str(size)) for name, size in zip(what, sizes, strict=True)]
+    if findings.controller is not None:
+        types = findings.controller["types"]
+        rows.append(("sections of the controller", str(len(findings.controller["sections"]))))
+        rows.append(("states of the controller", str(sum(len(t["states"]) for t in types))))
+    rows.append(("engine", findings.engine))
+    rows += [(f"seconds: {what}", f"{took:.2f}") for what, took in findings.seconds.items()]
+    return Table("Sizes and times", ("what", "value"), rows)
+
+
+_STABLE = ("stable states", "event edges")

@@ -1,0 +1,54 @@
+"""Failure causes by one engine, asked by name: what the tests of causes share."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, get_args
+
+from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
+from mcpn.check.causes.find import Causes, find_causes
+from mcpn.check.causes.prospects import Goal, Prospects
+from mcpn.check.causes.scenarios import Scenarios
+from mcpn.check.spaces import Engine, mortal_space, stable_space
+from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
+
+ENGINES: tuple[Engine, ...] = tuple(engine for engine in get_args(Engine) if engine != "auto")
+
+
+class Asked:
+    """The causes of one mission by one engine.
+
+    Args:
+        found: The mission's net.
+        engine: The engine.
+    """
+
+    def __init__(self, found: MissionNet, engine: Engine = "explicit") -> None:
+        self.found = found
+        self.engine: Engine = engine
+        self.prospects: Prospects[Any] = Prospects(found, stable_space(found, engine=engine))
+        self.sections = {section.name: section for section in found.graph.all_sections()}
+
+    @cached_property
+    def cuts(self) -> CutSets[Any]:
+        return CutSets(Prospects(mortal(self.found), mortal_space(self.found, engine=self.engine)))
+
+    @cached_property
+    def scenarios(self) -> Scenarios[Any]:
+        return Scenarios(self.prospects)
+
+    @cached_property
+    def all(self) -> Causes:
+        return find_causes(self.found, engine=self.engine)
+
+    def goal(self, name: str | None = None) -> Goal[Any]:
+        return self.prospects.mission if name is None else self.prospects.objectives[name]
+
+    def dying(self, name: str | None = None) -> Goal[Any]:
+        return self.cuts.mortal.mission if name is None else self.cuts.mortal.objectives[name]
+
+    def cut_sets(self, name: str | None, moment: Moment, section: str | None = None) -> list[CutSet]:
+        """Of the mission (``None``) or an objective; entered is the section, or the objective itself."""
+        entered = self.sections.get(section or name or "")
+        return self.cuts.cut_sets(self.dying(name), moment, entered)

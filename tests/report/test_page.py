@@ -1,0 +1,252 @@
+"""The report: a page that stands alone, whose live controller does what the runtime does."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mcpn.cli.report import findings
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.report.causes import fmeca_rows
+from mcpn.report.page import Findings, page
+from mcpn.runtime import Controller
+from tests.commands import mcpn, output
+from tests.conftest import ROOT, ULYSSE
+from tests.report.test_pictures import HOSTILE, hostile
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+class Elements(HTMLParser):
+    """The elements of a page with their attributes, and its text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def ulysse_findings() -> Findings:
+    return findings(compose(read_mission(ULYSSE)))
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    api = pytest.importorskip("playwright.sync_api", reason="needs playwright")
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium")
+    with api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+def opened(browser: Any, text: str, tmp_path: Path) -> tuple[Any, list[str]]:
+    """A page in a browser without network, and what goes wrong in it."""
+    (tmp_path / "report.html").write_text(text, encoding="utf-8")
+    context = browser.new_context(offline=True)
+    tab = context.new_page()
+    tab.set_default_timeout(10_000)
+    wrong: list[str] = []
+    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+    tab.on("pageerror", lambda error: wrong.append(str(error)))
+    tab.on("dialog", lambda dialog: wrong.append(dialog.message))
+    tab.on("request", lambda asked: None if asked.url.startswith("file:") else wrong.append(asked.url))
+    tab.goto((tmp_path / "report.html").as_uri())
+    return tab, wrong
+
+
+def lit(tab: Any, selector: str, name: str) -> set[str]:
+    found = tab.eval_on_selector_all(selector, f"parts => parts.map(part => part.dataset.{name})")
+    return set(found)
+
+
+def compare(tab: Any, runtime: Controller, boxes: dict[str, int]) -> None:
+    """The page shows what the runtime says."""
+    events = tab.eval_on_selector_all("#events button", "all => all.map(button => button.dataset.event)")
+    assert sorted(events) == list(runtime.possible)
+    state = runtime.state
+    assert lit(tab, "rect[data-box].lit", "box") == {str(boxes[name]) for name in state.objectives}
+    assert lit(tab, "rect[data-activity].lit", "activity") == set(state.mode)
+    ways = tab.eval_on_selector_all(
+        "text[data-alternative].lit", "parts => parts.map(p => [p.dataset.activity, p.dataset.alternative])"
+    )
+    assert {tuple(way) for way in ways} == set(state.mode.items())
+    assert lit(tab, "rect[data-hardware].out", "hardware") == set(runtime.out_of_service)
+    if runtime.outcome:
+        assert runtime.outcome in tab.locator("#now").text_content()
+
+
+def click(tab: Any, event: str) -> None:
+    tab.locator(f'#events button[data-event="{event}"]').click()
+
+
+def boxes_of(tab: Any) -> dict[str, int]:
+    data: dict[str, int] = json.loads(tab.locator("#data").text_content())["boxes"]
+    return data
+
+
+def test_a_failure_and_a_recovery(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    assert ulysse_findings.controller is not None
+    runtime = Controller.from_document(ulysse_findings.controller)
+    boxes = boxes_of(tab)
+    compare(tab, runtime, boxes)
+    for event in (
+        "MISSION_EV_START",
+        "OBJ_coral_head.manual_moving_EV_FAIL",
+        "GPS_sensor_EV_OOS",
+        "IMU_sensor_EV_OOS",
+        "GPS_sensor_EV_RD",
+        "OBJ_transect.diving_EV_FAIL",
+        "OBJ_transect.going_up_EV_OK",
+    ):
+        actions = runtime.handle(event)
+        click(tab, event)
+        compare(tab, runtime, boxes)
+        told = tab.locator("#history li").last.locator("small")
+        shown = told.text_content() if told.count() else ""
+        assert [text.split(": ")[0] for text in shown.split("; ") if text] == [
+            " ".join(filter(None, (a.verb, a.activity or a.hardware))) for a in actions
+        ]
+    assert runtime.outcome == "success"
+    assert wrong == []
+
+
+def test_undo_and_keyboard(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
+    """Undo leads back through each state; a button answers the Enter key."""
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    assert ulysse_findings.controller is not None
+    seen = []
+    for event in ("MISSION_EV_START", "GPS_sensor_EV_OOS", "GPS_sensor_EV_RD"):
+        seen.append(tab.locator("#now").text_content())
+        tab.locator(f'#events button[data-event="{event}"]').focus()
+        tab.keyboard.press("Enter")
+    assert tab.locator("#history li").count() == 3
+    for text in reversed(seen):
+        tab.keyboard.press("u")
+        assert tab.locator("#now").text_content() == text
+    assert tab.locator("#undo").is_disabled()
+    compare(tab, Controller.from_document(ulysse_findings.controller), boxes_of(tab))
+    assert wrong == []
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_events(browser: Any, ulysse_findings: Findings, seed: int, tmp_path: Path) -> None:
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    assert ulysse_findings.controller is not None
+    runtime = Controller.from_document(ulysse_findings.controller)
+    boxes, draw = boxes_of(tab), random.Random(seed)
+    for _ in range(25):
+        event = draw.choice(runtime.possible)
+        runtime.handle(event)
+        click(tab, event)
+        compare(tab, runtime, boxes)
+    assert wrong == []
+
+
+def test_runs_are_replayed(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    for name, outcome in (("success_reachable", "success"), ("failure_reachable", "failure")):
+        verdict = tab.locator("details.verdict", has_text=name)
+        verdict.locator("summary").click()
+        verdict.locator("button.replay").click()
+        assert outcome in tab.locator("#now").text_content()
+    assert wrong == []
+
+
+def test_tables_sort_and_filter(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    section = tab.locator("section", has=tab.locator("h2", has_text="FMECA"))
+    assert ulysse_findings.fmeca is not None
+    rows = section.locator("tbody tr:visible")
+    assert rows.count() == len(ulysse_findings.fmeca)
+    section.locator("input").fill("gps_sensor transect.diving")
+    told = [" ".join(row.values()).lower() for row in fmeca_rows(ulysse_findings.fmeca)]
+    wanted = [text for text in told if "gps_sensor" in text and "transect.diving" in text]
+    assert 0 < len(wanted) < len(told)
+    assert rows.count() == len(wanted)
+    section.locator("input").fill("")
+    for direction in (1, -1):
+        section.locator("th button").nth(1).click()
+        names = section.locator("tbody tr td:nth-child(2)").all_text_contents()
+        assert names == sorted(names, key=str.lower)[::direction]
+    assert wrong == []
+
+
+def test_a_hostile_mission_runs_nothing(browser: Any, tmp_path: Path) -> None:
+    """What tries to be a script is read as text; that the page can tell is seen with a script of its own."""
+    text = page(findings(compose(hostile())))
+    tab, wrong = opened(browser, text, tmp_path)
+    assert wrong == []
+    click(tab, "MISSION_EV_START")
+    assert "<script>alert(1)</script>" in tab.locator("header").text_content()
+    assert tab.locator("script").count() == 2
+    injected = text.replace("<main>", "<main><script>alert(2)</script>")
+    _, wrong = opened(browser, injected, tmp_path)
+    assert len(wrong) == 1
+    assert "Content Security Policy" in wrong[0]
+
+
+def test_texts_are_escaped() -> None:
+    """The same without a browser: the elements are those of a harmless mission with the same names."""
+
+    def harmless(mission: Mission) -> Mission:
+        return replace(mission, description="x")
+
+    evil = Elements(page(findings(compose(hostile()))))
+    good = Elements(page(findings(compose(harmless(hostile())))))
+    assert [tag for tag, _ in evil.elements] == [tag for tag, _ in good.elements]
+    assert [set(a) for _, a in evil.elements] == [set(a) for _, a in good.elements]
+    assert HOSTILE[:30] in evil.text
+
+
+def test_the_page_needs_nothing_else(ulysse_findings: Findings) -> None:
+    found = Elements(page(ulysse_findings))
+    for tag, attributes in found.elements:
+        assert tag not in ("img", "link", "iframe", "object"), tag
+        for name, value in attributes.items():
+            assert name != "src"
+            assert name != "href" or (value or "").startswith("#")
+            assert not name.startswith("on")
+
+
+def test_the_command(tmp_path: Path) -> None:
+    told = output("report", ULYSSE, "-o", tmp_path / "u.html")
+    assert told["passed"] is True
+    assert told["engine"] == "explicit"
+    assert (tmp_path / "u.html").stat().st_size == told["bytes"]
+    local = output("report", ULYSSE, "-o", tmp_path / "l.html", "--engine", "local")
+    assert local["engine"] == "local"
+    refused = mcpn("report", ULYSSE, "-o", tmp_path / "u.pdf")
+    assert refused.returncode == 2
+    assert "expected .html" in refused.stderr
+    assert not (tmp_path / "u.pdf").exists()
+
+
+@pytest.mark.parametrize("name", ["rover", "drone", "glider", "courier"])
+def test_other_missions(name: str, tmp_path: Path) -> None:
+    path = ROOT / "experiments" / name / "mission.xml"
+    told = output("report", path, "-o", tmp_path / "m.html")
+    text = Elements((tmp_path / "m.html").read_text()).text
+    for activity in read_mission(path).activities:
+        assert activity.name in text
+    assert told["passed"] is True
