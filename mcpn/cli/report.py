@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -23,6 +23,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, LimitError, McpnError, Source
 
 if TYPE_CHECKING:
+    from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
 
@@ -38,7 +39,7 @@ MOST_HARDWARE, MOST_OBJECTIVES, MOST_STATES = 8, 60, 200_000
 @click.option("-o", "--output", type=FILE, required=True, help="The page to write, FILE.html.")
 @click.option(
     "--engine",
-    type=click.Choice(["auto", "explicit", "local"]),
+    type=click.Choice(["auto", "explicit", "symbolic", "local"]),
     default="auto",
     show_default=True,
     help="auto: explicit for small missions, else local, which makes no FMECA table.",
@@ -83,7 +84,7 @@ def findings(mission_net: MissionNet, engine: str = "auto", max_states: int | No
 
     Args:
         mission_net: The mission's net.
-        engine: ``explicit``, ``local``, or ``auto``: explicit where the mission is small.
+        engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: explicit where the mission is small.
         max_states: Limit on states that are listed.
 
     Raises:
@@ -125,9 +126,7 @@ def _found(mission_net: MissionNet, engine: str, max_states: int | None) -> Find
             return None
 
     with timed("verdicts"):
-        checked = check(
-            mission_net, engine="local" if engine == "local" else "explicit", max_states=max_states
-        )
+        checked = check(mission_net, engine=cast("Engine", engine), max_states=max_states)
     warnings = [*map(str, (*find_warnings(mission_net.mission), *checked.unselectable))]
     warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):

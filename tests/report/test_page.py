@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from mcpn.cli.report import findings
-from mcpn.mission.model import Mission
+from mcpn.mission.model import DeclaredEvent, Handler, Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.causes import fmeca_rows
@@ -250,3 +250,30 @@ def test_other_missions(name: str, tmp_path: Path) -> None:
     for activity in read_mission(path).activities:
         assert activity.name in text
     assert told["passed"] is True
+
+
+def test_an_interruption(browser: Any, tmp_path: Path) -> None:
+    """A declared event has its button; a mission that cannot be taken apart is run in one piece."""
+    mission = hostile()
+    robot = replace(mission.robots[0], events=(DeclaredEvent(name="leak"),))
+    surface = Objective(name="surface", activities=("b",))
+    mission = replace(
+        mission,
+        robots=(robot,),
+        blocks=(*mission.blocks, surface),
+        handlers=(Handler(event="leak", goto="surface", once=True),),
+    )
+    found = findings(compose(mission))
+    assert found.controller is not None
+    runtime = Controller.from_document(found.controller)
+    tab, wrong = opened(browser, page(found), tmp_path)
+    boxes = boxes_of(tab)
+    for event in ("MISSION_EV_START", "s_EV_OOS", "leak_EV", "OBJ_after_leak.surface_EV_OK"):
+        compare(tab, runtime, boxes)
+        if event == "MISSION_EV_START":
+            assert "leak_EV" not in runtime.possible
+        runtime.handle(event)
+        click(tab, event)
+    compare(tab, runtime, boxes)
+    assert runtime.outcome == "success"
+    assert wrong == []

@@ -156,6 +156,9 @@
       if (here.top < frame.top || here.bottom > frame.bottom) {
         drawing.scrollTop += here.top - frame.top - frame.height / 3;
       }
+      if (here.left < frame.left || here.right > frame.right) {
+        drawing.scrollLeft += here.left - frame.left - frame.width / 3;
+      }
     }
   }
 
