@@ -125,6 +125,20 @@ def one_failure_strikes_a_producer_and_what_is_above() -> Mission:
     )
 
 
+def what_is_given_up_still_evaluates() -> Mission:
+    """As the lamp fails ``inspect`` gives ``outline`` up and asks for the image, as its producer does."""
+    return Mission(
+        name="inspector",
+        robots=robot(
+            (Hardware(name="lamp", shared=True), *hw("camera")),
+            activity("imaging", ("camera",), produces=("image",)),
+            activity("outlining", ("lamp",), ("image",), produces=("outline",)),
+            activity("inspect", ("lamp", "outline"), ("image",)),
+        ),
+        blocks=(Objective(name="look", activities=("inspect",)),),
+    )
+
+
 def eight_branches() -> Mission:
     names = [f"leg{i}" for i in range(8)]
     return Mission(
@@ -171,6 +185,11 @@ def test_a_scan_released_in_a_chain_of_stops_is_not_counted_twice() -> None:
     again = situation(found, after(found, graph, *begun))
     assert again.objectives == (second,)
     assert again.mode == {a: f"{a}0" for a in ("scanning", "localisation", "fly")}
+
+
+def test_an_alternative_shares_with_what_the_one_before_it_leaves_behind() -> None:
+    mission = what_is_given_up_still_evaluates()
+    assert judge(mission, random.Random(1)) == "confluent, cannot contend"
 
 
 def test_what_begins_waits_until_no_producer_evaluates() -> None:

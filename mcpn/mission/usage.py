@@ -75,6 +75,7 @@ class Usage:
             self.closure(name)
             for resource in self.activities[name].produces:
                 self.hardware_under(resource)
+        for name in self.suppliers_first():
             self._inside(name)
 
     # --- what stands on what ---------------------------------------------------------------------------
@@ -261,7 +262,11 @@ class Usage:
                     yield from self._graph_demands(branch.graph)
 
     def _inside(self, activity: str) -> frozenset[tuple[str, Demand, Demand]]:
-        """Concurrent demands for one resource within the chain under one running activity."""
+        """Concurrent demands for one resource within the chain under one running activity.
+
+        They are those of one alternative, and those of what an alternative that is given up leaves behind,
+        still evaluating for the failure that ended it, with those of the alternative that is tried next.
+        """
         if activity not in self._inner:
             found: set[tuple[str, Demand, Demand]] = set()
             for i, alternative in enumerate(self.activities[activity].alternatives):
@@ -272,6 +277,14 @@ class Usage:
                     found.update(_both(own, self.tree_needs(p)))
                 for p, q in combinations(below, 2):
                     found.update(_both(self.tree_needs(p), self.tree_needs(q)))
+                under = frozenset[str]().union(*(self.closure(p) for p in below))
+                left = [q for q in under if self._released_unasked.intersection(self.activities[q].produces)]
+                for j, other in enumerate(self.activities[activity].alternatives if left else ()):
+                    if i != j:
+                        its: Needs = {k: {(activity, j)} for k in other.consumes}
+                        its = _merge([its, *(self.tree_needs(p) for p in self.suppliers(activity, j))])
+                        for q in left:
+                            found.update(_both(its, self.tree_needs(q)))
             self._inner[activity] = frozenset(found)
         return self._inner[activity]
 
