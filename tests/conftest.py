@@ -6,7 +6,8 @@ import csv
 import os
 import random
 import signal
-from collections.abc import Generator
+import sys
+from collections.abc import Generator, Iterator
 from functools import wraps
 from pathlib import Path
 
@@ -139,3 +140,12 @@ def ulysse_net(ulysse: Mission) -> MissionNet:
 @pytest.fixture(scope="session")
 def ulysse_markings(ulysse_net: MissionNet) -> StateGraph:
     return explore(ulysse_net.net)
+
+
+@pytest.fixture(autouse=True)
+def as_a_process_finds_it(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What a command run in this process finds, and leaves: no width of a terminal, the limit on digits."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+    digits = sys.get_int_max_str_digits()
+    yield
+    sys.set_int_max_str_digits(digits)

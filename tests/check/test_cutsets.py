@@ -260,8 +260,9 @@ def test_a_cut_set_makes_success_unreachable_and_no_proper_subset_does(
 def success_reachable(found: MissionNet, dead: Collection[str]) -> bool:
     """CTL on the net, with some hardware out of service from the initial marking on and never repaired."""
     net = found.net
-    tokens = {f"{h}_{place}": int(place == "OOS") for h in dead for place in ("free", "available", "OOS")}
-    places = [replace(p, initial=tokens.get(p.name, p.initial)) for p in net.places]
+    play = Play(found)
+    marking = play.after(play.initial, [f"{h}_EV_OOS" for h in dead])
+    places = [replace(p, initial=tokens) for p, tokens in zip(net.places, marking, strict=True)]
     repairs = [f"{h}_EV_RD" for h in dead]
     kept = [t for t in net.transitions if str(t.event) not in repairs]
     crippled = replace(net, places=tuple(places), transitions=tuple(kept))

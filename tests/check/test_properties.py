@@ -151,7 +151,10 @@ def test_contention_fails_confluence_with_two_runs_and_words() -> None:
     verdict = found.verdicts["confluent"]
     assert verdict.holds is False
     assert len(verdict.runs) == 2
-    assert "also and use, both in parallel block both, both need H" in verdict.explanation
+    assert (
+        "also (objective y) and use (objective x), both in parallel block both, ask for H"
+        in verdict.explanation
+    )
     assert not found.passed
     assert found.alternatives is None
     assert found.verdicts["can_always_finish"].holds is True  # decided on the markings graph

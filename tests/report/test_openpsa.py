@@ -230,8 +230,8 @@ def compare_with_scram(mission: Mission, folder: Path) -> None:
     for name, expected in tops.items():
         assert read[name].cut_sets == expected, name
         if quantitative and expected not in ([], [()]):
-            found_by_scram = read[name].probability
-            assert found_by_scram == pytest.approx(lost(expected, mission), rel=1e-6, abs=1e-12), name
+            found_by_scram = read[name].probability  # printed with six digits
+            assert found_by_scram == pytest.approx(lost(expected, mission), rel=6e-6, abs=1e-12), name
     stated = {
         event.get("name")
         for event in etree.fromstring(document).iter("define-basic-event")
