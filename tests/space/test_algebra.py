@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, SemanticsError
@@ -265,6 +265,7 @@ def s_all(space: Space[Any]) -> list[int]:
     return list(range(len(space.net.transitions)))
 
 
+@settings(max_examples=80)
 @given(missions(max_hardware=2, max_producers=1, max_sections=4), st.data())
 def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     net = compose(mission).net
@@ -273,6 +274,7 @@ def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.D
     Questions(data.draw, start, graph, markings_spaces(net)).ask()
 
 
+@settings(max_examples=80)
 @given(missions(max_hardware=3, max_producers=2), st.data())
 def test_spaces_of_alternatives_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
@@ -293,6 +295,7 @@ def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> N
         assert sum(space.firings(space.everything).values()) == (124078 if kind == "markings" else 1332)
 
 
+@settings(max_examples=80)
 @given(missions(max_hardware=2, max_producers=2, max_sections=4), st.data())
 def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
@@ -310,6 +313,7 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
     Questions(data.draw, start, graph, spaces).ask()
 
 
+@settings(max_examples=80)
 @given(missions(max_hardware=3, max_producers=2))
 def test_the_composite_refuses_what_is_not_confluent(mission: Mission) -> None:
     mission_net = compose(mission)
