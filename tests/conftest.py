@@ -36,7 +36,7 @@ for _name, _examples, _fixed in (
     ("smoke", 10, True),
     ("dev", 100, False),
     ("ci", 200, True),
-    ("fresh", 50, False),
+    ("fresh", 20, False),
     ("nightly", 5000, False),
 ):
     settings.register_profile(
