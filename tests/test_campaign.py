@@ -11,6 +11,7 @@ import os
 import random
 import sys
 import time
+import zlib
 from collections import Counter
 
 import numpy as np
@@ -72,7 +73,7 @@ def run_campaign(number: int, first: int) -> None:
     @given(MISSIONS)
     def judged(mission: Mission) -> None:
         found["drawn"] += 1
-        found[judge(mission, random.Random(found["drawn"]))] += 1
+        found[judge(mission, random.Random(zlib.crc32(repr(mission).encode())))] += 1  # the same each time
 
     try:
         judged()
