@@ -33,6 +33,7 @@ from mcpn.space.listing import written_out
 from mcpn.space.local.composing import composite_space
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
 from tests.controller.test_lockstep import walk
 from tests.net.promises import check_promises
 
@@ -41,6 +42,7 @@ MISSIONS = st.one_of(
     missions(sections=6, producers=2, alternatives=2, awkward_names=True),
     missions(sections=5, producers=2, events=2),
     missions(own_hardware=True, shared_activities=False, sections=5),
+    stacked_missions(),
 )
 LIMIT = 20_000
 EVENTS = 200

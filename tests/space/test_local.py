@@ -38,6 +38,7 @@ from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import PremiseError, SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
 from tests.shares import returns_early
 
 
@@ -87,7 +88,7 @@ def test_rounds_and_tries_are_of_one_type() -> None:
     assert len(generate(nets[1]).types) == 1
 
 
-@given(missions())
+@given(missions() | stacked_missions())
 def test_the_composite_is_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:
