@@ -80,14 +80,13 @@ def causes(
     from mcpn.files import write_atomically
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
-    from mcpn.space.clash import in_mission_words
 
     started = time.perf_counter()
     classes = _classes(severities)
     if fmeca is not None:
         report.check_table_name(fmeca)
     mission_net = mission_net_of(mission, import_root)
-    with progress_line(as_json) as progress, in_mission_words(mission_net):
+    with progress_line(as_json) as progress:
         every = find_causes(mission_net, engine=engine, progress=progress, max_states=max_states)
     found = every.of(objectives) if objectives else every
     goals = {found.mission.name: found.mission, **found.objectives}
