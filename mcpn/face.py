@@ -33,7 +33,11 @@ if TYPE_CHECKING:
 
 
 def read_mission(path: str | Path) -> Mission:
-    """Reads a mission file.
+    """Reads a mission file, with what it imports.
+
+    >>> mission = read_mission("experiments/ulysse/mission.xml")
+    >>> mission.name, [block.name for block in mission.blocks]
+    ('ulysse', ['coral_head', 'transect'])
 
     Args:
         path: The file.
@@ -48,6 +52,10 @@ def states(
     of: Mission | MissionNet | PetriNet, *, engine: Literal["auto", "explicit", "symbolic", "pyeda"] = "auto"
 ) -> SpaceSummary:
     """Counts the reachable markings of a mission or of a net, exactly.
+
+    >>> found = states(read_mission("experiments/ulysse/mission.xml"), engine="explicit")
+    >>> found.states, found.stable_states
+    (44299, 260)
 
     Args:
         of: The mission or the net.
@@ -72,6 +80,12 @@ def ctl(
     engine: Asked = "auto",
 ) -> Answer:
     """Answers a formula of temporal logic, with a run that shows why.
+
+    >>> mission = read_mission("experiments/ulysse/mission.xml")
+    >>> ctl(mission, "AF (success | failure)").holds  # a sensor may fail and recover for ever
+    False
+    >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
+    True
 
     Args:
         of: The mission or the net.
@@ -98,6 +112,10 @@ def ctl(
 def picture(of: Mission | MissionNet) -> MissionPicture:
     """Draws a mission; a notebook shows the picture, and ``save`` writes it as SVG.
 
+    >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
+    >>> "going_up" in drawing.svg
+    True
+
     Args:
         of: The mission.
     """
@@ -108,6 +126,10 @@ def picture(of: Mission | MissionNet) -> MissionPicture:
 
 def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
     """Finds what makes a mission and its objectives fail: critical events and minimal cut sets.
+
+    >>> found = causes(read_mission("experiments/ulysse/mission.xml"))
+    >>> [sorted(cut) for cut in found.mission.cut_sets]
+    [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
 
     Args:
         of: The mission.

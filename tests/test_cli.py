@@ -29,6 +29,7 @@ def test_check_passes_on_ulysse() -> None:
         "markings",
         "alternatives",
         "verdicts",
+        "undecided",
         "witnesses",
         "engine",
         "why",

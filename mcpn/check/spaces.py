@@ -11,6 +11,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof, prove_confluent
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress, explore
@@ -56,9 +57,13 @@ def space_of(
                 "composition makes the alternatives graph of a mission: sections hand on stable states only",
             )
         options = Options() if max_states is None else Options(max_states=max_states)
-        return composite_space(mission_net, options)
+        with in_mission_words(mission_net):
+            return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit)
-    return markings if on == "markings" else alternatives_by(markings, limit)[0]
+    if on == "markings":
+        return markings
+    with in_mission_words(mission_net):
+        return alternatives_by(markings, limit)[0]
 
 
 def stable_space(
@@ -83,7 +88,8 @@ def stable_space(
     """
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if engine == "local":
-        return composite_space(mission_net, Options(max_states=limit, progress=progress))
+        with in_mission_words(mission_net):
+            return composite_space(mission_net, Options(max_states=limit, progress=progress))
     if engine == "symbolic":
         return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
@@ -91,7 +97,8 @@ def stable_space(
     if 2**faulty > limit:
         found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
         raise LimitError(f"{found}, the limit on states is {limit}: use --engine local")
-    return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
+    with in_mission_words(mission_net):
+        return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
 
 
 def mortal_space(

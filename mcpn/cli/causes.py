@@ -83,7 +83,6 @@ def causes(
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
     from mcpn.report.text import print_choice
-    from mcpn.space.clash import in_mission_words
 
     started = time.perf_counter()
     classes = _classes(severities)
@@ -91,7 +90,7 @@ def causes(
         report.check_table_name(fmeca)
     mission_net = mission_net_of(mission, import_root)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
-    with progress_line(as_json, told) as progress, in_mission_words(mission_net):
+    with progress_line(as_json, told) as progress:
         every = find_causes(mission_net, engine=engine, progress=progress, max_states=max_states)
     found = every.of(objectives) if objectives else every
     goals = {found.mission.name: found.mission, **found.objectives}

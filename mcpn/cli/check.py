@@ -108,6 +108,7 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
         "markings": dict(zip(("states", "edges"), found.marking_sizes or (None, None), strict=True)),
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
+        "undecided": found.undecided,
         "witnesses": {
             name: [[*map(str, run.events), *run.tail] for run in runs]
             for name, verdict in found.verdicts.items()

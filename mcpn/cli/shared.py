@@ -49,7 +49,8 @@ json_option = click.option(
 limit_option = click.option(
     "--max-states",
     type=click.IntRange(1, (1 << 63) - 1),
-    help="Give up beyond this number of states; sections of the local engine become diagrams.",
+    help="List at most this many states one by one. Decision diagrams, which the symbolic engine and most of "
+    "the local one use, are limited by memory instead.",
 )
 import_option = click.option(
     "--import-root",
@@ -122,9 +123,10 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
 
 def composite_of(mission_net: MissionNet, max_states: int | None, *, quiet: bool = False) -> CompositeSpace:
     """The sections of a mission, glued."""
+    from mcpn.space.clash import in_mission_words
     from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
 
-    with progress_line(quiet, SECTIONS) as progress:
+    with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
         limit = DEFAULT_MAX_STATES if max_states is None else max_states
         return composite_space(mission_net, Options(max_states=limit, progress=progress))
 

@@ -172,8 +172,10 @@ def print_check(
     if check.passed:
         terminal.print("all required verdicts hold", style="green")
     else:
-        failing = [name for name, verdict in check.verdicts.items() if verdict.required and not verdict.holds]
-        terminal.print(f"verdicts fail: {', '.join(failing)}", style="red")
+        if check.failing:
+            terminal.print(f"verdicts fail: {', '.join(check.failing)}", style="red")
+        if check.undecided:
+            terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
 
 
 def _sizes(check: MissionCheck, seconds: float) -> str:
@@ -195,7 +197,7 @@ def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict
     """A sentence and the verdict's name; why, where it is not as it should be; the runs that show it."""
     sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
     sentence = sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
-    mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "red")}[verdict.holds]
+    mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "yellow")}[verdict.holds]
     if not verdict.required:
         mark, colour = _INFORMATIVE, "dim"
     line = f"{mark:4} {sentence:58} {verdict.name}"

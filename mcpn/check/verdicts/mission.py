@@ -31,6 +31,12 @@ from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
 
+UNDECIDED_UNSAFE = "not decided: the net is not 1-safe, so that its states cannot be explored"
+UNDECIDED_LOCAL = (
+    "not decided: the mission is not confluent, so that composition has no one state to go on from; "
+    "--engine explicit or symbolic decides it"
+)
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -92,6 +98,16 @@ class MissionCheck:
         return self.markings.everything.count(), sum(firings.values())
 
     @property
+    def failing(self) -> list[str]:
+        """Required verdicts that do not hold."""
+        return [name for name in REQUIRED if self.verdicts[name].holds is False]
+
+    @property
+    def undecided(self) -> dict[str, str]:
+        """By verdict that is not known, the reason."""
+        return {name: v.explanation for name, v in self.verdicts.items() if v.holds is None}
+
+    @property
     def passed(self) -> bool:
         """Whether every required verdict holds."""
         return all(self.verdicts[name].holds for name in REQUIRED)
@@ -141,7 +157,7 @@ def _checked(
 ) -> MissionCheck:
     """Every verdict, by one engine."""
     engine, max_states = attempt.engine, attempt.max_states
-    verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+    verdicts = {name: Verdict(name, None) for name in (*REQUIRED, *INFORMATIVE)}
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     markings: Space[Any] | None = None
     alternatives: Space[Any] | None = None
@@ -157,12 +173,12 @@ def _checked(
         verdicts["confluent"] = Verdict("confluent", True, proof)
     except UnsafeError as error:
         verdicts["safe"] = Verdict("safe", False, str(error), _runs_of(mission_net, error))
-        return MissionCheck(mission_net, verdicts)
+        return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_UNSAFE))
     except (ConfluenceError, DivergenceError) as error:
         verdicts["confluent"] = _not_confluent(mission_net, error, limit if engine == "explicit" else None)
     space = alternatives or markings
     if space is None:
-        return MissionCheck(mission_net, verdicts)
+        return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_LOCAL))
     verdicts["safe"] = Verdict("safe", True, "no firing puts a second token in a place")
     verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
     for verdict in _reachability(mission_net, space, settles=alternatives is not None):
@@ -174,6 +190,11 @@ def _checked(
     modes = functioning_modes(mission_net, space)
     sizes = None if alternatives is None else (space.everything.count(), sum(firings.values()))
     return MissionCheck(mission_net, verdicts, markings, alternatives, sizes, modes, unselectable)
+
+
+def _undecided(verdicts: dict[str, Verdict], reason: str) -> dict[str, Verdict]:
+    """The verdicts, of which those that are not known say why."""
+    return {n: Verdict(n, None, reason) if v.holds is None else v for n, v in verdicts.items()}
 
 
 def _not_confluent(mission_net: MissionNet, error: SemanticsError, max_states: int | None) -> Verdict:
