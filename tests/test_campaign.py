@@ -108,7 +108,7 @@ def judge(mission: Mission, choice: random.Random) -> str:
     prove_confluent(net, space=space)
     assert space.stable is not None
     assert space.stable.count() == whole.states
-    written = written_out(composite_space(mission_net), "local", "", LIMIT)
+    written = written_out(composite_space(mission_net), "local", LIMIT)
     for name in ("markings", "offsets", "targets", "labels"):
         assert np.array_equal(getattr(written, name), getattr(whole, name)), name
     lockstep(mission_net, whole, choice)

@@ -59,7 +59,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
     composite = composite_space(ulysse_net)
     assert sizes(composite) == (260, 1332)  # the reference net's
     assert len(types(composite)) == 2
-    check_equal(written_out(composite, "local", "", 1000), direct(ulysse_net.net))
+    check_equal(written_out(composite, "local", 1000), direct(ulysse_net.net))
 
 
 def rounds(count: int, retries: int) -> MissionNet:
@@ -104,7 +104,7 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
     composite = composite_space(mission_net)
     event(f"{len(composite.sections)} sections, {len(types(composite))} types")
     assert sizes(composite) == (whole.states, whole.edges)
-    check_equal(written_out(composite, "local", "", 50_000), whole)
+    check_equal(written_out(composite, "local", 50_000), whole)
     ends = [mission_net.success], [mission_net.failure], [mission_net.success, mission_net.failure]
     for places in ends:
         reaching = composite.reaching(composite.marked(places))
