@@ -89,6 +89,7 @@ LOADS = {
     "convert {folder}/net.pnml": set(),
     "ctl AG(EF(success|failure))": {"lark"},
     "causes --engine local": set(),
+    "causes": set(),
 }
 """What each command loads of the heavy modules."""
 

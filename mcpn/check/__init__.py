@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Engine
+    from mcpn.check.choice import Asked
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
@@ -29,7 +29,7 @@ class Check(ModuleType):
     """The room as something to call."""
 
     def __call__(
-        self, of: Mission | MissionNet, *, engine: Engine = "explicit", max_states: int | None = None
+        self, of: Mission | MissionNet, *, engine: Asked = "auto", max_states: int | None = None
     ) -> MissionCheck:
         """Checks a mission: its verdicts, each with a run where there is one, and the sizes of its graphs.
 
