@@ -39,6 +39,7 @@ PRINTED = {
     "states mission.xml --engine symbolic": "states",
     "states mission.xml --engine local": "states",
     "alternatives mission.xml": "alternatives",
+    "alternatives mission.xml --engine symbolic": "alternatives",
     "compare dead.net": "compare",
     "ctl mission.xml EF(success) AF(success|failure)": "ctl",
     "ctl mission.xml EF(failure) --on alternatives --engine local": "ctl",
