@@ -58,7 +58,8 @@ def generate(
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
+    with in_mission_words(mission_net):
+        composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
     listed: dict[SectionType, AlternativesGraph] = {}
     for placed in composite.sections.values():
         type_ = placed.type
