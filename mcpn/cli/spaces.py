@@ -127,7 +127,8 @@ def _limits(max_states: int | None) -> dict[str, int]:
     "--method", type=click.Choice(["direct", "reduction", "local"]), default="direct", show_default=True
 )
 @click.option("--proof/--no-proof", default=True, help="Prove that internal evolution is confluent and ends.")
-@click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut or .dot.")
+@click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut, .dot, .svg or .png.")
+@click.option("--section", metavar="NAME", help="The local graph of this section alone.")
 @limit_option
 @import_option
 @json_option
@@ -136,6 +137,7 @@ def alternatives(
     method: str,
     proof: bool,
     output: Path | None,
+    section: str | None,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
@@ -143,10 +145,14 @@ def alternatives(
     """Build the alternatives graph of MISSION: its stable markings and events."""
     mission_net = mission_net_of(mission, import_root)
     started = time.perf_counter()
-    if method == "local" and output is None:
+    if section is not None:
+        from mcpn.report.pictures.sections import local_graph
+
+        mission_net, graph = local_graph(mission_net, section, max_states)
+    elif method == "local" and output is None:
         emit_counts(_local_sizes(mission_net, max_states, as_json), as_json)
         return
-    if method == "local":
+    elif method == "local":
         graph = _written_out(mission_net, max_states, as_json)
     else:
         with progress_line(as_json) as progress:
@@ -155,7 +161,7 @@ def alternatives(
     if output is not None:
         from mcpn.report.graphs import save_graph
 
-        save_graph(graph, mission_net, output)
+        save_graph(graph, mission_net, output, section)
     counts = {
         "states": graph.states,
         "edges": graph.edges,
