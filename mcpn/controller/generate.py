@@ -59,7 +59,8 @@ def generate(
         return flat_controller(mission_net, graph)
     _refuse_interruptions(mission_net)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
+    with in_mission_words(mission_net):
+        composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
     listed: dict[SectionType, AlternativesGraph] = {}
     for placed in composite.sections.values():
         type_ = placed.type

@@ -144,7 +144,9 @@ def test_a_hostile_mission_is_only_text(tmp_path: Path) -> None:
             root = etree.fromstring(text.encode())
             known = {"svg", "style", "rect", "defs", "marker", "path", "title", "text", "polyline"}
             assert {etree.QName(element).localname for element in root.iter("*")} <= known
-            assert not any(str(name).startswith("on") for element in root.iter("*") for name in element.attrib)
+            assert not any(
+                str(name).startswith("on") for element in root.iter("*") for name in element.attrib
+            )
             assert max(len(t.text or "") for t in root.iter(f"{SVG}text")) <= graphs.MOST_IN_NODE
 
 
