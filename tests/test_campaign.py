@@ -117,12 +117,7 @@ def judge(mission: Mission, choice: random.Random) -> str:
 
 def lockstep(mission_net: MissionNet, whole: AlternativesGraph, choice: random.Random) -> None:
     """Drives both controllers by the same random events; the net itself, which is slow, on some missions."""
-    controllers = [flat_controller(mission_net, whole)]
-    if any(section.interruptions for section in mission_net.graph.sections):
-        if choice.random() < NET_TOO:  # machines of sections have no exit for an interruption
-            walk(mission_net, controllers, choice, EVENTS)
-        return
-    controllers.append(generate(mission_net))
+    controllers = [flat_controller(mission_net, whole), generate(mission_net)]
     if choice.random() < NET_TOO:
         walk(mission_net, controllers, choice, EVENTS)
         return

@@ -160,7 +160,7 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
 
 @given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
-    """An interruption is an event like any other; composition may refuse such missions, then flat alone."""
+    """An interruption is an event like any other; of a section's machine it is an exit."""
     mission_net = compose(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")
