@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import NetBuilder
 from mcpn.report.pictures import drawing as drawing_module
 from mcpn.report.pictures import graph as graphs
+from mcpn.report.pictures import graphviz
 from mcpn.report.pictures.choice import KINDS, drawn
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, Placed, lay_out
 from mcpn.report.pictures.nets import interface, net_picture, units_picture
@@ -48,7 +49,6 @@ def overlapping(placed: Placed) -> Iterator[tuple[Any, Any]]:
                 yield a, b
 
 
-@settings(max_examples=40)
 @given(missions())
 def test_every_section_and_route_is_drawn(mission: Mission) -> None:
     net = compose(mission)
@@ -58,6 +58,12 @@ def test_every_section_and_route_is_drawn(mission: Mission) -> None:
     for edge in graph.edges:
         assert edge.source in keys
         assert edge.target in keys
+
+
+@settings(max_examples=10)
+@given(missions())
+def test_boxes_stand_apart(mission: Mission) -> None:
+    graph = objectives_picture(compose(mission).graph, "x")
     placed = lay_out(graph)
     assert len(placed.nodes) == len(graph.nodes)
     assert len(placed.curves) == len(graph.edges)
@@ -178,8 +184,26 @@ def test_too_large_a_picture_names_its_limit(tmp_path: Path) -> None:
     with pytest.raises(
         LimitError, match=f"301 boxes, the limit of what one drawing shows is {graphs.MOST_NODES}"
     ):
-        mcpn.picture(builder.build()).save(tmp_path / "x.svg")  # type: ignore[operator]
+        mcpn.picture(builder.build()).save(tmp_path / "x.svg")
     assert not (tmp_path / "x.svg").exists()
+
+
+def test_graphviz_may_fail(ulysse: MissionNet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where its process dies with curves there are straight lines; where it always dies, an error."""
+    asked = []
+    answers = graphviz._answers
+
+    def dies(questions: Sequence[dict[str, Any]], *when: str) -> list[dict[str, Any]] | None:
+        asked.append([question["splines"] for question in questions])
+        return None if asked[-1][0] in when else answers(questions)
+
+    monkeypatch.setattr(graphviz, "_answers", lambda questions: dies(questions, "true"))
+    assert "transect.diving" in drawn(ulysse, "objectives").svg
+    assert asked == [["true"], ["true"], ["line"]]
+    monkeypatch.setattr(graphviz, "_answers", lambda questions: dies(questions, "true", "line"))
+    with pytest.raises(LimitError, match="Objectives graph of the mission ulysse: Graphviz finds no layout"):
+        _ = drawn(ulysse, "objectives").svg
+    assert answers([{"splines": "true", "nodes": "none"}]) is None
 
 
 def test_without_the_extra_an_error_says_what_to_install(
@@ -226,7 +250,7 @@ def test_the_commands(tmp_path: Path) -> None:
     assert "expected .svg or .png" in wrong.stderr
 
 
-@settings(max_examples=20)
+@settings(max_examples=6)
 @given(missions())
 def test_any_mission_is_drawn(mission: Mission) -> None:
     """Every kind of picture of every mission is made, or an error says why it cannot be."""

@@ -5,13 +5,13 @@ Graphviz is told sizes and numbers only. Texts stay here and are escaped when th
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.report.pictures.drawing import Drawing, needed, rendered
+from mcpn.report.pictures.drawing import Drawing, rendered
+from mcpn.report.pictures.graphviz import Layout, Question, Size, laid_out
 from mcpn.report.pictures.layout import shown, text_width
 
 MOST_NODES, MOST_EDGES = 300, 900
@@ -19,9 +19,6 @@ MOST_NODES, MOST_EDGES = 300, 900
 
 MOST_AT_ONCE = 400
 """Curves that are laid out together: nobody can follow more, and their layout takes long."""
-
-POINTS = 72.0
-"""Graphviz measures boxes in inches, everything else in points."""
 
 LINE, MARGIN, MOST_IN_NODE, MOST_IN_LABEL = 17, 8, 60, 44
 TEXT, SMALL = 13.0, 11.5
@@ -214,17 +211,40 @@ def lay_out(graph: Graph) -> Placed:
     Raises:
         LimitError: It has too many boxes or curves to be read, or the extra ``pictures`` is missing.
     """
-    for count, most, what in (
-        (len(graph.nodes), MOST_NODES, "boxes"),
-        (len(graph.edges), MOST_EDGES if graph.nested else MOST_AT_ONCE, "curves"),
-    ):
-        if count > most:
-            raise LimitError(f"{graph.name}: {count:,} {what}, the limit of what one drawing shows is {most}")
-    return _nested(graph) if graph.nested else _layered(graph)
+    return lay_out_all([graph])[0]
 
 
-def _layered(graph: Graph) -> Placed:
-    found = _graphviz(graph)
+def lay_out_all(graphs: Sequence[Graph]) -> list[Placed]:
+    """Places several graphs, faster than one after the other.
+
+    Raises:
+        LimitError: As of :func:`lay_out`.
+    """
+    for graph in graphs:
+        for count, most, what in (
+            (len(graph.nodes), MOST_NODES, "boxes"),
+            (len(graph.edges), MOST_EDGES if graph.nested else MOST_AT_ONCE, "curves"),
+        ):
+            if count > most:
+                limit = f"the limit of what one drawing shows is {most}"
+                raise LimitError(f"{graph.name}: {count:,} {what}, {limit}")
+    inner = [part for graph in graphs for part in (_parts(graph) if graph.nested else [graph])]
+    placed = iter(_layered(inner))
+    found = []
+    for graph in graphs:
+        if graph.nested:
+            found.append(_nested(graph, {cluster.key: next(placed) for cluster in graph.clusters}))
+        else:
+            found.append(next(placed))
+    return found
+
+
+def _layered(graphs: Sequence[Graph]) -> list[Placed]:
+    layouts = laid_out([_question(graph) for graph in graphs], ", ".join(graph.name for graph in graphs))
+    return [_placed(graph, layout) for graph, layout in zip(graphs, layouts, strict=True)]
+
+
+def _placed(graph: Graph, found: Layout) -> Placed:
     left, bottom, right, top = map(float, found["bb"].split(","))
     placed = Placed(right - left + 2 * MARGIN, top - bottom + 2 * MARGIN)
 
@@ -252,14 +272,20 @@ def _layered(graph: Graph) -> Placed:
     return placed
 
 
-def _nested(graph: Graph) -> Placed:
-    """Each cluster by itself, then the clusters as boxes, then what joins them."""
+def _parts(graph: Graph) -> list[Graph]:
+    """The inside of each cluster."""
     of = {node.key: node.cluster for node in graph.nodes}
-    inside: dict[str, Placed] = {}
+    found = []
     for cluster in graph.clusters:
         members = [replace(node, cluster=None) for node in graph.nodes if node.cluster == cluster.key]
         edges = [e for e in graph.edges if of[e.source] == of[e.target] == cluster.key]
-        inside[cluster.key] = _layered(Graph(cluster.name, members, edges))
+        found.append(Graph(cluster.name, members, edges))
+    return found
+
+
+def _nested(graph: Graph, inside: Mapping[str, Placed]) -> Placed:
+    """Clusters, which have been laid out by themselves, as boxes; then what joins them."""
+    of = {node.key: node.cluster for node in graph.nodes}
     boxes = [
         Node(key, ("",), "", size=(placed.width, placed.height + NAME)) for key, placed in inside.items()
     ]
@@ -267,7 +293,7 @@ def _nested(graph: Graph) -> Placed:
     pairs = dict.fromkeys((of[e.source] or e.source, of[e.target] or e.target) for e in crossing)
     free = [node for node in graph.nodes if node.cluster is None]
     joints = [Edge(*pair, "arc") for pair in pairs if pair[::-1] not in pairs or pair < pair[::-1]]
-    outer = _layered(Graph(graph.name, [*boxes, *free], joints, sideways=graph.sideways))
+    (outer,) = _layered([Graph(graph.name, [*boxes, *free], joints, sideways=graph.sideways)])
     placed = Placed(outer.width, outer.height)
     for cluster in graph.clusters:
         box = outer.by_key[cluster.key]
@@ -332,43 +358,38 @@ def _size(node: Node) -> tuple[float, float]:
     return width + 16, LINE * len(texts) + (4 if _small(node) else 10)
 
 
-def _graphviz(graph: Graph) -> dict[str, Any]:
-    """What Graphviz says of a graph of numbers."""
-    pygraphviz = needed("pygraphviz", "a drawing of a graph")
-    asked = pygraphviz.AGraph(
-        directed=True,
-        strict=False,
-        rankdir="LR" if graph.sideways else "TB",
-        nodesep="0.3",
-        ranksep="0.45",
-        compound="true",
-    )
-    asked.node_attr.update(shape="box", fixedsize="true", label="")
-    names = {node.key: f"n{number}" for number, node in enumerate(graph.nodes)}
-    for node in graph.nodes:
-        width, height = _size(node)
-        asked.add_node(names[node.key], width=f"{width / POINTS:.3f}", height=f"{height / POINTS:.3f}")
-    inside: dict[str | None, Any] = {None: asked}
-    for number, cluster in enumerate(graph.clusters):
-        members = [names[node.key] for node in graph.nodes if node.cluster == cluster.key]
-        name = _space(text_width(shown(cluster.name), SMALL) + 8, 16)
-        parent = inside[cluster.parent]
-        inside[cluster.key] = parent.add_subgraph(members, name=f"cluster_{number}", label=name, margin="10")
-    for number, edge in enumerate(graph.edges):
-        lines = [shown(line, MOST_IN_LABEL) for line in edge.lines]
-        wide = max((text_width(line, SMALL) for line in lines), default=0)
-        label = {"label": _space(wide + 6, 13 * len(lines) + 4)} if lines else {}
-        way = {"dir": "both" if edge.both else "forward" if edge.arrow else "none"}
-        named = {"class": f"e{number}", "weight": "6" if edge.kind == "success" else "1"}
-        asked.add_edge(names[edge.source], names[edge.target], key=f"e{number}", **label, **way, **named)
-    found: dict[str, Any] = json.loads(asked.draw(format="json0", prog="dot"))
-    return found
+def _question(graph: Graph) -> Question:
+    """What Graphviz is asked of a graph."""
+    number = {node.key: n for n, node in enumerate(graph.nodes)}
+    cluster_number = {cluster.key: n for n, cluster in enumerate(graph.clusters)}
+    clusters = [
+        {
+            "parent": None if cluster.parent is None else cluster_number[cluster.parent],
+            "members": [number[node.key] for node in graph.nodes if node.cluster == cluster.key],
+            "label": (text_width(shown(cluster.name), SMALL) + 8, 16),
+        }
+        for cluster in graph.clusters
+    ]
+    edges = [
+        {
+            "ends": (number[edge.source], number[edge.target]),
+            "label": _label(edge),
+            "both": edge.both,
+            "arrow": edge.arrow,
+            "weight": 6 if edge.kind == "success" else 1,
+        }
+        for edge in graph.edges
+    ]
+    nodes = [_size(node) for node in graph.nodes]
+    return {"sideways": graph.sideways, "nodes": nodes, "clusters": clusters, "edges": edges}
 
 
-def _space(width: float, height: float) -> str:
-    """A label of a size and without a text."""
-    size = f'WIDTH="{width:.0f}" HEIGHT="{height:.0f}"'
-    return f'<<TABLE FIXEDSIZE="TRUE" BORDER="0" CELLPADDING="0" {size}><TR><TD></TD></TR></TABLE>>'
+def _label(edge: Edge) -> Size | None:
+    """The size of what stands beside an edge."""
+    if not edge.lines:
+        return None
+    wide = max(text_width(shown(line, MOST_IN_LABEL), SMALL) for line in edge.lines)
+    return wide + 6, 13 * len(edge.lines) + 4
 
 
 def _curve(edge: Edge, position: str, at: Callable[[str], Point]) -> Curve:
