@@ -49,6 +49,7 @@ def overlapping(placed: Placed) -> Iterator[tuple[Any, Any]]:
                 yield a, b
 
 
+@settings(max_examples=50)
 @given(missions())
 def test_every_section_and_route_is_drawn(mission: Mission) -> None:
     net = compose(mission)
@@ -75,7 +76,7 @@ def test_boxes_stand_apart(mission: Mission) -> None:
         assert frame.y + frame.height <= placed.height + 1
 
 
-@settings(max_examples=20)
+@settings(max_examples=15)
 @given(missions())
 def test_a_net_is_drawn_with_its_interface(mission: Mission) -> None:
     """Each place once; what joins units is green, and only units that share a place are joined."""

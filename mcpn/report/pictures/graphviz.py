@@ -14,12 +14,11 @@ from importlib import import_module
 from typing import Any, TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.report.pictures.drawing import needed
 
 Size: TypeAlias = tuple[float, float]
 Question: TypeAlias = dict[str, Any]
-"""``sideways``; ``nodes``: each a size; ``clusters``: each with ``parent`` (a number or null), ``members`` and
-the size of its ``label``; ``edges``: each with ``ends``, ``label`` (a size or null), ``both``, ``arrow`` and
+"""``sideways``; ``nodes``: each a size; ``clusters``: each with ``parent`` (a number or null), ``members``
+and the size of its ``label``; ``edges``: each with ``ends``, ``label`` (a size or null), ``both``, ``arrow`` and
 ``weight``."""
 
 Layout: TypeAlias = dict[str, Any]
@@ -44,6 +43,8 @@ def laid_out(questions: Sequence[Question], name: str) -> list[Layout]:
     Raises:
         LimitError: Graphviz is not there, fails or takes too long.
     """
+    from mcpn.report.pictures.drawing import needed
+
     needed("pygraphviz", "a drawing of a graph")
     found = _answers([{**question, "splines": CURVES} for question in questions])
     if found is not None:
