@@ -111,7 +111,7 @@ def _local_counts(
 
     started = time.perf_counter()
     composite = composite_of(mission_net, max_states, quiet=quiet)
-    names = ("states", "edges", "dead_states", "max_tokens", "nodes")
+    names = ("states", "edges", "dead_states", "max_tokens", "nodes", "order")
     whole = summarise(mission_net.net, "symbolic") if markings else None
     return {
         "places": len(mission_net.net.places),
