@@ -17,9 +17,11 @@ from mcpn.errors import LimitError
 
 Size: TypeAlias = tuple[float, float]
 Question: TypeAlias = dict[str, Any]
-"""``sideways``; ``nodes``: each a size; ``clusters``: each with ``parent`` (a number or null), ``members``
-and the size of its ``label``; ``edges``: each with ``ends``, ``label`` (a size or null), ``both``, ``arrow`` and
-``weight``."""
+"""Sizes and numbers.
+
+``sideways``; ``nodes``: each a size; ``clusters``: each with ``parent`` (a number or null), ``members`` and the
+size of its ``label``; ``edges``: each with ``ends``, ``label`` (a size or null), ``both``, ``arrow``, ``weight``.
+"""
 
 Layout: TypeAlias = dict[str, Any]
 """As Graphviz writes it: ``bb``, ``objects``, ``edges``."""
