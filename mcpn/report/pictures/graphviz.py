@@ -19,8 +19,10 @@ Size: TypeAlias = tuple[float, float]
 Question: TypeAlias = dict[str, Any]
 """Sizes and numbers.
 
-``sideways``; ``nodes``: each a size; ``clusters``: each with ``parent`` (a number or null), ``members`` and the
-size of its ``label``; ``edges``: each with ``ends``, ``label`` (a size or null), ``both``, ``arrow``, ``weight``.
+- ``sideways``;
+- ``nodes``: each a size;
+- ``clusters``: each with ``parent`` (a number or null), ``members`` and the size of its ``label``;
+- ``edges``: each with ``ends``, ``label`` (a size or null), ``both``, ``arrow`` and ``weight``.
 """
 
 Layout: TypeAlias = dict[str, Any]
