@@ -35,15 +35,16 @@ if TYPE_CHECKING:
 def read_mission(path: str | Path) -> Mission:
     """Reads a mission file, with what it imports.
 
-    >>> mission = read_mission("experiments/ulysse/mission.xml")
-    >>> mission.name, [block.name for block in mission.blocks]
-    ('ulysse', ['coral_head', 'transect'])
-
     Args:
         path: The file.
 
     Raises:
         InputError: The file is no valid mission, with every problem and its line.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> mission.name, [block.name for block in mission.blocks]
+        ('ulysse', ['coral_head', 'transect'])
     """
     return _read(Path(path))
 
@@ -53,10 +54,6 @@ def states(
 ) -> SpaceSummary:
     """Counts the reachable markings of a mission or of a net, exactly.
 
-    >>> found = states(read_mission("experiments/ulysse/mission.xml"), engine="explicit")
-    >>> found.states, found.stable_states
-    (44299, 260)
-
     Args:
         of: The mission or the net.
         engine: ``symbolic``, ``explicit`` or ``pyeda``; ``auto``: the first of them that answers.
@@ -64,6 +61,11 @@ def states(
     Raises:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> found = states(read_mission("experiments/ulysse/mission.xml"), engine="explicit")
+        >>> found.states, found.stable_states
+        (44299, 260)
     """
     net = of if isinstance(of, PetriNet) else as_net(of).net
     if engine == "pyeda":
@@ -81,12 +83,6 @@ def ctl(
 ) -> Answer:
     """Answers a formula of temporal logic, with a run that shows why.
 
-    >>> mission = read_mission("experiments/ulysse/mission.xml")
-    >>> ctl(mission, "AF (success | failure)").holds  # a sensor may fail and recover for ever
-    False
-    >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
-    True
-
     Args:
         of: The mission or the net.
         formula: As :mod:`mcpn.check.logic.language` describes it.
@@ -99,6 +95,13 @@ def ctl(
         InputError: The formula is none, or does not fit the net.
         SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> ctl(mission, "AF (success | failure)").holds  # a sensor may fail and recover for ever
+        False
+        >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
+        True
     """
     from mcpn.check.logic.language import parse
 
@@ -114,10 +117,6 @@ def picture(
 ) -> Drawing:
     """Draws a mission or a net; a notebook shows the picture, and ``save`` writes it as SVG or PNG.
 
-    >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
-    >>> "going_up" in drawing.svg
-    True
-
     Args:
         of: The mission, or a net.
         kind: What is drawn of a mission: ``mission``, ``objectives``, ``net``, ``alternatives`` or
@@ -127,6 +126,11 @@ def picture(
     Raises:
         InputError: There is no such section, or there is no such picture of a section.
         LimitError: The picture is too large to be read, or the extra ``pictures`` is missing.
+
+    Examples:
+        >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
+        >>> "going_up" in drawing.svg
+        True
     """
     from mcpn.report.pictures.choice import drawn
     from mcpn.report.pictures.nets import net_drawing
@@ -137,10 +141,6 @@ def picture(
 def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
     """Finds what makes a mission and its objectives fail: critical events and minimal cut sets.
 
-    >>> found = causes(read_mission("experiments/ulysse/mission.xml"))
-    >>> [sorted(cut) for cut in found.mission.cut_sets]
-    [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
-
     Args:
         of: The mission.
         engine: ``explicit``, ``symbolic`` or ``local``; ``auto``: the first of them that answers.
@@ -148,6 +148,11 @@ def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
     Raises:
         SemanticsError: The mission is not safe or not confluent.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> found = causes(read_mission("experiments/ulysse/mission.xml"))
+        >>> [sorted(cut) for cut in found.mission.cut_sets]
+        [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
     """
     from mcpn.check.causes.find import find_causes
 
