@@ -6,6 +6,7 @@ Ulysse flat and hierarchical, minimised and not, and a generated mission of many
 controller cannot be built. The C target is compiled with ``gcc -Os``; ``size`` tells the bytes. The
 instructions of ``*_handle`` are counted by callgrind, event by event on a random run: the most seen, and the
 mean (needs gcc, size and valgrind; no valgrind, no instructions).
+With its defaults it takes a minute or two.
 """
 
 from __future__ import annotations
