@@ -258,19 +258,29 @@ class Prospects(Generic[S]):
         ]
 
     def concerned(self, event: Event) -> frozenset[str]:
-        """Activities that an event concerns: those of the objective, or those that stand on the hardware."""
-        usage = self.mission_net.usage
+        """Activities whose choice of alternative matters to an event.
+
+        Those of the objective that ends; or those with an alternative that stands on the hardware, directly
+        or through others, and another that does not.
+        """
         if event.what in (What.SUCCESS, What.FAILURE):
-            return self.serving.get(event.element, frozenset())
-        return frozenset(
-            name
-            for name in usage.started
-            if any(
-                event.element in alternative.consumes
-                for inner in usage.closure(name)
-                for alternative in usage.activities[inner].alternatives
+            return next(
+                (frozenset(s.activities) for s in self.mission_net.graph.walk() if s.name == event.element),
+                frozenset(),
             )
-        )
+        return self._choosing.get(event.element, frozenset())
+
+    @cached_property
+    def _choosing(self) -> Mapping[str, frozenset[str]]:
+        """By hardware, the activities of which some but not all alternatives may stand on it."""
+        usage = self.mission_net.usage
+        found: dict[str, set[str]] = {}
+        for name in usage.started:
+            alternatives = usage.activities[name].alternatives
+            ways = [frozenset().union(*map(usage.hardware_under, a.consumes)) for a in alternatives]
+            for hardware in frozenset().union(*ways) - ways[0].intersection(*ways):
+                found.setdefault(hardware, set()).add(name)
+        return {hardware: frozenset(names) for hardware, names in found.items()}
 
     @cached_property
     def serving(self) -> Mapping[str, frozenset[str]]:

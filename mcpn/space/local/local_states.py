@@ -16,6 +16,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
 from mcpn.space.encoding import Encoding, distinct
 from mcpn.space.local.layout import Layout
+from mcpn.space.run import Completion
 from mcpn.space.symbolic import SymbolicSpace, chained, elements
 
 Exit = str
@@ -62,6 +63,7 @@ class LocalStates:
         self._reachable, self._stable = (
             layout.store.from_bytes(states.to_bytes()) for states in (explored.reachable, explored.stable)
         )
+        self.completion = Completion(net.net)
         self._known: dict[Hashable, object] = {}
 
     def remembered(self, key: Hashable, compute: Callable[[], Known]) -> Known:
