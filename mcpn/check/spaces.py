@@ -11,6 +11,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof, prove_confluent
 from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress, explore
@@ -18,15 +19,15 @@ from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.symbolic import reach
 
 On: TypeAlias = Literal["markings", "alternatives"]
-Engine: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
-"""Arrays, decision diagrams or composition; ``auto`` is diagrams where a whole space is needed."""
+Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
+"""Arrays, decision diagrams or composition."""
 
 
 def space_of(
     net: PetriNet,
     mission_net: MissionNet | None = None,
     *,
-    engine: Engine = "auto",
+    engine: Engine = "symbolic",
     on: On = "markings",
     max_states: int | None = None,
 ) -> Space[Any]:
@@ -56,15 +57,19 @@ def space_of(
                 "composition makes the alternatives graph of a mission: sections hand on stable states only",
             )
         options = Options() if max_states is None else Options(max_states=max_states)
-        return composite_space(mission_net, options)
+        with in_mission_words(mission_net):
+            return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit)
-    return markings if on == "markings" else alternatives_by(markings, limit)[0]
+    if on == "markings":
+        return markings
+    with in_mission_words(mission_net):
+        return alternatives_by(markings, limit)[0]
 
 
 def stable_space(
     mission_net: MissionNet,
     *,
-    engine: Engine = "auto",
+    engine: Engine = "symbolic",
     max_states: int | None = None,
     progress: Progress | None = None,
 ) -> Space[Any]:
@@ -74,25 +79,30 @@ def stable_space(
         mission_net: The mission's net.
         engine: Arrays, diagrams or composition.
         max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges that are listed.
+        progress: Called now and then with states and edges that are listed, or with local spaces done and to
+            do.
 
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit.
     """
-    if engine != "explicit":
-        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    if engine == "local":
+        with in_mission_words(mission_net):
+            return composite_space(mission_net, Options(max_states=limit, progress=progress))
+    if engine == "symbolic":
+        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
     faulty = sum(h.faulty for h in mission_net.mission.hardware)
     if 2**faulty > limit:
         found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
         raise LimitError(f"{found}, the limit on states is {limit}: use --engine local")
-    return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
+    with in_mission_words(mission_net):
+        return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
 
 
 def mortal_space(
-    mission_net: MissionNet, *, engine: Engine = "auto", max_states: int | None = None
+    mission_net: MissionNet, *, engine: Engine = "symbolic", max_states: int | None = None
 ) -> Space[Any]:
     """The alternatives graph of a mission whose hardware may die (:mod:`mcpn.net.mortal`).
 

@@ -28,12 +28,12 @@ class _CommandLine(click.Group):
         try:
             return super().invoke(ctx)
         except SemanticsError as error:
+            # Of two runs that part inside the net, the events are what its user can follow.
+            runs = [error.events] if isinstance(error, ConfluenceError) and error.events else error.runs
             if json_asked(ctx):
-                emit_json({"error": error.kind, "message": str(error), "runs": error.runs})
+                emit_json({"error": error.kind, "message": str(error), "runs": runs})
             else:
                 _tell(str(error))
-                # Of two runs that part inside the net, the events are what its user can follow.
-                runs = [error.events] if isinstance(error, ConfluenceError) else error.runs
                 for number, run in enumerate(runs, 1):
                     click.echo(f"  run {number}: {' '.join(run)}", err=True)
             ctx.exit(EXIT_FAILED)

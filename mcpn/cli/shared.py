@@ -18,6 +18,7 @@ from mcpn.errors import InputError, LimitError
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from mcpn.check.choice import Choice
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.local.composite import CompositeSpace
@@ -48,7 +49,8 @@ json_option = click.option(
 limit_option = click.option(
     "--max-states",
     type=click.IntRange(1, (1 << 63) - 1),
-    help="Give up beyond this number of states; sections of the local engine become diagrams.",
+    help="List at most this many states one by one. Decision diagrams, which the symbolic engine and most of "
+    "the local one use, are limited by memory instead.",
 )
 import_option = click.option(
     "--import-root",
@@ -63,6 +65,22 @@ jobs_option = click.option(
 scheduler_option = click.option(
     "--scheduler", metavar="ADDRESS", help="Make local graphs on a dask cluster (needs mcpn[distributed])."
 )
+
+
+def engine_option(*more: str) -> Callable[[Any], Any]:
+    """``--engine``, the same for every command that asks one.
+
+    Args:
+        more: Engines that this command knows besides.
+    """
+    known = click.Choice(["auto", "explicit", "symbolic", "local", *more])
+    told = "Who answers; auto: by what the mission is like, another where one gives up."
+    return click.option("--engine", type=known, default="auto", show_default=True, help=told)
+
+
+def choice_object(choice: Choice) -> dict[str, str | None]:
+    """Which engine answered, and why it was asked; ``null`` where the user named it."""
+    return {"engine": choice.engine, "why": choice.why}
 
 
 @contextmanager
@@ -105,9 +123,10 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
 
 def composite_of(mission_net: MissionNet, max_states: int | None, *, quiet: bool = False) -> CompositeSpace:
     """The sections of a mission, glued."""
+    from mcpn.space.clash import in_mission_words
     from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
 
-    with progress_line(quiet, SECTIONS) as progress:
+    with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
         limit = DEFAULT_MAX_STATES if max_states is None else max_states
         return composite_space(mission_net, Options(max_states=limit, progress=progress))
 

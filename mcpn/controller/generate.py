@@ -57,9 +57,9 @@ def generate(
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
-    _refuse_interruptions(mission_net)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
+    with in_mission_words(mission_net):
+        composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
     listed: dict[SectionType, AlternativesGraph] = {}
     for placed in composite.sections.values():
         type_ = placed.type
@@ -74,13 +74,3 @@ def generate(
             # The composite has proved what the mission reaches confluent.
             listed[type_] = direct(type_.net.net, proof=False, max_states=limit)
     return hierarchical_controller(composite, listed)
-
-
-def _refuse_interruptions(mission_net: MissionNet) -> None:
-    for section in mission_net.graph.sections:
-        for interruption in section.interruptions:
-            where = f"{interruption.source}: " if interruption.source else ""
-            raise LimitError(
-                f"{where}the event {interruption.event} may interrupt section {section.name}, and machines "
-                "of sections have no exit for that: use --flat"
-            )

@@ -117,12 +117,12 @@ def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceErro
 
 
 @contextmanager
-def in_mission_words(mission_net: MissionNet) -> Iterator[None]:
-    """Explains an error of the mission's net that is raised inside."""
+def in_mission_words(mission_net: MissionNet | None) -> Iterator[None]:
+    """Explains an error of the mission's net that is raised inside; nets of no mission have no such words."""
     try:
         yield
     except ConfluenceError as error:
-        raise explained(mission_net, error) from error
+        raise error if mission_net is None else explained(mission_net, error) from error
 
 
 def find_clash(mission_net: MissionNet, error: ConfluenceError) -> Clash:

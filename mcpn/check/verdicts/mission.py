@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.modes import Mode
-from mcpn.check.spaces import Engine, alternatives_by, markings_by
+from mcpn.check.spaces import alternatives_by, markings_by
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
@@ -29,6 +30,12 @@ from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
+
+UNDECIDED_UNSAFE = "not decided: the net is not 1-safe, so that its states cannot be explored"
+UNDECIDED_LOCAL = (
+    "not decided: the mission is not confluent, so that composition has no one state to go on from; "
+    "--engine explicit or symbolic decides it"
+)
 
 
 @dataclass(frozen=True)
@@ -70,6 +77,7 @@ class MissionCheck:
         stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
+        choice: The engine that answered.
     """
 
     mission_net: MissionNet
@@ -79,6 +87,7 @@ class MissionCheck:
     stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
+    choice: Choice = field(default_factory=lambda: Choice("explicit"))
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:
@@ -89,6 +98,16 @@ class MissionCheck:
         return self.markings.everything.count(), sum(firings.values())
 
     @property
+    def failing(self) -> list[str]:
+        """Required verdicts that do not hold."""
+        return [name for name in REQUIRED if self.verdicts[name].holds is False]
+
+    @property
+    def undecided(self) -> dict[str, str]:
+        """By verdict that is not known, the reason."""
+        return {name: v.explanation for name, v in self.verdicts.items() if v.holds is None}
+
+    @property
     def passed(self) -> bool:
         """Whether every required verdict holds."""
         return all(self.verdicts[name].holds for name in REQUIRED)
@@ -97,7 +116,7 @@ class MissionCheck:
 def check(
     mission_net: MissionNet,
     *,
-    engine: Engine = "explicit",
+    engine: Asked = "auto",
     max_states: int | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
@@ -107,7 +126,8 @@ def check(
 
     Args:
         mission_net: The mission's net.
-        engine: Arrays, diagrams (``auto`` too), or composition, which does not explore the net of the whole.
+        engine: Arrays, diagrams, composition, which does not explore the net of the whole, or ``auto``, see
+            :mod:`mcpn.check.choice`.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges, or with local spaces done and to do.
         executor: Where composition explores sections; this process by default.
@@ -120,7 +140,24 @@ def check(
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
-    verdicts = {name: Verdict(name, None, "not known") for name in (*REQUIRED, *INFORMATIVE)}
+
+    def by(attempt: Attempt) -> MissionCheck:
+        return _checked(mission_net, attempt, None if attempt.brief else progress, executor, templates)
+
+    found, choice = answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)
+    return replace(found, choice=choice)
+
+
+def _checked(
+    mission_net: MissionNet,
+    attempt: Attempt,
+    progress: Progress | None,
+    executor: Executor | None,
+    templates: TemplateSet | None,
+) -> MissionCheck:
+    """Every verdict, by one engine."""
+    engine, max_states = attempt.engine, attempt.max_states
+    verdicts = {name: Verdict(name, None) for name in (*REQUIRED, *INFORMATIVE)}
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     markings: Space[Any] | None = None
     alternatives: Space[Any] | None = None
@@ -136,12 +173,12 @@ def check(
         verdicts["confluent"] = Verdict("confluent", True, proof)
     except UnsafeError as error:
         verdicts["safe"] = Verdict("safe", False, str(error), _runs_of(mission_net, error))
-        return MissionCheck(mission_net, verdicts)
+        return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_UNSAFE))
     except (ConfluenceError, DivergenceError) as error:
         verdicts["confluent"] = _not_confluent(mission_net, error, limit if engine == "explicit" else None)
     space = alternatives or markings
     if space is None:
-        return MissionCheck(mission_net, verdicts)
+        return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_LOCAL))
     verdicts["safe"] = Verdict("safe", True, "no firing puts a second token in a place")
     verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
     for verdict in _reachability(mission_net, space, settles=alternatives is not None):
@@ -153,6 +190,11 @@ def check(
     modes = functioning_modes(mission_net, space)
     sizes = None if alternatives is None else (space.everything.count(), sum(firings.values()))
     return MissionCheck(mission_net, verdicts, markings, alternatives, sizes, modes, unselectable)
+
+
+def _undecided(verdicts: dict[str, Verdict], reason: str) -> dict[str, Verdict]:
+    """The verdicts, of which those that are not known say why."""
+    return {n: Verdict(n, None, reason) if v.holds is None else v for n, v in verdicts.items()}
 
 
 def _not_confluent(mission_net: MissionNet, error: SemanticsError, max_states: int | None) -> Verdict:
