@@ -50,10 +50,9 @@ class Completion:
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
-        fired, at = list[int](), self.net.fire(marking, event)
-        for t, at in self.settle(at, [event]):
-            fired.append(t)
-        return tuple(fired), at
+        begun = self.net.fire(marking, event)
+        steps = list(self.settle(begun, [event]))
+        return tuple(t for t, _ in steps), steps[-1][1] if steps else begun
 
     def _beside(self, fired: int) -> list[int]:
         if fired not in self._known:

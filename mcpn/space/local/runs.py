@@ -47,12 +47,10 @@ class Runs(Glued):
                     yield Edge(self.toggles[hardware][kind], (name, tuple(sorted(after))))
 
     def _fired(self, placed: PlacedSection, levels: tuple[int, ...]) -> Iterator[Edge]:
-        type_ = placed.type
-        net, marking = type_.net.net, type_.encoding.marking(levels)
-        beside_it = {level for level in levels if level >= self.layout.first_slot}
-        for t in net.enabled(marking):
-            _, after = type_.completion.after(marking, t)
-            exit_ = next((e for e, place in type_.ends.items() if after[place]), None)
+        type_, first = placed.type, self.layout.first_slot
+        local = tuple(level for level in levels if level < first)
+        beside_it = {level for level in levels if level >= first}
+        for t, after, exit_ in type_.remembered(("fired", local), lambda: type_.fired(local)):
             if exit_ is None:
                 target = (placed.name, tuple(sorted({*type_.encoding.marked_levels(after), *beside_it})))
             else:
