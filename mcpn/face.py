@@ -16,10 +16,11 @@ True
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
+from mcpn.check.choice import Asked, answered
 from mcpn.check.logic.questions import Answer, Questions
-from mcpn.check.spaces import Engine, On
+from mcpn.check.spaces import On
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission as _read
 from mcpn.net.compose import MissionNet, as_net
@@ -32,29 +33,44 @@ if TYPE_CHECKING:
 
 
 def read_mission(path: str | Path) -> Mission:
-    """Reads a mission file.
+    """Reads a mission file, with what it imports.
 
     Args:
         path: The file.
 
     Raises:
         InputError: The file is no valid mission, with every problem and its line.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> mission.name, [block.name for block in mission.blocks]
+        ('ulysse', ['coral_head', 'transect'])
     """
     return _read(Path(path))
 
 
-def states(of: Mission | MissionNet | PetriNet, *, engine: str = "symbolic") -> SpaceSummary:
+def states(
+    of: Mission | MissionNet | PetriNet, *, engine: Literal["auto", "explicit", "symbolic", "pyeda"] = "auto"
+) -> SpaceSummary:
     """Counts the reachable markings of a mission or of a net, exactly.
 
     Args:
         of: The mission or the net.
-        engine: ``symbolic``, ``explicit`` or ``pyeda``.
+        engine: ``symbolic``, ``explicit`` or ``pyeda``; ``auto``: the first of them that answers.
 
     Raises:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> found = states(read_mission("experiments/ulysse/mission.xml"), engine="explicit")
+        >>> found.states, found.stable_states
+        (44299, 260)
     """
-    return summarise(of if isinstance(of, PetriNet) else as_net(of).net, engine)
+    net = of if isinstance(of, PetriNet) else as_net(of).net
+    if engine == "pyeda":
+        return summarise(net, engine)
+    return answered(lambda attempt: summarise(net, attempt.engine), None, engine=engine, on="markings")[0]
 
 
 def ctl(
@@ -63,7 +79,7 @@ def ctl(
     *,
     on: On = "markings",
     fair: tuple[str, ...] = (),
-    engine: Engine = "auto",
+    engine: Asked = "auto",
 ) -> Answer:
     """Answers a formula of temporal logic, with a run that shows why.
 
@@ -72,12 +88,20 @@ def ctl(
         formula: As :mod:`mcpn.check.logic.language` describes it.
         on: Whether it speaks of all markings, or of stable ones and events.
         fair: ``progress``, or formulas that hold again and again on the paths that count.
-        engine: ``explicit``, ``symbolic``, or ``local`` for the alternatives graph of a mission.
+        engine: ``explicit``, ``symbolic``, or ``local`` for the alternatives graph of a mission; ``auto``:
+            the first of them that answers.
 
     Raises:
         InputError: The formula is none, or does not fit the net.
         SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> ctl(mission, "AF (success | failure)").holds  # a sensor may fail and recover for ever
+        False
+        >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
+        True
     """
     from mcpn.check.logic.language import parse
 
@@ -93,22 +117,33 @@ def picture(of: Mission | MissionNet) -> MissionPicture:
 
     Args:
         of: The mission.
+
+    Examples:
+        >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
+        >>> "going_up" in drawing.svg
+        True
     """
     from mcpn.report.pictures.svg import MissionPicture
 
     return MissionPicture(as_net(of))
 
 
-def causes(of: Mission | MissionNet) -> Causes:
+def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
     """Finds what makes a mission and its objectives fail: critical events and minimal cut sets.
 
     Args:
         of: The mission.
+        engine: ``explicit``, ``symbolic`` or ``local``; ``auto``: the first of them that answers.
 
     Raises:
         SemanticsError: The mission is not safe or not confluent.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> found = causes(read_mission("experiments/ulysse/mission.xml"))
+        >>> [sorted(cut) for cut in found.mission.cut_sets]
+        [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
     """
     from mcpn.check.causes.find import find_causes
 
-    return find_causes(as_net(of))
+    return find_causes(as_net(of), engine=engine)

@@ -167,12 +167,13 @@ def a_case(seeds: Seeds, folder: Path, draw: random.Random) -> list[object]:
 
 
 def _about_a_mission(path: Path, out: Path, draw: random.Random) -> list[object]:
-    engine = ("--engine", draw.choice(("explicit", "symbolic", "local")))
+    engine = ("--engine", draw.choice(("auto", "explicit", "symbolic", "local")))
     possible: list[list[object]] = [
         ["check", path, *engine, *LIMITS],
         ["check", path, *engine, *LIMITS],
         ["states", path, *engine, *LIMITS],
-        ["alternatives", path, "--method", draw.choice(("direct", "reduction", "local")), *LIMITS],
+        ["alternatives", path, *engine, *LIMITS],
+        ["alternatives", path, "--method", draw.choice(("direct", "reduction")), *LIMITS],
         ["alternatives", path, "-o", out / draw.choice(("a.json", "a.aut", "a.dot", "a.txt")), *LIMITS],
         ["causes", path, "--engine", draw.choice(("explicit", "local")), *LIMITS],
         ["causes", path, "--fmeca", out / "f.csv", "--openpsa", out / "o.xml", "--rates", *LIMITS],

@@ -44,8 +44,12 @@ def imported(path: Path) -> set[str]:
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_imports_only_point_backwards(path: Path) -> None:
     room = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-    if room == "__init__":
-        assert not {name for name in imported(path) if name.startswith("mcpn")}
+    if room == "__init__":  # its imports are for type checkers alone; test_face.py: it loads nothing
+        assert {name for name in imported(path) if name.startswith("mcpn")} <= {
+            "mcpn.check",
+            "mcpn.controller",
+            "mcpn.face",
+        }
         return
     assert room in WAY, f"{path} stands in no known room"
     for name in imported(path):
@@ -85,6 +89,7 @@ LOADS = {
     "convert {folder}/net.pnml": set(),
     "ctl AG(EF(success|failure))": {"lark"},
     "causes --engine local": set(),
+    "causes": set(),
 }
 """What each command loads of the heavy modules."""
 

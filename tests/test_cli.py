@@ -32,6 +32,7 @@ def test_check_passes_on_ulysse() -> None:
         "undecided",
         "witnesses",
         "engine",
+        "why",
         "seconds",
     ]
     assert (found["mission"], found["places"], found["transitions"]) == ("ulysse", 133, 150)
@@ -99,14 +100,49 @@ def test_states_of_ulysse(engine: str) -> None:
         "dead_states": 0,
         "max_tokens": 25,  # the two engines share no code and agree
         "engine": engine,
+        "why": None,
     }
 
 
-@pytest.mark.parametrize("method", ["direct", "reduction"])
-def test_alternatives_of_ulysse(method: str) -> None:
-    found = output("alternatives", ULYSSE, "--method", method)
+@pytest.mark.parametrize(
+    ("options", "method"),
+    [
+        (["--method", "direct"], "direct"),
+        (["--method", "reduction"], "reduction"),
+        (["--no-proof"], "direct"),
+        (["--engine", "explicit"], "direct"),
+        (["--engine", "symbolic"], "symbolic"),
+        (["--engine", "local"], "local"),
+    ],
+)
+def test_alternatives_of_ulysse(options: list[str], method: str) -> None:
+    found = output("alternatives", ULYSSE, *options)
     assert found.pop("seconds") > 0
-    assert found == {"states": 260, "edges": 1332, "events": 21, "method": method}
+    engine = method if method in ("symbolic", "local") else "explicit"
+    counts = {"states": 260, "edges": 1332, "events": 21}
+    assert found == {**counts, "method": method, "engine": engine, "why": None}
+
+
+def test_the_engine_is_chosen_and_told() -> None:
+    small = "the markings graph is small"
+    for command in (["check"], ["alternatives"], ["causes"], ["ctl", "EF success", "--on", "alternatives"]):
+        name, *rest = command
+        found = output(name, ULYSSE, *rest)
+        told = found[0] if isinstance(found, list) else found
+        assert (told["engine"], told["why"]) == ("explicit", small)
+        assert small in mcpn(name, ULYSSE, *rest).stdout
+    for command in (["states"], ["ctl", "EF success"]):
+        name, *rest = command
+        found = output(name, ULYSSE, *rest)
+        assert (found[0] if isinstance(found, list) else found)["engine"] == "symbolic"
+        assert "a diagram holds all markings" in mcpn(name, ULYSSE, *rest).stdout
+    limited = output("check", ULYSSE, "--max-states", 1000)
+    assert (limited["engine"], limited["markings"]) == ("local", {"states": None, "edges": None})
+    assert limited["why"].startswith("there are more than 1000 markings")
+    assert limited["alternatives"] == {"states": 260, "edges": 1332}
+    assert output("check", ULYSSE, "--engine", "local")["why"] is None
+    for options in (["--engine", "local", "--method", "direct"], ["--engine", "symbolic", "--no-proof"]):
+        assert mcpn("alternatives", ULYSSE, *options).returncode == 2
 
 
 @pytest.mark.parametrize("suffix", ["json", "graphml", "aut", "dot"])
@@ -220,7 +256,7 @@ def test_bad_input_exits_with_2_and_writes_nothing(name: str, tmp_path: Path) ->
 
 
 def test_limits_exit_with_2() -> None:
-    run = mcpn("states", ULYSSE, "--max-states", 1000)
+    run = mcpn("states", ULYSSE, "--engine", "explicit", "--max-states", 1000)
     assert run.returncode == 2
     assert "more than 1000 states" in run.stderr
 
@@ -281,7 +317,7 @@ def test_an_order_is_saved_and_read_again(tmp_path: Path) -> None:
     assert "again, after line 2" in wrong.stderr
     assert f"{order}:{len(lines)}: found 'nowhere', expected a place of the net" in wrong.stderr
     assert "places are missing" in wrong.stderr
-    assert mcpn("states", ULYSSE, "--order", order).returncode == 2
+    assert mcpn("states", ULYSSE, "--engine", "explicit", "--order", order).returncode == 2
     seeded = json.loads(mcpn("states", ULYSSE, "--engine", "symbolic", "--seed", 3, "--json").stdout)
     assert seeded["states"] == 44299
 

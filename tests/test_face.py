@@ -6,11 +6,21 @@ import doctest
 import subprocess
 import sys
 from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import assert_type
 
 import pytest
 
 import mcpn
-from tests.conftest import ROOT
+from mcpn.check.causes.find import Causes
+from mcpn.check.logic.questions import Answer
+from mcpn.check.verdicts.mission import MissionCheck
+from mcpn.controller.hierarchy import Controller
+from mcpn.mission.model import Mission
+from mcpn.report.pictures.svg import MissionPicture
+from mcpn.space.summary import SpaceSummary
+from tests.conftest import ROOT, ULYSSE
 
 
 @pytest.mark.parametrize("name", ["mcpn", "mcpn.face", "mcpn.check", "mcpn.controller"])
@@ -22,11 +32,32 @@ def test_the_examples_are_true(name: str, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_every_name_is_there_and_can_be_called() -> None:
-    for name in ("read_mission", "check", "states", "ctl", "causes", "controller"):
+    for name in mcpn.__all__:
         assert name in dir(mcpn)
         assert callable(getattr(mcpn, name))
     with pytest.raises(AttributeError, match="no attribute 'verify'"):
         mcpn.verify  # noqa: B018
+
+
+@pytest.mark.parametrize("name", mcpn.__all__)
+def test_every_name_has_an_example(name: str) -> None:
+    found = getattr(mcpn, name)
+    if isinstance(found, ModuleType):
+        found = type(found).__call__
+    assert doctest.DocTestFinder(recurse=False).find(found)[0].examples, name
+
+
+def test_a_users_type_checker_sees_what_they_give() -> None:
+    """Mypy reads this: py.typed, and the names that are loaded when they are used."""
+    mission = mcpn.read_mission(Path(ULYSSE))
+    assert_type(mission, Mission)
+    assert_type(mcpn.check(mission, engine="local"), MissionCheck)
+    assert_type(mcpn.states(mission), SpaceSummary)
+    assert_type(mcpn.ctl(mission, "EF success"), Answer)
+    assert_type(mcpn.causes(mission), Causes)
+    assert_type(mcpn.controller(mission), Controller)
+    assert_type(mcpn.picture(mission), MissionPicture)
+    assert (Path(mcpn.__file__).parent / "py.typed").is_file()
 
 
 def test_rooms_can_be_called_whatever_was_imported_first() -> None:

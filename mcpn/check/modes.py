@@ -27,7 +27,8 @@ class Situation:
         waiting: Selected alternatives that wait for a resource, by activity.
         refused: Activities that have no possible alternative.
         out_of_service: Hardware out of service.
-        outcome: ``success``, ``failure``, or ``None`` while the mission runs.
+        outcome: ``success``, ``failure``, or ``None`` while the mission runs; in the net of a section also
+            the exit by which an event has left it.
     """
 
     objectives: tuple[str, ...] = ()
@@ -54,7 +55,7 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
     for place, (kind, name) in mission_net.roles.items():
         if marking[place]:
             said.setdefault(kind, []).append(name)
-    outcome = next((kind for kind in ("success", "failure") if kind in said), None)
+    ends = (*(kind for kind in ("success", "failure") if kind in said), *said.get("exit", ()))
     return Situation(
         objectives=tuple(said.get("objective", ())),
         pending=tuple(said.get("pending", ())),
@@ -63,5 +64,5 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
         waiting=dict(name.split(".", 1) for name in said.get("wait", ())),
         refused=tuple(said.get("refused", ())),
         out_of_service=tuple(said.get("oos", ())),
-        outcome=outcome,
+        outcome=next(iter(ends), None),
     )

@@ -19,15 +19,15 @@ from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.symbolic import reach
 
 On: TypeAlias = Literal["markings", "alternatives"]
-Engine: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
-"""Arrays, decision diagrams or composition; ``auto`` is diagrams where a whole space is needed."""
+Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
+"""Arrays, decision diagrams or composition."""
 
 
 def space_of(
     net: PetriNet,
     mission_net: MissionNet | None = None,
     *,
-    engine: Engine = "auto",
+    engine: Engine = "symbolic",
     on: On = "markings",
     max_states: int | None = None,
 ) -> Space[Any]:
@@ -69,7 +69,7 @@ def space_of(
 def stable_space(
     mission_net: MissionNet,
     *,
-    engine: Engine = "auto",
+    engine: Engine = "symbolic",
     max_states: int | None = None,
     progress: Progress | None = None,
 ) -> Space[Any]:
@@ -79,15 +79,19 @@ def stable_space(
         mission_net: The mission's net.
         engine: Arrays, diagrams or composition.
         max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges that are listed.
+        progress: Called now and then with states and edges that are listed, or with local spaces done and to
+            do.
 
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit.
     """
-    if engine != "explicit":
-        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    if engine == "local":
+        with in_mission_words(mission_net):
+            return composite_space(mission_net, Options(max_states=limit, progress=progress))
+    if engine == "symbolic":
+        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
     faulty = sum(h.faulty for h in mission_net.mission.hardware)
     if 2**faulty > limit:
@@ -98,7 +102,7 @@ def stable_space(
 
 
 def mortal_space(
-    mission_net: MissionNet, *, engine: Engine = "auto", max_states: int | None = None
+    mission_net: MissionNet, *, engine: Engine = "symbolic", max_states: int | None = None
 ) -> Space[Any]:
     """The alternatives graph of a mission whose hardware may die (:mod:`mcpn.net.mortal`).
 

@@ -10,7 +10,11 @@ import click
 
 from mcpn.cli.shared import (
     FILE,
+    SECTIONS,
+    STATES_AND_EDGES,
+    choice_object,
     emit_json,
+    engine_option,
     import_option,
     json_option,
     limit_option,
@@ -20,7 +24,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Engine
+    from mcpn.check.choice import Asked
     from mcpn.report.causes import Classes
 
 MOST_TOLD = 50
@@ -29,9 +33,7 @@ MOST_TOLD = 50
 
 @click.command()
 @click.argument("mission", type=FILE)
-@click.option(
-    "--engine", type=click.Choice(["explicit", "symbolic", "local"]), default="local", show_default=True
-)
+@engine_option()
 @click.option(
     "--objective", "objectives", multiple=True, metavar="NAME", help="Look at this objective alone."
 )
@@ -53,7 +55,7 @@ MOST_TOLD = 50
 @json_option
 def causes(
     mission: Path,
-    engine: Engine,
+    engine: Asked,
     objectives: tuple[str, ...],
     fmeca: Path | None,
     openpsa: Path | None,
@@ -78,13 +80,15 @@ def causes(
     from mcpn.files import write_atomically
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
+    from mcpn.report.text import print_choice
 
     started = time.perf_counter()
     classes = _classes(severities)
     if fmeca is not None:
         report.check_table_name(fmeca)
     mission_net = mission_net_of(mission, import_root)
-    with progress_line(as_json) as progress:
+    told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
+    with progress_line(as_json, told) as progress:
         every = find_causes(mission_net, engine=engine, progress=progress, max_states=max_states)
     found = every.of(objectives) if objectives else every
     goals = {found.mission.name: found.mission, **found.objectives}
@@ -108,7 +112,7 @@ def causes(
             document["formulas"] = formulas
         if numbers is not None:
             document["risk"] = asdict(numbers)
-        emit_json(document | {"engine": engine, "seconds": time.perf_counter() - started})
+        emit_json(document | choice_object(every.choice) | {"seconds": time.perf_counter() - started})
         return
     report.print_causes(found)
     for name, text in formulas.items():
@@ -117,6 +121,7 @@ def causes(
         report.print_fmeca([r for r in rows if not objectives or r.objective in objectives], classes)
     if numbers is not None:
         report.print_risk(numbers)
+    print_choice(every.choice)
 
 
 def _classes(given: tuple[str, ...]) -> Classes:

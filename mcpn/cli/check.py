@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,7 +14,9 @@ from mcpn.cli.shared import (
     FILE,
     SECTIONS,
     STATES_AND_EDGES,
+    choice_object,
     emit_json,
+    engine_option,
     executor_of,
     import_option,
     is_net,
@@ -28,16 +30,15 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Engine
+    from mcpn.check.choice import Asked
+    from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.net.petri import PetriNet
 
 
 @click.command()
 @click.argument("file", type=FILE)
 @click.option("--structure", is_flag=True, help="Tell what the net's arcs prove without its markings.")
-@click.option(
-    "--engine", type=click.Choice(["explicit", "symbolic", "local"]), default="explicit", show_default=True
-)
+@engine_option()
 @click.option(
     "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
 )
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
 def check(
     file: Path,
     structure: bool,
-    engine: str,
+    engine: Asked,
     internal: bool,
     jobs: int,
     scheduler: str | None,
@@ -66,18 +67,18 @@ def check(
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)
-    told = SECTIONS if engine == "local" else STATES_AND_EDGES
+    told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
     with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
         found = check_mission(
             mission_net,
-            engine=cast("Engine", engine),
+            engine=engine,
             max_states=max_states,
             progress=progress,
             executor=executor,
         )
     seconds = time.perf_counter() - started
     if as_json:
-        emit_json(_check_object(found, engine, seconds, internal))
+        emit_json(_check_object(found, seconds, internal))
     else:
         from mcpn.report.text import print_check
 
@@ -98,7 +99,7 @@ def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: 
     emit_json(net_object(found)) if as_json else print_net(found)
 
 
-def _check_object(found: Any, engine: str, seconds: float, internal: bool) -> dict[str, Any]:
+def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[str, Any]:
     net = found.mission_net.net
     return {
         "mission": found.mission_net.mission.name,
@@ -113,6 +114,6 @@ def _check_object(found: Any, engine: str, seconds: float, internal: bool) -> di
             for name, verdict in found.verdicts.items()
             if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
-        "engine": engine,
+        **choice_object(found.choice),
         "seconds": seconds,
     }

@@ -5,14 +5,16 @@ from __future__ import annotations
 import sys
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    choice_object,
     emit_json,
+    engine_option,
     import_option,
     is_net,
     json_option,
@@ -21,9 +23,9 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
+    from mcpn.check.choice import Asked
     from mcpn.check.logic.questions import Answer
     from mcpn.check.logic.verdicts import Verdict
-    from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -44,12 +46,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
     help="Evaluate on all markings, or on stable markings and events.",
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
-@click.option(
-    "--engine",
-    type=click.Choice(["auto", "symbolic", "explicit", "local"]),
-    default="auto",
-    show_default=True,
-)
+@engine_option()
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @limit_option
 @import_option
@@ -61,7 +58,7 @@ def ctl(
     examination: str | None,
     graph: str,
     fair: tuple[str, ...],
-    engine: str,
+    engine: Asked,
     scn: Path | None,
     max_states: int | None,
     import_root: Path | None,
@@ -86,7 +83,7 @@ def ctl(
         mission_net,
         on="alternatives" if graph == "alternatives" else "markings",
         fair=fair,
-        engine=cast("Engine", engine),
+        engine=engine,
         max_states=max_states,
     )
     # Everything asked is understood before anything is answered.
@@ -143,4 +140,5 @@ def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
         "cycle": witness.cycle_firing,
         "notes": witness.notes,
     }
-    return {"formula": answer.formula, "holds": answer.holds, "witness": shown}
+    found = {"formula": answer.formula, "holds": answer.holds, "witness": shown}
+    return {**found, **choice_object(answer.choice)}

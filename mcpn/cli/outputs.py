@@ -29,9 +29,9 @@ from mcpn.cli.shared import (
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
     "--hierarchical/--flat",
-    default=None,
-    help="A machine for each type of section, or one for the whole mission (the default where events may "
-    "interrupt sections).",
+    default=True,
+    show_default=True,
+    help="A machine for each type of section, or one for the whole mission.",
 )
 @click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
 @limit_option
@@ -41,7 +41,7 @@ def controller(
     mission: Path,
     target: str,
     output: Path,
-    hierarchical: bool | None,
+    hierarchical: bool,
     smallest: bool,
     max_states: int | None,
     import_root: Path | None,
@@ -54,8 +54,6 @@ def controller(
     from mcpn.files import write_folder
 
     mission_net = mission_net_of(mission, import_root)
-    if hierarchical is None:  # machines of sections have no exit for an interruption
-        hierarchical = not any(section.interruptions for section in mission_net.graph.sections)
     with progress_line(as_json, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
         found = generate(
             mission_net,

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,14 +15,16 @@ from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
     emit_json,
+    engine_option,
     import_option,
     json_option,
     limit_option,
     mission_net_of,
 )
-from mcpn.errors import InputError, LimitError, McpnError, Source
+from mcpn.errors import InputError, McpnError, Source
 
 if TYPE_CHECKING:
+    from mcpn.check.choice import Asked
     from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
@@ -30,27 +32,18 @@ if TYPE_CHECKING:
 MOST_ROWS = 50
 """Objectives up to which a page has the FMECA table."""
 
-MOST_HARDWARE, MOST_OBJECTIVES, MOST_STATES = 8, 60, 200_000
-"""Up to so many the graph of the whole mission is tried where nobody names an engine."""
-
 
 @click.command()
 @click.argument("mission", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="The page to write, FILE.html.")
-@click.option(
-    "--engine",
-    type=click.Choice(["auto", "explicit", "symbolic", "local"]),
-    default="auto",
-    show_default=True,
-    help="auto: explicit for small missions, else local, which makes no FMECA table.",
-)
+@engine_option()
 @limit_option
 @import_option
 @json_option
 def report(
     mission: Path,
     output: Path,
-    engine: str,
+    engine: Asked,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
@@ -79,31 +72,18 @@ def report(
         sys.exit(EXIT_FAILED)
 
 
-def findings(mission_net: MissionNet, engine: str = "auto", max_states: int | None = None) -> Findings:
+def findings(mission_net: MissionNet, engine: Asked = "auto", max_states: int | None = None) -> Findings:
     """All that a report tells of a mission.
 
     Args:
         mission_net: The mission's net.
-        engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: explicit where the mission is small.
+        engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
         max_states: Limit on states that are listed.
 
     Raises:
         SemanticsError: A section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
-    if engine != "auto":
-        return _found(mission_net, engine, max_states)
-    faulty = sum(h.faulty for h in mission_net.mission.hardware)
-    objectives = sum(1 for _ in mission_net.graph.walk())
-    if faulty <= MOST_HARDWARE and objectives <= MOST_OBJECTIVES:
-        try:
-            return _found(mission_net, "explicit", max_states or MOST_STATES)
-        except LimitError:
-            pass
-    return _found(mission_net, "local", max_states)
-
-
-def _found(mission_net: MissionNet, engine: str, max_states: int | None) -> Findings:
     from mcpn.check.verdicts.mission import check
     from mcpn.mission.warnings import find_warnings
     from mcpn.report.page import Findings
@@ -126,34 +106,33 @@ def _found(mission_net: MissionNet, engine: str, max_states: int | None) -> Find
             return None
 
     with timed("verdicts"):
-        checked = check(mission_net, engine=cast("Engine", engine), max_states=max_states)
+        checked = check(mission_net, engine=engine, max_states=max_states)
+    chosen = checked.choice.engine
     warnings = [*map(str, (*find_warnings(mission_net.mission), *checked.unselectable))]
     warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
         notes.append("No causes and no controller: the reaction to an event is not always the same.")
         return Findings(
-            checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=engine, seconds=seconds
+            checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=chosen, seconds=seconds
         )
-    causes, rows = tried("causes", lambda: _causes(mission_net, engine, max_states)) or (None, None)
+    causes, rows = tried("causes", lambda: _causes(mission_net, chosen, max_states)) or (None, None)
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
-    controller = tried("controller", lambda: _controller(mission_net, engine, max_states))
+    controller = tried("controller", lambda: _controller(mission_net, chosen, max_states))
     warnings = list(dict.fromkeys(warnings))
-    return Findings(checked, causes, rows, controller, notes, warnings, engine, seconds)
+    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds)
 
 
-def _causes(mission_net: MissionNet, engine: str, max_states: int | None) -> tuple[Any, Any]:
+def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
     from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca
 
-    causes = find_causes(
-        mission_net, engine="local" if engine == "local" else "explicit", max_states=max_states
-    )
+    causes = find_causes(mission_net, engine=engine, max_states=max_states)
     return causes, fmeca(causes.prospects) if len(causes.objectives) <= MOST_ROWS else None
 
 
-def _controller(mission_net: MissionNet, engine: str, max_states: int | None) -> dict[str, Any]:
+def _controller(mission_net: MissionNet, engine: Engine, max_states: int | None) -> dict[str, Any]:
     """The controller, in one piece where sections cannot be taken apart and the mission is small."""
     from mcpn.controller.generate import generate
     from mcpn.controller.targets.json import document

@@ -18,6 +18,7 @@ from mcpn.errors import InputError, LimitError
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from mcpn.check.choice import Choice
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.local.composite import CompositeSpace
@@ -64,6 +65,22 @@ jobs_option = click.option(
 scheduler_option = click.option(
     "--scheduler", metavar="ADDRESS", help="Make local graphs on a dask cluster (needs mcpn[distributed])."
 )
+
+
+def engine_option(*more: str) -> Callable[[Any], Any]:
+    """``--engine``, the same for every command that asks one.
+
+    Args:
+        more: Engines that this command knows besides.
+    """
+    known = click.Choice(["auto", "explicit", "symbolic", "local", *more])
+    told = "Who answers; auto: by what the mission is like, another where one gives up."
+    return click.option("--engine", type=known, default="auto", show_default=True, help=told)
+
+
+def choice_object(choice: Choice) -> dict[str, str | None]:
+    """Which engine answered, and why it was asked; ``null`` where the user named it."""
+    return {"engine": choice.engine, "why": choice.why}
 
 
 @contextmanager

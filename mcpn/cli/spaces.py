@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
+    SECTIONS,
+    choice_object,
     composite_of,
     emit_counts,
     emit_json,
+    engine_option,
     import_option,
     is_net,
     json_option,
@@ -26,20 +28,17 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
+    from mcpn.check.choice import Asked, Attempt
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
-    from mcpn.space.alternatives import AlternativesGraph
+    from mcpn.space.algebra import Space
+    from mcpn.space.explicit import Progress
     from mcpn.space.summary import SpaceSummary
 
 
 @click.command()
 @click.argument("file", type=FILE)
-@click.option(
-    "--engine",
-    type=click.Choice(["explicit", "symbolic", "local", "pyeda"]),
-    default="explicit",
-    show_default=True,
-)
+@engine_option("pyeda")
 @click.option("--markings", is_flag=True, help="With --engine local: count markings too, on the whole net.")
 @click.option("--order", type=FILE, help="Read the diagram's order of places instead of racing several.")
 @click.option(
@@ -65,10 +64,11 @@ def states(
     """Count the reachable markings of FILE, a mission or a net."""
     from dataclasses import asdict
 
+    from mcpn.check.choice import answered
     from mcpn.space.summary import summarise
 
     chosen = order is not None or save_order is not None or seed is not None
-    if chosen and engine != "symbolic":
+    if chosen and engine not in ("auto", "symbolic"):
         raise click.UsageError("--order, --seed and --save-order are of the symbolic engine")
     if markings and engine != "local":
         raise click.UsageError("--markings is of the local engine; the others count markings anyway")
@@ -77,12 +77,18 @@ def states(
         emit_counts(counts, as_json)
         return
     net = net_of(file, import_root)
-    if chosen:
-        emit_counts(asdict(_in_order(net, order, seed, save_order)), as_json)
+    if chosen or engine == "pyeda":
+        found = _in_order(net, order, seed, save_order) if chosen else summarise(net, engine)
+        emit_counts(asdict(found) | {"why": None}, as_json)
         return
     with progress_line(as_json) as progress:
-        counts = asdict(summarise(net, engine, max_states=max_states, progress=progress))
-    emit_counts(counts, as_json)
+        found, choice = answered(
+            lambda attempt: summarise(net, attempt.engine, max_states=max_states, progress=progress),
+            None,
+            engine=cast("Asked", engine),
+            on="markings",
+        )
+    emit_counts(asdict(found) | choice_object(choice), as_json)
 
 
 def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
@@ -105,7 +111,7 @@ def _local_counts(
 
     started = time.perf_counter()
     composite = composite_of(mission_net, max_states, quiet=quiet)
-    names = ("states", "edges", "dead_states", "max_tokens", "nodes")
+    names = ("states", "edges", "dead_states", "max_tokens", "nodes", "order")
     whole = summarise(mission_net.net, "symbolic") if markings else None
     return {
         "places": len(mission_net.net.places),
@@ -113,18 +119,35 @@ def _local_counts(
         **{name: getattr(whole, name, None) for name in names},
         "stable_states": composite.everything.count(),
         "engine": "local",
+        "why": None,
         "seconds": time.perf_counter() - started,
     }
 
 
-def _limits(max_states: int | None) -> dict[str, int]:
-    return {} if max_states is None else {"max_states": max_states}
+def _listed(
+    mission_net: MissionNet, method: str, proof: bool, max_states: int | None, progress: Progress | None
+) -> Space[Any]:
+    """The alternatives graph as the user wants it listed."""
+    from mcpn.check.spaces import stable_space
+    from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.explicit import explore
+
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    if method == "reduction":
+        return ArraySpace(by_reduction(explore(mission_net.net, progress=progress, max_states=limit)))
+    if not proof:
+        return ArraySpace(direct(mission_net.net, proof=False, progress=progress, max_states=limit))
+    return stable_space(mission_net, engine="explicit", max_states=limit, progress=progress)
 
 
 @click.command()
 @click.argument("mission", type=FILE)
+@engine_option()
 @click.option(
-    "--method", type=click.Choice(["direct", "reduction", "local"]), default="direct", show_default=True
+    "--method",
+    type=click.Choice(["direct", "reduction"]),
+    help="How --engine explicit goes on: from stable state to stable state, or through all markings.",
 )
 @click.option("--proof/--no-proof", default=True, help="Prove that internal evolution is confluent and ends.")
 @click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut or .dot.")
@@ -133,7 +156,8 @@ def _limits(max_states: int | None) -> dict[str, int]:
 @json_option
 def alternatives(
     mission: Path,
-    method: str,
+    engine: Asked,
+    method: str | None,
     proof: bool,
     output: Path | None,
     max_states: int | None,
@@ -141,78 +165,46 @@ def alternatives(
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
+    from mcpn.check.choice import answered, stable_by
+    from mcpn.space.alternatives import AlternativesGraph
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.clash import in_mission_words
+    from mcpn.space.listing import written_out
+
+    if method is not None or not proof:
+        if engine not in ("auto", "explicit"):
+            raise click.UsageError("--method and --no-proof are of the explicit engine")
+        engine = "explicit"
     mission_net = mission_net_of(mission, import_root)
     started = time.perf_counter()
-    if method == "local" and output is None:
-        emit_counts(_local_sizes(mission_net, max_states, as_json), as_json)
-        return
-    if method == "local":
-        graph = _written_out(mission_net, max_states, as_json)
-    else:
-        with progress_line(as_json) as progress:
-            graph = _alternatives(mission_net, method, proof, max_states, progress)
-    seconds = time.perf_counter() - started
+
+    def ask(attempt: Attempt) -> Space[Any]:
+        if attempt.engine == "explicit" and not attempt.brief:
+            with progress_line(as_json) as progress:
+                return _listed(mission_net, method or "direct", proof, attempt.max_states, progress)
+        with progress_line(as_json or attempt.brief, SECTIONS) as progress:
+            return stable_by(attempt, mission_net, progress)
+
+    with in_mission_words(mission_net):
+        space, choice = answered(ask, mission_net, engine=engine, on="alternatives", max_states=max_states)
+    listed = space.graph if isinstance(space, ArraySpace) else None
+    graph = listed if isinstance(listed, AlternativesGraph) else None
     if output is not None:
         from mcpn.report.graphs import save_graph
 
-        save_graph(graph, mission_net, output)
+        save_graph(graph or written_out(space, choice.engine, max_states), mission_net, output)
+    fired = space.firings(space.everything)
     counts = {
-        "states": graph.states,
-        "edges": graph.edges,
-        "events": len({graph.event(edge) for edge in range(graph.edges)}),
-        "method": graph.method,
-        "seconds": seconds,
-    }
-    if not as_json:
-        counts["proof"] = graph.proof or "none asked for"
-    emit_counts(counts, as_json)
-
-
-def _local_sizes(mission_net: MissionNet, max_states: int | None, quiet: bool) -> dict[str, object]:
-    """Sizes of the alternatives graph of the whole by arithmetic, without writing it out."""
-    started = time.perf_counter()
-    composite = composite_of(mission_net, max_states, quiet=quiet)
-    fired = composite.firings(composite.everything)
-    return {
-        "states": composite.everything.count(),
+        "states": space.everything.count(),
         "edges": sum(fired.values()),
         "events": len({mission_net.net.transitions[t].event for t in fired}),
-        "method": "local",
+        "method": choice.engine if graph is None else graph.method,
+        **choice_object(choice),
         "seconds": time.perf_counter() - started,
     }
-
-
-def _written_out(mission_net: MissionNet, max_states: int | None, quiet: bool) -> AlternativesGraph:
-    """The alternatives graph of the whole from its sections."""
-    from mcpn.space.alternatives import DEFAULT_MAX_STATES
-    from mcpn.space.listing import written_out
-
-    composite = composite_of(mission_net, None, quiet=quiet)
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    return written_out(composite, "local", "each type of section proved confluent on its own net", limit)
-
-
-def _alternatives(
-    mission_net: MissionNet,
-    method: str,
-    proof: bool,
-    max_states: int | None,
-    progress: Callable[[int, int], None] | None,
-) -> AlternativesGraph:
-    from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
-    from mcpn.space.clash import in_mission_words
-    from mcpn.space.confluence import direct_with_proof
-    from mcpn.space.explicit import explore
-
-    limits = _limits(max_states)
-    with in_mission_words(mission_net):
-        if method == "direct" and proof:
-            return direct_with_proof(mission_net.net, progress=progress, **limits)
-        if method == "direct":
-            return direct(
-                mission_net.net, proof=False, progress=progress, max_states=max_states or DEFAULT_MAX_STATES
-            )
-        return by_reduction(explore(mission_net.net, progress=progress, **limits))
+    if graph is not None and not as_json:
+        counts["proof"] = graph.proof or "none asked for"
+    emit_counts(counts, as_json)
 
 
 @click.command()

@@ -21,15 +21,34 @@ if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
 
 
-class _Room(ModuleType):
+class Generate(ModuleType):
+    """The room as something to call."""
+
     def __call__(
         self, of: Mission | MissionNet, form: Form = "hierarchical", *, max_states: int | None = None
     ) -> Controller:
-        """Generates the controller of a mission: see :func:`mcpn.controller.generate.generate`."""
+        """Generates the controller of a mission: finite state machines that do what was verified.
+
+        Args:
+            of: The mission, or its net.
+            form: ``hierarchical``, a machine for each type of section, or ``flat``, one for the mission.
+            max_states: The most states of a machine.
+
+        Raises:
+            SemanticsError: The mission is not safe or not confluent.
+            LimitError: A machine would have more states than allowed.
+
+        Examples:
+            >>> import mcpn
+            >>> mission = mcpn.read_mission("experiments/ulysse/mission.xml")
+            >>> flat = mcpn.controller(mission, "flat")
+            >>> [len(machine.states) for machine in flat.types]
+            [236]
+        """
         from mcpn.controller.generate import generate
         from mcpn.net.compose import as_net
 
         return generate(as_net(of), form, max_states=max_states)
 
 
-sys.modules[__name__].__class__ = _Room
+sys.modules[__name__].__class__ = Generate

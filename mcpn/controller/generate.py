@@ -57,7 +57,6 @@ def generate(
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
-    _refuse_interruptions(mission_net)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_mission_words(mission_net):
         composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
@@ -69,13 +68,3 @@ def generate(
                 told(f"section {placed.name} has {type_.size:,} states: listing them")
             listed[type_] = type_.listed(placed.name, limit, "a machine lists every state")
     return hierarchical_controller(composite, listed)
-
-
-def _refuse_interruptions(mission_net: MissionNet) -> None:
-    for section in mission_net.graph.sections:
-        for interruption in section.interruptions:
-            where = f"{interruption.source}: " if interruption.source else ""
-            raise LimitError(
-                f"{where}the event {interruption.event} may interrupt section {section.name}, and machines "
-                "of sections have no exit for that: use --flat"
-            )

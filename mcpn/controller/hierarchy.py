@@ -2,8 +2,9 @@
 
 A machine of a section has states *inside* it alone. What is around is the same for every mission and needs no
 table: the set of hardware out of service is kept beside, the section is entered by the state of its own
-hardware (*entry*), and an edge may *leave* it with an outcome, which the section's routes lead on. Hardware
-that the section does not use fails and recovers freely.
+hardware (*entry*), and an edge may *leave* it with an outcome, which the section's routes lead on. Outcomes
+are success, failure, and one for each declared event that interrupts the section as a whole. Hardware that
+the section does not use fails and recovers freely.
 
 The *hierarchical* controller has a machine for each type of section: its size is the sum of theirs. The
 *flat* controller is the same with one section, the whole mission: its size is a product with all hardware.

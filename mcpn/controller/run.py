@@ -12,7 +12,8 @@ the robot the same orders.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 
 from mcpn.errors import DivergenceError
 from mcpn.net.compose import MissionNet
@@ -75,10 +76,10 @@ class Runner:
         return self._complete(after, self.masked.covered_after(covered, after, transition), path)
 
     def _complete(self, marking: int, covered: int, path: list[tuple[int, int, int]]) -> Passage:
-        masked, asking = self.masked, self._asking
+        masked, turns = self.masked, self._turns
         fired: list[int] = []
         while enabled := covered & masked.internal:
-            chosen = enabled & ~asking or enabled
+            chosen = next(filter(None, (enabled & turn for turn in turns)))
             transition = (chosen & -chosen).bit_length() - 1
             after, _ = masked.fire(marking, transition)
             covered = masked.covered_after(covered, after, transition)
@@ -126,13 +127,25 @@ class Runner:
         return found
 
     @cached_property
-    def _asking(self) -> int:
-        """Transitions that select an alternative: they ask its resources, or run it at once."""
+    def _turns(self) -> list[int]:
+        """The internal transitions, those first that fire before the others.
+
+        Last come those that select an alternative, which ask its resources or run it at once: suppliers
+        before their consumers.
+        """
         selected = {**self.mission_net.saying("wait"), **self.mission_net.saying("active")}
-        found = 0
+        usage = self.mission_net.usage
+        level: dict[str, int] = {}  # of each activity: how many suppliers stand one upon the other below it
+        for activity in usage.suppliers_first():
+            alternatives = range(len(usage.activities[activity].alternatives))
+            below = {supplier for i in alternatives for supplier in usage.suppliers(activity, i)}
+            level[activity] = 1 + max((level[supplier] for supplier in below), default=0)
+        asking: dict[int, int] = {}
         for number, transition in enumerate(self.mission_net.net.safe_transitions):
             begun = {selected[p] for p in transition.produce if p in selected}
             carried = {selected[p] for p in transition.consume if p in selected}
-            if begun - carried:
-                found |= 1 << number
-        return found
+            for alternative in begun - carried:
+                turn = level[alternative.split(".", 1)[0]]
+                asking[turn] = asking.get(turn, 0) | 1 << number
+        others = self.masked.internal & ~reduce(or_, asking.values(), 0)
+        return [others, *(asking[turn] for turn in sorted(asking))]

@@ -8,7 +8,7 @@ that consumes it has an interface of its own.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -100,15 +100,24 @@ class Sharing:
         above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
         return frozenset[str]().union(*(self._under_all(a, producer) for a in above))
 
+    def ending(self, activity: str, alternative: int, producer: str) -> frozenset[str]:
+        """Hardware whose failure may end an alternative by something else than what a producer brings it."""
+        return self._under_resources(
+            self.usage.activities[activity].alternatives[alternative].consumes, producer
+        )
+
     def _under_all(self, activity: str, without: str) -> frozenset[str]:
         key = (activity, without)
         if key not in self._under:
-            usage = self.usage
-            found = frozenset[str]()
-            for k in usage.resources_of({activity}):
-                if k in usage.hardware:
-                    found |= usage.hardware_under(k)
-                elif usage.producer[k] != without and usage.can_fail(k):
-                    found |= self._under_all(usage.producer[k], without)
-            self._under[key] = found
+            self._under[key] = self._under_resources(self.usage.resources_of({activity}), without)
         return self._under[key]
+
+    def _under_resources(self, resources: Iterable[str], without: str) -> frozenset[str]:
+        usage = self.usage
+        found = frozenset[str]()
+        for k in resources:
+            if k in usage.hardware:
+                found |= usage.hardware_under(k)
+            elif usage.producer[k] != without and usage.can_fail(k):
+                found |= self._under_all(usage.producer[k], without)
+        return found

@@ -278,7 +278,12 @@ class Usage:
                 for p, q in combinations(below, 2):
                     found.update(_both(self.tree_needs(p), self.tree_needs(q)))
                 under = frozenset[str]().union(*(self.closure(p) for p in below))
-                left = [q for q in under if self._released_unasked.intersection(self.activities[q].produces)]
+                left = [
+                    q
+                    for q in under
+                    if self._released_unasked.intersection(self.activities[q].produces)
+                    and self._evaluated_after(q) & self.sharing.ending(activity, i, q)
+                ]
                 for j, other in enumerate(self.activities[activity].alternatives if left else ()):
                     if i != j:
                         its: Needs = {k: {(activity, j)} for k in other.consumes}

@@ -10,6 +10,7 @@ from mcpn.report.words import in_words
 from mcpn.space.local.composite import CompositeSpace
 
 if TYPE_CHECKING:
+    from mcpn.check.choice import Choice
     from mcpn.check.logic.questions import Answer
     from mcpn.check.modes import Mode
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
@@ -76,6 +77,11 @@ def print_counts(counts: Mapping[str, object]) -> None:
         terminal.print(f"{name.ljust(width)}  {shown}")
 
 
+def print_choice(choice: Choice) -> None:
+    """Prints which engine answered, and why it was asked."""
+    Terminal().print(str(choice), style="dim")
+
+
 def print_comparison(found: Sequence[Measurement]) -> None:
     """Prints what each engine found and took, and its speed against the slowest."""
     terminal = Terminal()
@@ -132,6 +138,8 @@ def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: Mission
             terminal.print(f"for ever: {' '.join(events) or 'internal firings'}", indent=4)
         for note in witness.notes:
             terminal.print(note, indent=4)
+    for choice in dict.fromkeys(answer.choice for answer in answers):
+        print_choice(choice)
 
 
 def print_check(
@@ -160,6 +168,7 @@ def print_check(
     for problem in dict.fromkeys(warned):
         terminal.print(f"warning: {problem}", style="yellow")
     terminal.print(_sizes(check, seconds), style="dim")
+    print_choice(check.choice)
     if check.passed:
         terminal.print("all required verdicts hold", style="green")
     else:

@@ -212,6 +212,7 @@ class TypeTables:
         targets = [e[0] for e in self.entries if e] + [to for m in self.moves for to, _ in m.values()]
         if any(to not in inside for to in targets if isinstance(to, int)):
             raise ControllerFileError("an edge leads to a state that is not there")
+        self.outcomes = {to for to in targets if isinstance(to, str)}
         if len(self.entries) != 1 << len(self.hardware):
             raise ControllerFileError("a type has not one entry for each state of its hardware")
 
@@ -259,6 +260,8 @@ class Tables:
             self.sections = {section.name: section for section in sections}
             self.initial = self.sections[document["initial"]]
             for section in sections:
+                for outcome in section.machine.outcomes:
+                    section.routes[outcome]
                 for target in section.routes.values():
                     if target not in ENDS:
                         self.sections[target]

@@ -24,6 +24,8 @@ from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
 from mcpn.space.parting import parting_runs
 
 DEFAULT_MAX_STATES = 5_000_000
+DEFAULT_MAX_TRANSIENT = 20_000_000
+"""Transient markings that are explored one by one; each takes some 300 bytes."""
 
 
 class Torn(NamedTuple):
@@ -180,8 +182,9 @@ def divergence_error(run: list[str]) -> DivergenceError:
 class _Proving:
     """Runs events to completion along every interleaving, and proves that they end alike."""
 
-    def __init__(self, net: PetriNet) -> None:
+    def __init__(self, net: PetriNet, max_transient: int = DEFAULT_MAX_TRANSIENT) -> None:
         self.net = net
+        self.max_transient = max_transient
         self.masked = MaskedNet(net)
         self.ends: dict[int, int] = {}
         self.torn: dict[int, SemanticsError] = {}  # transient markings that lead to no one end
@@ -234,6 +237,11 @@ class _Proving:
                 continue
             after = self.step(marking, t)
             self.parents.setdefault(after, (marking, t))
+            if len(self.parents) > self.max_transient:
+                raise LimitError(
+                    f"more than {self.max_transient} markings behind events were explored one by one: "
+                    "the limit on transient markings was hit"
+                )
             if after in on_path:
                 raise divergence_error([*self.run(marking), self.net.transitions[t].name])
             if after in self.torn:
@@ -332,7 +340,8 @@ def direct(
             evolution is confluent and ends. Without it the graph rests on that premise.
         tear: Whether events that break it are left out and told of, instead of raised: what only they lead
             to is not in the graph.
-        max_states: How many stable states it may have.
+        max_states: How many stable states it may have; the proof may explore a hundred times as many markings
+            between them (100,000 at least, 20 million at most).
         progress: Called for each thousand stable states with their number and that of the edges.
 
     Returns:
@@ -342,11 +351,11 @@ def direct(
         ConfluenceError: Two interleavings end in different stable markings (only with the proof).
         DivergenceError: An internal run need not end.
         UnsafeError: A firing would put a second token in a place.
-        LimitError: More stable states than allowed.
+        LimitError: More stable states, or more markings to explore, than allowed.
     """
     if not proof:
         return _settled(net, max_states, progress)
-    walk = _Proving(net)
+    walk = _Proving(net, min(max(100 * max_states, 100_000), DEFAULT_MAX_TRANSIENT))
     masked = walk.masked
     begin = masked.initial()
     start = walk.stabilise(begin, masked.covered(begin), None)

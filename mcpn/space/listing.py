@@ -8,17 +8,16 @@ import numpy as np
 
 from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
-from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 from mcpn.space.graph import pack
 
 
-def written_out(space: Space[Any], method: str, proof: str, max_states: int) -> AlternativesGraph:
+def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:
     """Lists the states of an alternatives graph one by one.
 
     Args:
         space: The alternatives graph of a net with priorities.
         method: What the graph is to say of how it was made.
-        proof: How confluence was established.
         max_states: How many states it may have.
 
     Returns:
@@ -27,9 +26,9 @@ def written_out(space: Space[Any], method: str, proof: str, max_states: int) -> 
     Raises:
         LimitError: It has more states than allowed.
     """
-    size = space.everything.count()
-    if size > max_states:
-        raise LimitError(f"{size} states, more than {max_states}: the limit on states was hit")
+    size, limit = space.everything.count(), DEFAULT_MAX_STATES if max_states is None else max_states
+    if size > limit:
+        raise LimitError(f"{size} states, more than {limit}: the limit on states was hit")
     queue = [space.initial.pick()]
     numbers = {_key(queue[0]): 0}
     offsets, targets, labels = [0], list[int](), list[int]()
@@ -44,7 +43,7 @@ def written_out(space: Space[Any], method: str, proof: str, max_states: int) -> 
     markings = (sum(1 << p for p, tokens in enumerate(space.marking(state)) if tokens) for state in queue)
     words = pack(markings, len(space.net.places))
     starts, ends, fired = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    return AlternativesGraph(space.net, words, starts, ends, fired, method, proof)
+    return AlternativesGraph(space.net, words, starts, ends, fired, method, None)
 
 
 def _key(state: Any) -> Any:

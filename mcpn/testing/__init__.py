@@ -13,7 +13,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from hypothesis import strategies as st
+try:
+    from hypothesis import strategies as st
+except ImportError as error:
+    raise ImportError("mcpn.testing needs hypothesis: pip install 'mcpn[testing]'") from error
 
 from mcpn.mission.model import (
     FAIL,

@@ -13,7 +13,7 @@ from mcpn.check.spaces import Engine, mortal_space, stable_space
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 
-ENGINES: tuple[Engine, ...] = tuple(engine for engine in get_args(Engine) if engine != "auto")
+ENGINES: tuple[Engine, ...] = get_args(Engine)
 
 
 class Asked:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
+from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Core, Formula, Justice
@@ -19,7 +20,6 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.verdicts import answer_examination, answer_file
 from mcpn.check.logic.witness import explain
-from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
@@ -192,7 +192,7 @@ ENDS = "success | failure"
     ],
 )
 def test_ulysse(
-    ulysse_net: MissionNet, engine: Engine, on: str, formula: str, fair: tuple[str, ...], holds: bool
+    ulysse_net: MissionNet, engine: Asked, on: str, formula: str, fair: tuple[str, ...], holds: bool
 ) -> None:
     questions = Questions(
         ulysse_net.net,
@@ -262,7 +262,7 @@ def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str
 
 @pytest.mark.parametrize("model", QUICK)
 @pytest.mark.parametrize("engine", ["auto", "symbolic"])
-def test_the_contest_s_properties(mcc: Path, model: str, engine: Engine, verdicts: dict[str, str]) -> None:
+def test_the_contest_s_properties(mcc: Path, model: str, engine: Asked, verdicts: dict[str, str]) -> None:
     questions = Questions(read_net(mcc / model / "model.pnml"), engine=engine)
     assert compare(mcc, model, questions, verdicts) >= 16
 

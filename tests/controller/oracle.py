@@ -1,8 +1,9 @@
 """A controller without machine or tables: the net itself, fired by its plain definition.
 
 It shares no code with :mod:`mcpn.controller` but for the words of actions. Interleavings are drawn at random,
-but for one rule: transitions that select an alternative come last. So it also shows that nothing else of the
-order matters.
+but for one rule: transitions that select an alternative come last, and among them none of an activity while
+one that supplies it, directly or through others, has one. So it also shows that nothing else of the order
+matters.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import re
 
 from mcpn.net.compose import MissionNet
 
-SELECTS = re.compile(r"_sel\d+$")
+SELECTS = re.compile(r"(.*)_sel\d+$")
 
 
 class NetRobot:
@@ -41,6 +42,14 @@ class NetRobot:
             ]
             for activity in mission_net.mission.activities
         }
+        makes = {k: a.name for a in mission_net.mission.activities for k in a.produces}
+        self.suppliers = {
+            a.name: {makes[k] for way in a.alternatives for k in way.consumes if k in makes}
+            for a in mission_net.mission.activities
+        }
+        for _ in self.suppliers:  # transitively
+            for below in self.suppliers.values():
+                below |= {s for activity in below for s in self.suppliers[activity]}
         self.complete()
 
     @property
@@ -107,5 +116,10 @@ class NetRobot:
             enabled = [t for t in self.net.enabled(self.marking) if self.net.transitions[t].internal]
             if not enabled:
                 return
-            first = [t for t in enabled if not SELECTS.search(self.net.transitions[t].name)]
-            self.fire(self.rng.choice(first or enabled), left, idle)
+            self.fire(self.rng.choice(self.first(enabled)), left, idle)
+
+    def first(self, enabled: list[int]) -> list[int]:
+        """Those that may fire before the others, as the rule above says."""
+        selects = {t: found[1] for t in enabled if (found := SELECTS.match(self.net.transitions[t].name))}
+        others = [t for t in enabled if t not in selects]
+        return others or [t for t, a in selects.items() if self.suppliers[a].isdisjoint(selects.values())]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import event, given
+from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from mcpn.controller.actions import VERBS
@@ -13,11 +13,12 @@ from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Action
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
 from tests.controller.oracle import NetRobot
 
 
@@ -107,6 +108,45 @@ def test_any_mission(mission: Mission, seed: int) -> None:
         walk(mission_net, controllers, random.Random(seed), 60)
 
 
+def one_goes_as_another_comes(together: tuple[str, ...]) -> Mission:
+    """The failure of h0 ends ``first``, which releases s0, and makes ``beside`` want s0."""
+
+    def activity(name: str, *ways: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
+        alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
+        return Activity(name=name, alternatives=alternatives, produces=produces)
+
+    robot = Robot(
+        name="robot",
+        hardware=(Hardware(name="h0", shared=True), Hardware(name="h1")),
+        software=(Software(name="s0"),),
+        activities=(
+            activity("producer", ("h0",), ("h1",), produces=("s0",)),
+            activity("first", ("s0", "h0")),
+            activity("beside", ("h0",), ("s0",)),
+        ),
+    )
+    return Mission(name="mission", robots=(robot,), blocks=(Objective(name="one", activities=together),))
+
+
+@pytest.mark.parametrize("together", [("first", "beside"), ("beside", "first")])
+def test_whether_a_producer_goes_on_is_the_same_in_every_controller(together: tuple[str, ...]) -> None:
+    mission_net = compose(one_goes_as_another_comes(together))
+    controllers = either(mission_net)
+    assert len(controllers) == 2
+    for seed in range(20):
+        walk(mission_net, controllers, random.Random(seed), 30)
+
+
+@settings(max_examples=100)
+@given(stacked_missions(), st.integers(0, 2**32))
+def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:
+    mission_net = compose(mission)
+    controllers = either(mission_net)
+    event(f"{len(controllers)} controllers")
+    if controllers:
+        walk(mission_net, controllers, random.Random(seed), 30)
+
+
 @given(
     missions(max_objectives=3, max_depth=2, allow_disjoint_branches=True, outputs=3), st.integers(0, 2**32)
 )
@@ -120,7 +160,7 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
 
 @given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
-    """An interruption is an event like any other; composition may refuse such missions, then flat alone."""
+    """An interruption is an event like any other; of a section's machine it is an exit."""
     mission_net = compose(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")

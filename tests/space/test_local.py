@@ -38,6 +38,7 @@ from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import PremiseError, SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
 from tests.shares import returns_early
 
 
@@ -58,7 +59,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
     composite = composite_space(ulysse_net)
     assert sizes(composite) == (260, 1332)  # the reference net's
     assert len(types(composite)) == 2
-    check_equal(written_out(composite, "local", "", 1000), direct(ulysse_net.net))
+    check_equal(written_out(composite, "local", 1000), direct(ulysse_net.net))
 
 
 def rounds(count: int, retries: int) -> MissionNet:
@@ -87,7 +88,7 @@ def test_rounds_and_tries_are_of_one_type() -> None:
     assert len(generate(nets[1]).types) == 1
 
 
-@given(missions())
+@given(missions() | stacked_missions())
 def test_the_composite_is_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:
@@ -103,7 +104,7 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
     composite = composite_space(mission_net)
     event(f"{len(composite.sections)} sections, {len(types(composite))} types")
     assert sizes(composite) == (whole.states, whole.edges)
-    check_equal(written_out(composite, "local", "", 50_000), whole)
+    check_equal(written_out(composite, "local", 50_000), whole)
     ends = [mission_net.success], [mission_net.failure], [mission_net.success, mission_net.failure]
     for places in ends:
         reaching = composite.reaching(composite.marked(places))

@@ -15,12 +15,14 @@ from typing import Any
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.check.causes.scenarios import Scenarios
-from mcpn.check.spaces import Engine, mortal_space, stable_space
+from mcpn.check.choice import Asked, Attempt, Choice, answered, stable_by
+from mcpn.check.spaces import mortal_space
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
+from mcpn.space.algebra import Space
 from mcpn.space.explicit import Progress
 from mcpn.space.run import Run
 
@@ -92,6 +94,7 @@ class Causes:
         mission: Why the mission fails.
         objectives: Why each elementary objective fails, by its name.
         survival: What the mission survives from its start and from the entry of each section.
+        choice: The engine that answered.
     """
 
     mission_net: MissionNet
@@ -99,6 +102,7 @@ class Causes:
     mission: GoalCauses
     objectives: Mapping[str, GoalCauses]
     survival: list[Survival]
+    choice: Choice
 
     def of(self, objectives: Iterable[str]) -> Causes:
         """The same with some elementary objectives alone.
@@ -118,7 +122,7 @@ class Causes:
 def find_causes(
     mission_net: MissionNet,
     *,
-    engine: Engine = "local",
+    engine: Asked = "auto",
     max_states: int | None = None,
     progress: Progress | None = None,
 ) -> Causes:
@@ -126,8 +130,9 @@ def find_causes(
 
     Args:
         mission_net: The mission's net.
-        engine: Who makes the spaces: arrays, diagrams or composition. All give the same answers; runs are
-            shortest but for composition, where they pass as few sections as can be.
+        engine: Who makes the spaces: arrays, diagrams, composition, or ``auto``, see
+            :mod:`mcpn.check.choice`. All give the same answers; runs are shortest but for composition, where
+            they pass as few sections as can be.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges that are listed.
 
@@ -139,17 +144,23 @@ def find_causes(
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit: on states, memory or minimal cut sets.
     """
-    prospects = Prospects(
-        mission_net, stable_space(mission_net, engine=engine, max_states=max_states, progress=progress)
+
+    def spaces(attempt: Attempt) -> tuple[Space[Any], Space[Any]]:
+        stable = stable_by(attempt, mission_net, None if attempt.brief else progress)
+        return stable, mortal_space(mission_net, engine=attempt.engine, max_states=attempt.max_states)
+
+    (stable, dying), choice = answered(
+        spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
-    dying = mortal_space(mission_net, engine=engine, max_states=max_states)
-    return _Finding(prospects, CutSets(Prospects(mortal(mission_net), dying))).causes()
+    cuts = CutSets(Prospects(mortal(mission_net), dying))
+    return _Finding(Prospects(mission_net, stable), cuts, choice).causes()
 
 
 class _Finding:
-    def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any]) -> None:
+    def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any], choice: Choice) -> None:
         self.prospects = prospects
         self.cuts = cuts
+        self.choice = choice
         self.scenarios = Scenarios(prospects)
         self.mission_net = prospects.mission_net
 
@@ -166,6 +177,7 @@ class _Finding:
                 for name, goal in self.prospects.objectives.items()
             },
             [self.survival(section) for section in (None, *graph.sections)],
+            self.choice,
         )
 
     def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None) -> GoalCauses:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.witness import Witness, explain
-from mcpn.check.spaces import Engine, On, space_of
+from mcpn.check.spaces import On, space_of
 from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
@@ -29,11 +30,13 @@ class Answer:
         formula: As it was written.
         holds: Whether the initial state satisfies it.
         witness: A run that shows why.
+        choice: The engine that answered.
     """
 
     formula: str
     holds: bool
     witness: Witness
+    choice: Choice
 
 
 class Questions:
@@ -44,8 +47,8 @@ class Questions:
         mission_net: The mission that it is of, if any.
         on: The graph that formulas speak of.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
-        engine: Who makes the space: arrays, diagrams, composition, or (``auto``) diagrams with a search
-            before them.
+        engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
+            :mod:`mcpn.check.choice`, with a search before it where one may do.
         max_states: Limit on states that are listed one by one.
 
     Raises:
@@ -59,7 +62,7 @@ class Questions:
         *,
         on: On = "markings",
         fair: Sequence[str] = (),
-        engine: Engine = "auto",
+        engine: Asked = "auto",
         max_states: int | None = None,
     ) -> None:
         if on == "alternatives" and not net.priorities:
@@ -93,12 +96,25 @@ class Questions:
         """Whether reachability of a marking may be asked of a search: markings, no priorities, all paths."""
         return self.engine == "auto" and self.on == "markings" and not self.fair and not self.net.priorities
 
-    @cached_property
+    @property
     def space(self) -> Space[Any]:
         """The space that formulas speak of; it raises what :func:`mcpn.check.spaces.space_of` does."""
-        return space_of(
-            self.net, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
+        return self._chosen[0]
+
+    @property
+    def choice(self) -> Choice:
+        """Who has made the space."""
+        return self._chosen[1]
+
+    @cached_property
+    def _chosen(self) -> tuple[Space[Any], Choice]:
+        return answered(
+            self._made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
         )
+
+    def _made(self, attempt: Attempt) -> Space[Any]:
+        engine, limit = attempt.engine, attempt.max_states
+        return space_of(self.net, self.mission_net, engine=engine, on=self.on, max_states=limit)
 
     @cached_property
     def evaluation(self) -> Evaluation[Any]:
@@ -113,4 +129,4 @@ class Questions:
             core: The same, names looked up.
         """
         holds = self.evaluation.holds(core)
-        return Answer(text, holds, explain(self.evaluation, core))
+        return Answer(text, holds, explain(self.evaluation, core), self.choice)

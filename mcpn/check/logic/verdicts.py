@@ -109,7 +109,7 @@ def _answers(
     if isinstance(space, DiagramMarkings | DiagramAlternatives):
         yield from _by_slices(questions, space.encoding.store, waiting)
         return
-    technique = EXPLICIT if questions.engine == "explicit" else DIAGRAMS
+    technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
     for name, meaning in waiting.items():
         yield Verdict(name, _value(questions, meaning), (technique,))
 
@@ -234,7 +234,7 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
         for _, found in Portfolio(net).decide([DEADLOCK]):
             return Verdict(name, str(found.reachable).upper(), found.techniques)
     try:
-        technique = EXPLICIT if questions.engine == "explicit" else DIAGRAMS
+        technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
         return Verdict(name, str(examine(examination, questions.space)).upper(), (technique,))
     except UnsafeError:
         if examination == "OneSafe":

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.modes import Mode
-from mcpn.check.spaces import Engine, alternatives_by, markings_by
+from mcpn.check.spaces import alternatives_by, markings_by
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
@@ -76,6 +77,7 @@ class MissionCheck:
         stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
+        choice: The engine that answered.
     """
 
     mission_net: MissionNet
@@ -85,6 +87,7 @@ class MissionCheck:
     stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
+    choice: Choice = field(default_factory=lambda: Choice("explicit"))
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:
@@ -113,7 +116,7 @@ class MissionCheck:
 def check(
     mission_net: MissionNet,
     *,
-    engine: Engine = "explicit",
+    engine: Asked = "auto",
     max_states: int | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
@@ -123,7 +126,8 @@ def check(
 
     Args:
         mission_net: The mission's net.
-        engine: Arrays, diagrams (``auto`` too), or composition, which does not explore the net of the whole.
+        engine: Arrays, diagrams, composition, which does not explore the net of the whole, or ``auto``, see
+            :mod:`mcpn.check.choice`.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges, or with local spaces done and to do.
         executor: Where composition explores sections; this process by default.
@@ -136,6 +140,23 @@ def check(
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
+
+    def by(attempt: Attempt) -> MissionCheck:
+        return _checked(mission_net, attempt, None if attempt.brief else progress, executor, templates)
+
+    found, choice = answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)
+    return replace(found, choice=choice)
+
+
+def _checked(
+    mission_net: MissionNet,
+    attempt: Attempt,
+    progress: Progress | None,
+    executor: Executor | None,
+    templates: TemplateSet | None,
+) -> MissionCheck:
+    """Every verdict, by one engine."""
+    engine, max_states = attempt.engine, attempt.max_states
     verdicts = {name: Verdict(name, None) for name in (*REQUIRED, *INFORMATIVE)}
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     markings: Space[Any] | None = None

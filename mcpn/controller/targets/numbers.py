@@ -3,6 +3,9 @@
 Every element of the mission has a number, events in the order of their texts' bytes, so that a name is found
 by halving. A section's machine speaks of its own elements by position; each section says, by slices of one
 pool, which elements of the mission these are. Equal slices and equal lists of actions are kept once.
+
+The highest numbers are no elements: ``none``, then the outcomes with which a section is left, downwards. The
+first two of these are success and failure, of a section as of the mission.
 """
 
 from __future__ import annotations
@@ -108,15 +111,20 @@ class Numbers:
         modes: Pool[tuple[int, int]] = Pool()
         self.mode_length: list[int] = []
         self._lists: dict[tuple[tuple[int, int, int, int], ...], int] = {}
+        # Sections of one type are left with the same outcomes, in the same order.
+        outcomes = {section.type: tuple(section.routes) for section in controller.sections}
+        assert all(of[:2] == ("success", "failure") for of in outcomes.values())
         largest = max(
             *(len(names) for names in self._number.values()),
             max(len(machine.states) for machine in controller.types),
             len(self.sections),
-        )
-        self.none = 0xFF if largest < 0xFD else 0xFFFF if largest < 0xFFFD else 0xFFFFFFFF
+        ) + max(map(len, outcomes.values()))
+        self.none = next(number for number in (0xFF, 0xFFFF, 0xFFFFFFFF) if largest < number)
         self.success, self.failure = self.none - 1, self.none - 2
+        self.first_outcome = self.none - max(map(len, outcomes.values()))
         self._own = [_positions(machine) for machine in controller.types]
-        for machine, own in zip(controller.types, self._own, strict=True):
+        for kind, (machine, own) in enumerate(zip(controller.types, self._own, strict=True)):
+            left = {outcome: self.none - 1 - i for i, outcome in enumerate(outcomes[kind])}
             self.type_states.append(len(self.move_start))
             self.type_entries.append(len(self.entry_target))
             self.type_hardware.append(len(machine.hardware))
@@ -129,9 +137,8 @@ class Numbers:
                 self.move_start.append(len(self.move_event))
                 while move is not None and move.source == number:
                     self.move_event.append(move.event)
-                    ends = {"success": self.success, "failure": self.failure}
                     self.move_target.append(
-                        move.target if isinstance(move.target, int) else ends[move.target]
+                        move.target if isinstance(move.target, int) else left[move.target]
                     )
                     self.move_list.append(self._list(move.actions, own))
                     move = next(moves, None)
@@ -176,12 +183,12 @@ class Numbers:
         ends = {SUCCEED: self.success, FAIL: self.failure}
         number = {name: i for i, name in enumerate(self.sections)}
         self.routes = [
-            [
-                ends.get(section.routes[outcome], number.get(section.routes[outcome], -1))
-                for outcome in OUTCOMES
-            ]
+            [ends[route] if route in ends else number[route] for route in section.routes.values()]
             for section in controller.sections
         ]
+        routes: Pool[int] = Pool()
+        self.section_routes = [routes.add(of) for of in self.routes]
+        self.route = routes.items
         self.slices: dict[str, list[int]] = {kind: [] for kind in (*KINDS, "faulty")}
         events: Pool[tuple[int, int]] = Pool()
         self.event_start, self.event_count = list[int](), list[int]()
@@ -213,8 +220,8 @@ class Numbers:
             first, last = self._moves(section.type)
             for target, actions in zip(self.move_target[first:last], self.move_list[first:last], strict=True):
                 follows = 0
-                if target in (self.success, self.failure):
-                    route = routes[0 if target == self.success else 1]
+                if target >= self.first_outcome:
+                    route = routes[self.none - 1 - target]
                     follows = 0 if route in (self.success, self.failure) else entries[route]
                 best = max(best, length[actions] + follows)
         return best
@@ -255,9 +262,6 @@ class Numbers:
             for parameters in of:
                 self.law[kind].append((len(self.parameters), len(parameters)))
                 self.parameters.extend(parameters)
-
-
-OUTCOMES = ("success", "failure")
 
 
 def _positions(machine: SectionMachine) -> dict[str, dict[str, int]]:

@@ -28,25 +28,16 @@ def write_python(controller: Controller, mission_net: MissionNet) -> dict[str, s
     for kind, machine in enumerate(controller.types):
         first = numbers.type_states[kind]
         entry = numbers.type_entries[kind]
-        ends = {numbers.success: "SUCCESS", numbers.failure: "FAILURE", numbers.none: None}
-        moves = [
-            [
-                (
-                    numbers.move_event[move],
-                    ends.get(numbers.move_target[move], numbers.move_target[move]),
-                    numbers.move_list[move],
-                )
-                for move in range(numbers.move_start[state], numbers.move_start[state + 1])
-            ]
-            for state in range(first, first + len(machine.states))
-        ]
+        moves: list[list[tuple[int, int | str, int]]] = [[] for _ in machine.states]
+        for row, move in enumerate(machine.moves, numbers.move_start[first]):
+            moves[move.source].append((move.event, move.target, numbers.move_list[row]))
         modes = [
             numbers.modes[numbers.mode_start[state] : numbers.mode_start[state] + numbers.mode_length[state]]
             for state in range(first, first + len(machine.states))
         ]
         entries = [
-            (ends.get(numbers.entry_target[i], numbers.entry_target[i]), numbers.entry_list[i])
-            for i in range(entry, entry + len(machine.entries))
+            (None if e is None else e.target, numbers.entry_list[row])
+            for row, e in enumerate(machine.entries, entry)
         ]
         types.append({"moves": moves, "modes": modes, "entries": entries, "hardware": len(machine.hardware)})
     lists = [
@@ -90,13 +81,13 @@ def _section(n: Numbers, i: int) -> dict[str, object]:
         first = n.slices[name][i]
         return n.pool[first : first + length]
 
-    ends = {n.success: "SUCCESS", n.failure: "FAILURE"}
+    ends = {n.success: Name("SUCCESS"), n.failure: Name("FAILURE")}
+    outcomes = n.controller.sections[i].routes
     first, count = n.event_start[i], n.event_count[i]
     return {
         "name": n.sections[i],
         "type": kind,
-        "success": ends.get(n.routes[i][0], n.routes[i][0]),
-        "failure": ends.get(n.routes[i][1], n.routes[i][1]),
+        "routes": {outcome: ends.get(to, to) for outcome, to in zip(outcomes, n.routes[i], strict=True)},
         "events": dict(n.section_events[first : first + count]),
         "faulty": slice_of("faulty", n.type_hardware[kind]),
         "hardware": [n.hardware[k] for k in slice_of("hardware", own["hardware"])],
@@ -106,10 +97,16 @@ def _section(n: Numbers, i: int) -> dict[str, object]:
     }
 
 
+class Name(str):
+    """A name that the generated file gives a meaning; other strings are texts."""
+
+    __slots__ = ()
+
+
 def literal(value: object) -> str:
-    """A value in Python's own words: tuples for lists, the names of outcomes as they are."""
+    """A value in Python's own words: tuples for lists."""
     if isinstance(value, str):
-        return value if value in ("SUCCESS", "FAILURE") else quoted(value)
+        return str(value) if isinstance(value, Name) else quoted(value)
     if isinstance(value, dict):
         return "{" + ", ".join(f"{literal(k)}: {literal(v)}" for k, v in value.items()) + "}"
     if isinstance(value, Sequence):

@@ -1,0 +1,192 @@
+"""Declared events leave sections by exits of their own: in every form, target and runtime."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import Controller
+from mcpn.controller.minimise import is_bisimulation, minimise, partition
+from mcpn.controller.targets import files
+from mcpn.controller.targets.json import document
+from mcpn.mission.model import Activity, Alternative, Mission, Objective, Robot
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller as Runtime
+from mcpn.runtime import ControllerFileError, Refused
+from tests.controller.test_c import build, run_lines
+from tests.controller.test_lockstep import walk
+from tests.controller.test_python import Generated
+from tests.controller.test_scxml import check
+from tests.controller.traces import Traced, random_events, tour
+
+# Two sections of one type that the same event leads to different places; a block that one event interrupts
+# inside a branch, as a whole, or with the mission around it; a handler that happens once.
+MISSION = """\
+<mission name="watch" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <event name="storm"/><event name="leak"/><event name="call"/>
+    <hardware name="h"/><hardware name="k"/>
+    <software name="position"/>
+    <activity name="locate" produces="position">
+      <alternative name="by_h" consumes="h"/>
+      <alternative name="by_k" consumes="k"/>
+    </activity>
+    <activity name="go"><alternative name="go" consumes="position"/></activity>
+    <activity name="film"/>
+    <activity name="look"/>
+  </robot>
+  <on event="call" goto="fail"/>
+  <objective name="out" activities="go" failure="out">
+    <on event="storm" goto="back"/>
+  </objective>
+  <parallel name="work">
+    <on event="leak" goto="out" once="true"/>
+    <on event="storm" goto="back"/>
+    <objective name="near">
+      <objective name="first" activities="film"><on event="leak" goto="second"/></objective>
+      <objective name="second" activities="go"/>
+    </objective>
+    <objective name="see" activities="look"/>
+  </parallel>
+  <objective name="back" activities="go"><on event="storm" goto="succeed"/></objective>
+</mission>
+"""
+
+
+@pytest.fixture(scope="module")
+def watch(tmp_path_factory: pytest.TempPathFactory) -> MissionNet:
+    path = tmp_path_factory.mktemp("watch") / "mission.xml"
+    path.write_text(MISSION)
+    return compose(read_mission(path))
+
+
+@pytest.fixture(scope="module")
+def both(watch: MissionNet) -> list[Controller]:
+    return [generate(watch, "flat"), generate(watch)]
+
+
+def test_routes_are_by_outcome(both: list[Controller]) -> None:
+    flat, hierarchical = both
+    assert [dict(s.routes) for s in flat.sections] == [{"success": "succeed", "failure": "fail"}]
+    routes = {s.name: dict(s.routes) for s in hierarchical.sections}
+    assert routes["out"] == {"success": "work", "failure": "out", "on storm": "back", "on call": "fail"}
+    assert routes["work"]["on leak"] == "after_leak.out"
+    assert "on leak" not in routes["after_leak.work"]
+    types = {s.name: s.type for s in hierarchical.sections}
+    assert types["out"] == types["back"] == types["after_leak.out"]
+    assert routes["back"]["on storm"] == "succeed"
+
+
+def test_an_exit_stops_all_that_runs(both: list[Controller]) -> None:
+    exits = 0
+    for machine in both[1].types:
+        for move in machine.moves:
+            if isinstance(move.target, str) and move.target.startswith("on "):
+                exits += 1
+                stopped = [a.activity for a in move.actions if a.verb == "stop"]
+                assert sorted(filter(None, stopped)) == sorted(machine.states[move.source].mode)
+                assert {a.verb for a in move.actions} <= {"stop", "release"}
+    assert exits > 20
+
+
+def test_an_inner_handler_comes_first(watch: MissionNet, both: list[Controller]) -> None:
+    for controller in both:
+        runtime = Runtime.from_document(document(controller, watch))
+        for event in ("MISSION_EV_START", "OBJ_out_EV_OK", "leak_EV"):
+            runtime.handle(event)
+        assert set(runtime.state.objectives) == {"second", "see"}
+        with pytest.raises(Refused):
+            runtime.handle("no_such_EV")
+        runtime.handle("leak_EV")  # now the block's own handler
+        assert runtime.state.objectives == ("after_leak.out",)
+        with pytest.raises(Refused):
+            runtime.handle("leak_EV")  # nothing handles it a second time, nor out there
+        runtime.handle("call_EV")
+        assert (runtime.outcome, runtime.section) == ("failure", None)
+
+
+def test_flat_hierarchical_and_the_net_do_the_same(watch: MissionNet, both: list[Controller]) -> None:
+    small = [minimise(controller) for controller in both]
+    for controller in both:
+        assert all(is_bisimulation(machine, partition(machine)) for machine in controller.types)
+    for seed in range(6):
+        walk(watch, [*both, *small], random.Random(seed), 60)
+
+
+@pytest.mark.parametrize("target", ["c", "python", "scxml"])
+def test_every_edge_in_every_target(
+    target: str, watch: MissionNet, both: list[Controller], tmp_path: Path
+) -> None:
+    for number, controller in enumerate(both):
+        texts = files(controller, watch, target)
+        traced = Traced(document(controller, watch))
+        events, edges = tour(traced)
+        taken = {event for _, event in edges}
+        assert {"storm_EV", "leak_EV", "call_EV"} <= taken
+        events += random_events(traced, random.Random(1), 200)
+        if target == "scxml":
+            if controller.form == "flat":
+                continue  # the interpreter is slow, and the exits are the other form's
+            path = tmp_path / f"{number}.scxml"
+            path.write_text(next(iter(texts.values())))
+            check("Qt", path, controller, traced, events)
+            continue
+        traced.restart()
+        expected = traced.lines(events)
+        if target == "c":
+            assert run_lines(build(texts, tmp_path / str(number)), events) == expected
+        else:
+            assert Generated(next(iter(texts.values()))).lines(events) == expected
+
+
+def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
+    names = [f"e{i}" for i in range(260)]
+    events = "".join(f'<event name="{name}"/>' for name in names)
+    handlers = "".join(
+        f'<on event="{name}" goto="{"fail" if i % 2 else "a"}"/>' for i, name in enumerate(names)
+    )
+    path = tmp_path / "mission.xml"
+    path.write_text(
+        f'<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r"><activity name="b"/>{events}</robot>'
+        f'<objective name="a" activities="b">{handlers}</objective></mission>'
+    )
+    mission_net = compose(read_mission(path))
+    controller = generate(mission_net)
+    traced = Traced(document(controller, mission_net))
+    given = [text for name in names for text in ("", "MISSION_EV_START", f"{name}_EV", "OBJ_a_EV_OK")]
+    expected = traced.lines(given)
+    assert sum("| failure" in line for line in expected) == 2 * 130
+    program = build(files(controller, mission_net, "c"), tmp_path / "c")
+    assert run_lines(program, given) == expected
+    assert Generated(next(iter(files(controller, mission_net, "python").values()))).lines(given) == expected
+
+
+def test_an_exit_without_a_route_is_no_controller(watch: MissionNet, both: list[Controller]) -> None:
+    said: dict[str, Any] = document(both[1], watch)
+    del said["sections"][0]["routes"]["on storm"]
+    with pytest.raises(ControllerFileError):
+        Runtime.from_document(said)
+
+
+def test_names_that_the_generated_python_uses_itself() -> None:
+    blocks = (
+        Objective(name="SUCCESS", activities=("a",), success="FAILURE", failure="succeed"),
+        Objective(name="FAILURE", activities=("a",), success="success", failure="fail"),
+        Objective(name="success", activities=("a",), success="succeed", failure="fail"),
+    )
+    robot = Robot(name="r", activities=(Activity(name="a", alternatives=(Alternative(name="a"),)),))
+    mission_net = compose(Mission(name="BEFORE", robots=(robot,), blocks=blocks))
+    for form in ("flat", "hierarchical"):
+        controller = generate(mission_net, "flat" if form == "flat" else "hierarchical")
+        traced = Traced(document(controller, mission_net))
+        events, _ = tour(traced)
+        traced.restart()
+        ((_, text),) = files(controller, mission_net, "python").items()
+        found = Generated(text)
+        assert found.module["OBJECTIVES"] == ("SUCCESS", "FAILURE", "success")
+        assert found.lines(events) == traced.lines(events)
