@@ -193,7 +193,7 @@ def recursion(found: Mission, frozen: str | None = None) -> tuple[np.ndarray, np
         matrix, gain = np.zeros((len(states),) * 2), np.zeros((len(states), 2))
         for (way, status), i in place.items():
             leaving = 1 / block.duration
-            chance = block.failure_probability
+            chance = block.failure_probability or 0.0
             end = (1 - chance) * np.array([w[index[status]] for w in well])
             gain[i] += leaving * (end + chance * np.array([w[index[status]] for w in badly]))
             for k, h in enumerate(hardware):

@@ -118,7 +118,7 @@ def _refuse_unknown(prospects: Prospects[Any]) -> None:
 def _listed(prospects: Prospects[Any], max_states: int) -> Prospects[ArraySet]:
     if isinstance(prospects.space, ArraySpace):
         return prospects
-    graph = written_out(prospects.space, "risk", "by diagrams", max_states)
+    graph = written_out(prospects.space, "risk", max_states)
     return Prospects(prospects.mission_net, ArraySpace(graph))
 
 
