@@ -29,7 +29,7 @@ from mcpn.space.summary import SpaceSummary, summarise
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
-    from mcpn.report.pictures.svg import MissionPicture
+    from mcpn.report.pictures.drawing import Drawing
 
 
 def read_mission(path: str | Path) -> Mission:
@@ -112,20 +112,30 @@ def ctl(
     return questions.answer(formula, questions.core(parse(formula)))
 
 
-def picture(of: Mission | MissionNet) -> MissionPicture:
-    """Draws a mission; a notebook shows the picture, and ``save`` writes it as SVG.
+def picture(
+    of: Mission | MissionNet | PetriNet, kind: str = "mission", section: str | None = None
+) -> Drawing:
+    """Draws a mission or a net; a notebook shows the picture, and ``save`` writes it as SVG or PNG.
 
     Args:
-        of: The mission.
+        of: The mission, or a net.
+        kind: What is drawn of a mission: ``mission``, ``objectives``, ``net``, ``alternatives`` or
+            ``controller``.
+        section: Draw this section alone: its net, its local graph or its controller.
+
+    Raises:
+        InputError: There is no such section, or there is no such picture of a section.
+        LimitError: The picture is too large to be read, or the extra ``pictures`` is missing.
 
     Examples:
         >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
         >>> "going_up" in drawing.svg
         True
     """
-    from mcpn.report.pictures.svg import MissionPicture
+    from mcpn.report.pictures.choice import drawn
+    from mcpn.report.pictures.nets import net_drawing
 
-    return MissionPicture(as_net(of))
+    return net_drawing(of) if isinstance(of, PetriNet) else drawn(as_net(of), kind, section)
 
 
 def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
