@@ -1,14 +1,16 @@
-"""Writes the tables of docs/language.md from the schema of the mission language.
+"""Writes tables of docs: of language.md from the schema of missions, of formats.md from JSON Schemas.
 
 ``python docs/tables.py`` renews them; a test says whether they are up to date.
 """
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from lxml import etree
 
@@ -24,7 +26,7 @@ VALUES = {
     "count": "whole number",
     "boolean": "true or false",
 }
-PAGE = Path(__file__).with_name("language.md")
+PAGES = [Path(__file__).with_name(name) for name in ("language.md", "formats.md")]
 
 
 def schema() -> dict[str, etree._Element]:
@@ -86,15 +88,61 @@ def table(name: str) -> str:
     return "\n".join(lines)
 
 
+def formats() -> dict[str, dict[str, Any]]:
+    """The JSON Schemas of what commands print and write, by name."""
+    folder = resources.files("mcpn.report").joinpath("schemas")
+    files = sorted(folder.iterdir(), key=lambda file: file.name)
+    return {file.name.removesuffix(".json"): json.loads(file.read_text("utf-8")) for file in files}
+
+
+def kind(node: dict[str, Any]) -> str:
+    """The kind of value that a JSON Schema allows, in words."""
+    if "$ref" in node:
+        return f"*{node['$ref'].rpartition('/')[2]}*"
+    if "const" in node:
+        return f"`{json.dumps(node['const'])}`"
+    if "enum" in node:
+        return ", ".join(f"`{json.dumps(value)}`" for value in node["enum"])
+    types = node.get("type", "any")
+    names = [types] if isinstance(types, str) else types
+    return " or ".join("list" if name == "array" else name for name in names)
+
+
+def keys(node: dict[str, Any], way: str, optional: bool) -> Iterator[str]:
+    """A row for each key of a JSON value, those inside others too."""
+    if way and "description" in node:
+        yield f"| `{way}` | {'optional' if optional else ''} | {kind(node)} | {node['description']} |"
+    for key, inner in node.get("properties", {}).items():
+        yield from keys(inner, f"{way}.{key}".lstrip("."), key not in node.get("required", ()))
+    if isinstance(inner := node.get("additionalProperties"), dict):
+        yield from keys(inner, f"{way}.*".lstrip("."), False)
+    if isinstance(inner := node.get("items"), dict):
+        yield from keys(inner, f"{way}[]", False)
+
+
+def format_table(name: str) -> str:
+    """The tables of one JSON format, parts that it names after it."""
+    schema = formats()[name]
+    head = ["| key | | value | meaning |", "|---|---|---|---|"]
+    lines = [f"`{schema['title']}`: {schema['description']}", "", *head, *keys(schema, "", False)]
+    for part, node in schema.get("$defs", {}).items():
+        lines += ["", f"*{part}*: {node['description']}", "", *head]
+        lines += list(keys(node, "", False)) or [f"| | | {kind(node)} | {node['description']} |"]
+    return "\n".join(lines)
+
+
 def renewed(page: str) -> str:
     """The page with its tables written anew."""
-    return re.sub(
-        r"(<!-- table (\w+) -->\n).*?(<!-- end -->)",
-        lambda match: f"{match[1]}{table(match[2])}\n{match[3]}",
-        page,
-        flags=re.DOTALL,
-    )
+    for word, name, make in (("table", r"\w+", table), ("format", r"[\w-]+", format_table)):
+        page = re.sub(
+            rf"(<!-- {word} ({name}) -->\n).*?(<!-- end -->)",
+            lambda match, make=make: f"{match[1]}{make(match[2])}\n{match[3]}",  # type: ignore[misc]
+            page,
+            flags=re.DOTALL,
+        )
+    return page
 
 
 if __name__ == "__main__":
-    PAGE.write_text(renewed(PAGE.read_text()))
+    for path in PAGES:
+        path.write_text(renewed(path.read_text()))

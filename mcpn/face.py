@@ -29,21 +29,22 @@ from mcpn.space.summary import SpaceSummary, summarise
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
-    from mcpn.report.pictures.svg import MissionPicture
+    from mcpn.report.pictures.drawing import Drawing
 
 
 def read_mission(path: str | Path) -> Mission:
     """Reads a mission file, with what it imports.
-
-    >>> mission = read_mission("experiments/ulysse/mission.xml")
-    >>> mission.name, [block.name for block in mission.blocks]
-    ('ulysse', ['coral_head', 'transect'])
 
     Args:
         path: The file.
 
     Raises:
         InputError: The file is no valid mission, with every problem and its line.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> mission.name, [block.name for block in mission.blocks]
+        ('ulysse', ['coral_head', 'transect'])
     """
     return _read(Path(path))
 
@@ -53,10 +54,6 @@ def states(
 ) -> SpaceSummary:
     """Counts the reachable markings of a mission or of a net, exactly.
 
-    >>> found = states(read_mission("experiments/ulysse/mission.xml"), engine="explicit")
-    >>> found.states, found.stable_states
-    (44299, 260)
-
     Args:
         of: The mission or the net.
         engine: ``symbolic``, ``explicit`` or ``pyeda``; ``auto``: the first of them that answers.
@@ -64,6 +61,11 @@ def states(
     Raises:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> found = states(read_mission("experiments/ulysse/mission.xml"), engine="explicit")
+        >>> found.states, found.stable_states
+        (44299, 260)
     """
     net = of if isinstance(of, PetriNet) else as_net(of).net
     if engine == "pyeda":
@@ -81,12 +83,6 @@ def ctl(
 ) -> Answer:
     """Answers a formula of temporal logic, with a run that shows why.
 
-    >>> mission = read_mission("experiments/ulysse/mission.xml")
-    >>> ctl(mission, "AF (success | failure)").holds  # a sensor may fail and recover for ever
-    False
-    >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
-    True
-
     Args:
         of: The mission or the net.
         formula: As :mod:`mcpn.check.logic.language` describes it.
@@ -99,6 +95,13 @@ def ctl(
         InputError: The formula is none, or does not fit the net.
         SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> ctl(mission, "AF (success | failure)").holds  # a sensor may fail and recover for ever
+        False
+        >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
+        True
     """
     from mcpn.check.logic.language import parse
 
@@ -109,27 +112,34 @@ def ctl(
     return questions.answer(formula, questions.core(parse(formula)))
 
 
-def picture(of: Mission | MissionNet) -> MissionPicture:
-    """Draws a mission; a notebook shows the picture, and ``save`` writes it as SVG.
-
-    >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
-    >>> "going_up" in drawing.svg
-    True
+def picture(
+    of: Mission | MissionNet | PetriNet, kind: str = "mission", section: str | None = None
+) -> Drawing:
+    """Draws a mission or a net; a notebook shows the picture, and ``save`` writes it as SVG or PNG.
 
     Args:
-        of: The mission.
-    """
-    from mcpn.report.pictures.svg import MissionPicture
+        of: The mission, or a net.
+        kind: What is drawn of a mission: ``mission``, ``objectives``, ``net``, ``alternatives`` or
+            ``controller``.
+        section: Draw this section alone: its net, its local graph or its controller.
 
-    return MissionPicture(as_net(of))
+    Raises:
+        InputError: There is no such section, or there is no such picture of a section.
+        LimitError: The picture is too large to be read, or the extra ``pictures`` is missing.
+
+    Examples:
+        >>> drawing = picture(read_mission("experiments/ulysse/mission.xml"))
+        >>> "going_up" in drawing.svg
+        True
+    """
+    from mcpn.report.pictures.choice import drawn
+    from mcpn.report.pictures.nets import net_drawing
+
+    return net_drawing(of) if isinstance(of, PetriNet) else drawn(as_net(of), kind, section)
 
 
 def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
     """Finds what makes a mission and its objectives fail: critical events and minimal cut sets.
-
-    >>> found = causes(read_mission("experiments/ulysse/mission.xml"))
-    >>> [sorted(cut) for cut in found.mission.cut_sets]
-    [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
 
     Args:
         of: The mission.
@@ -138,6 +148,11 @@ def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
     Raises:
         SemanticsError: The mission is not safe or not confluent.
         LimitError: A limit was hit.
+
+    Examples:
+        >>> found = causes(read_mission("experiments/ulysse/mission.xml"))
+        >>> [sorted(cut) for cut in found.mission.cut_sets]
+        [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
     """
     from mcpn.check.causes.find import find_causes
 

@@ -175,12 +175,15 @@ def _about_a_mission(path: Path, out: Path, draw: random.Random) -> list[object]
         ["alternatives", path, *engine, *LIMITS],
         ["alternatives", path, "--method", draw.choice(("direct", "reduction")), *LIMITS],
         ["alternatives", path, "-o", out / draw.choice(("a.json", "a.aut", "a.dot", "a.txt")), *LIMITS],
-        ["causes", path, "--engine", draw.choice(("explicit", "local")), *LIMITS],
+        ["causes", path, "--engine", draw.choice(("explicit", "symbolic", "local")), *LIMITS],
         ["causes", path, "--fmeca", out / "f.csv", "--openpsa", out / "o.xml", "--rates", *LIMITS],
         ["controller", path, "-o", out / "made", draw.choice(("--flat", "--hierarchical")), *LIMITS],
         ["convert", path, out / draw.choice(("n.net", "n.pnml", "n.json", "n.dot", "n.txt", "no/n.net"))],
         ["ctl", path, "EF failure", *LIMITS],
+        ["simulate", path, "--random", "5", "--seed", "1"],
     ]
+    if draw.random() < 0.05:  # pictures and pages
+        possible = [["report", path, "-o", out / "r.html"], ["convert", path, out / "m.svg"]]
     if draw.random() < 0.01:  # these take seconds
         possible = [["compare", path, *LIMITS], ["check", path, "--structure"]]
     return draw.choice(possible)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
+import os
 import re
 import shlex
 import shutil
+import subprocess
+import sys
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,10 +22,12 @@ from tests.conftest import ROOT
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 COMMANDS = ROOT / "docs" / "commands.md"
-RUN = re.compile(r"<!-- run -->\n```sh\n(.*?)```", re.DOTALL)
 FILE = re.compile(r"<!-- file: (\S+) -->\n```xml\n(.*?)```", re.DOTALL)
 KEYS = re.compile(r"<!-- keys: (.*?) -->\n((?:\|.*\n)+)")
 EXIT_CODE = re.compile(r"#.*\bexit code (\d+)")
+BLOCK = re.compile(r"(?:<!-- (?P<mark>[^\n]*?) -->\n)?```(?P<kind>\w+)\n(?P<text>.*?)```", re.DOTALL)
+ELSEWHERE = {"ros2": "tests/controller/test_docs.py runs it with stand-ins for ROS 2"}
+"""Pages whose Python is not run here, and where it is."""
 
 
 @pytest.fixture(autouse=True)
@@ -33,21 +41,63 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_shell_examples_run(page: Path, folder: Path) -> None:
-    text = page.read_text()
-    for name, content in FILE.findall(text):
-        (folder / name).write_text(content)
-    blocks = RUN.findall(text)
-    assert len(blocks) == text.count("```sh"), "every shell example is marked <!-- run -->"
-    for line in "".join(blocks).splitlines():
-        command, *rest = shlex.split(line, comments=True)
-        target = rest.pop() if rest[-2:-1] == [">"] else None
-        expected = EXIT_CODE.search(line)
-        assert command == "mcpn"
-        found = mcpn(*(rest[:-1] if target else rest))
-        assert found.returncode == (int(expected[1]) if expected else 0), f"{line}: {found.stderr}"
-        if target is not None:
-            (folder / target).write_text(found.stdout)
+def test_examples_run_in_their_order(page: Path, folder: Path) -> None:
+    """Files are written, commands and Python run, and what a page shows of the output is in it."""
+    shown, names = "", {"__name__": "__main__"}
+    for block in BLOCK.finditer(page.read_text()):
+        mark, text = block["mark"] or "", block["text"]
+        verb, _, rest = mark.partition(": ")
+        if verb == "file":
+            (folder / rest).write_text(text)
+        elif verb == "replace":
+            file, _, old = rest.partition(" ")
+            before = (folder / file).read_text()
+            assert before.count(old) == 1
+            (folder / file).write_text(before.replace(old, text.strip()))
+        elif block["kind"] == "sh":
+            assert mark == "run", "every shell example is marked <!-- run -->"
+            shown = "".join(commanded(line, folder) for line in text.splitlines())
+        elif block["kind"] == "python" and page.stem not in ELSEWHERE:
+            spoken(text, names)
+        elif mark == "shows":
+            lines = iter(" ".join(line.split()) for line in shown.splitlines())
+            for line in text.splitlines():
+                assert any(" ".join(line.split()) in found for found in lines), (
+                    f"not shown, or not in this order: {line}"
+                )
+
+
+def commanded(line: str, folder: Path) -> str:
+    """The output of one line of a shell example, which ends with the exit code that it says."""
+    command, *rest = shlex.split(line, comments=True)
+    target = rest.pop() if rest[-2:-1] == [">"] else None
+    expected = EXIT_CODE.search(line)
+    assert command == "mcpn"
+    found = mcpn(*(rest[:-1] if target else rest))
+    assert found.returncode == (int(expected[1]) if expected else 0), f"{line}: {found.stderr}"
+    if target is not None:
+        (folder / target).write_text(found.stdout)
+    return found.stdout
+
+
+def spoken(text: str, names: dict[str, Any]) -> None:
+    """Runs Python; what it prints is what the comments after its print lines say."""
+    told = []
+    for line, after in pairwise([*text.splitlines(), ""]):
+        if "print(" in line and re.search(r"\)  # \S", line):
+            told.append(line.rpartition("  # ")[2])
+        if after.startswith("# "):
+            told.append(after[2:])
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(text, "<example>", "exec"), names)
+    assert not told or out.getvalue().splitlines() == told
+
+
+def test_the_python_of_the_readme_is_true(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    (text,) = (m["text"] for m in BLOCK.finditer((ROOT / "README.md").read_text()) if m["kind"] == "python")
+    spoken(text, {})
 
 
 @pytest.mark.parametrize(("line", "table"), KEYS.findall(COMMANDS.read_text()))
@@ -75,8 +125,59 @@ def test_the_message_of_contention_is_the_programs(folder: Path) -> None:
     assert output("alternatives", name, code=1)["message"] == message
 
 
-def test_links_lead_somewhere() -> None:
-    for page in [*PAGES, ROOT / "README.md", *(ROOT / "papers").glob("*.md")]:
-        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-            if "://" not in target:
-                assert (page.parent / target).exists(), f"{page.name}: {target}"
+TEXTS = [
+    *PAGES,
+    *sorted(ROOT.glob("*.md")),
+    *sorted((ROOT / "papers").glob("*.md")),
+    ROOT / "experiments" / "README.md",
+    ROOT / "changelog.d" / "README.md",
+]
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors of a page's headings, as sites and viewers of Markdown make them."""
+    prose = re.sub(r"```.*?```", "", page.read_text(), flags=re.DOTALL)
+    titles = re.findall(r"^#+ (.*)$", prose, re.MULTILINE)
+    plain = (re.sub(r"\[(.*?)\]\(.*?\)", r"\1", title).lower() for title in titles)
+    return {re.sub(r"[^\w\- ]", "", title).strip().replace(" ", "-") for title in plain}
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page: Path) -> None:
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]*))?\)", page.read_text()):
+        if "://" in target:
+            continue
+        path = page.parent / target if target else page
+        assert path.exists(), f"{page.name}: {target}"
+        if anchor:
+            assert anchor in anchors(path), f"{page.name}: {target}#{anchor}"
+
+
+def test_the_site_builds_without_a_warning_and_loads_nothing_from_elsewhere(folder: Path) -> None:
+    pytest.importorskip("mkdocs", reason="needs mcpn[docs]")
+    built = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "mkdocs",
+            "build",
+            "--strict",
+            "-q",
+            "-f",
+            ROOT / "mkdocs.yml",
+            "-d",
+            folder / "site",
+        ],
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert built.returncode == 0, built.stdout + built.stderr
+    pages = list((folder / "site").rglob("*.html"))
+    assert len(pages) > len(PAGES)
+    for page in pages:
+        loaded = re.findall(
+            r"<(?:script|link|img|iframe)[^>]*(?:src|href)=[\"']?((?:https?:)?//[^\"'> ]+)", page.read_text()
+        )
+        assert loaded == [], page.name

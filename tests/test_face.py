@@ -18,7 +18,7 @@ from mcpn.check.logic.questions import Answer
 from mcpn.check.verdicts.mission import MissionCheck
 from mcpn.controller.hierarchy import Controller
 from mcpn.mission.model import Mission
-from mcpn.report.pictures.svg import MissionPicture
+from mcpn.report.pictures.drawing import Drawing
 from mcpn.space.summary import SpaceSummary
 from tests.conftest import ROOT, ULYSSE
 
@@ -56,7 +56,7 @@ def test_a_users_type_checker_sees_what_they_give() -> None:
     assert_type(mcpn.ctl(mission, "EF success"), Answer)
     assert_type(mcpn.causes(mission), Causes)
     assert_type(mcpn.controller(mission), Controller)
-    assert_type(mcpn.picture(mission), MissionPicture)
+    assert_type(mcpn.picture(mission), Drawing)
     assert (Path(mcpn.__file__).parent / "py.typed").is_file()
 
 

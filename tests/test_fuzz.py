@@ -45,6 +45,21 @@ CONTENTION = b"""<mission name="m" xmlns="urn:mcpn:mission:1">
 <robot name="r"><hardware name="H"/><activity name="a" consumes="H"/><activity name="b" consumes="H"/></robot>
 <parallel name="p"><objective name="x" activities="a"/><objective name="y" activities="b"/></parallel>
 </mission>"""
+NEWER = b"""<mission name="m" xmlns="urn:mcpn:mission:1">
+<robot name="r"><event name="leak"/><hardware name="H" shared="true"/><hardware name="G"/>
+<software name="map" exclusive="true"/><software name="scan"/>
+<activity name="mapping" produces="map"><alternative name="h" consumes="H"/>
+<alternative name="g" consumes="G"/></activity>
+<activity name="scanning" produces="scan" consumes="H"/>
+<activity name="drive" switch_back="true"><alternative name="fast" consumes="map scan"/>
+<alternative name="slow" consumes="scan"/></activity></robot>
+<on event="leak" goto="home" once="true"/>
+<each name="room" in="12 14"><objective name="visit" activities="drive" retries="2">
+<parameter name="to" value="room"/></objective></each>
+<objective name="tour" repeat="2"><on event="leak" goto="fail"/>
+<objective name="x" activities="drive"/></objective>
+<objective name="home" activities="drive"/>
+</mission>"""
 LAMP = b"""net lamp
 pl off (1)
 pl broken (0)
@@ -87,7 +102,7 @@ def seeds(tmp_path_factory: pytest.TempPathFactory) -> Seeds:
     for suffix in (".pnml", ".json", ".net"):
         save_net(net, folder / f"n{suffix}")
         written[suffix] = (*written.get(suffix, ()), (folder / f"n{suffix}").read_bytes())
-    return Seeds((MISSION, IMPORTING, UNUSED, CONTENTION), written, (PROPERTIES,), FORMULAS)
+    return Seeds((MISSION, IMPORTING, UNUSED, CONTENTION, NEWER), written, (PROPERTIES,), FORMULAS)
 
 
 def check_cases(seeds: Seeds, folder: Path, cases: range, request: pytest.FixtureRequest) -> None:

@@ -33,11 +33,6 @@ class Check(ModuleType):
     ) -> MissionCheck:
         """Checks a mission: its verdicts, each with a run where there is one, and the sizes of its graphs.
 
-        >>> import mcpn
-        >>> found = mcpn.check(mcpn.read_mission("experiments/drone/mission.xml"), engine="local")
-        >>> [name for name, verdict in found.verdicts.items() if not verdict.holds and name != "unselectable"]
-        []
-
         Args:
             of: The mission, or its net.
             engine: ``explicit``, ``symbolic`` or ``local``; all give the same answers.
@@ -45,6 +40,12 @@ class Check(ModuleType):
 
         Raises:
             LimitError: A limit was hit.
+
+        Examples:
+            >>> import mcpn
+            >>> found = mcpn.check(mcpn.read_mission("experiments/courier/mission.xml"), engine="local")
+            >>> found.passed, found.unselectable[1].message
+            (True, 'alternative localisation.dead_reckoning can never be selected')
         """
         from mcpn.check.verdicts.mission import check
         from mcpn.net.compose import as_net

@@ -12,6 +12,7 @@ from mcpn.cli.shared import FILE, emit_json, json_option
 from mcpn.errors import InputError, Source
 
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
+LANGUAGE = "mission"
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
 
@@ -41,17 +42,32 @@ def init(folder: Path, as_json: bool) -> None:
 
 
 @click.command()
+@click.argument("of", default=LANGUAGE, metavar="[FORMAT]")
 @json_option
-def schema(as_json: bool) -> None:
+def schema(of: str, as_json: bool) -> None:
     """Print the schema of the mission language (RELAX NG), for an editor that completes and checks.
+
+    With FORMAT, the JSON Schema of what a command prints or writes: check, causes, controller-document, ...
 
     Save it beside your files (mcpn schema > mission.rng) and write as the second line of each of them
     <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
     of Debian): trang mission.rng mission.xsd.
     """
-    text = resources.files("mcpn.mission").joinpath("schema.rng").read_text(encoding="utf-8")
+    if of == LANGUAGE:
+        language, file = "RELAX NG", resources.files("mcpn.mission").joinpath("schema.rng")
+    else:
+        folder = resources.files("mcpn.report").joinpath("schemas")
+        formats = sorted(file.name.removesuffix(".json") for file in folder.iterdir())
+        if of not in formats:
+            raise InputError.at(
+                None, f"no schema of {of!r}, expected {LANGUAGE} or one of {', '.join(formats)}"
+            )
+        language, file = "JSON Schema", folder.joinpath(f"{of}.json")
+    text = file.read_text(encoding="utf-8")
     if as_json:
-        emit_json({"format": "RELAX NG", "schema": text})
+        emit_json({"format": language, "schema": text})
+    elif of != LANGUAGE:
+        click.echo(text, nl=False)
     else:
         click.echo(text, nl=False)
         click.echo('in an editor: <?xml-model href="mission.rng"?> as the second line of a file', err=True)

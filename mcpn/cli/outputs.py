@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,6 +20,10 @@ from mcpn.cli.shared import (
     net_of,
     progress_line,
 )
+from mcpn.errors import InputError, Source
+
+if TYPE_CHECKING:
+    from mcpn.report.pictures.drawing import Drawing
 
 
 @click.command()
@@ -80,22 +85,38 @@ def controller(
 @click.command()
 @click.argument("source", type=FILE)
 @click.argument("target", type=FILE)
+@click.option(
+    "--draw",
+    type=click.Choice(["mission", "objectives", "net", "alternatives", "controller"]),
+    help="What a picture of a mission shows (default: the mission as it is written).",
+)
+@click.option("--section", metavar="NAME", help="Draw the net, alternatives or controller of one section.")
 @import_option
 @json_option
-def convert(source: Path, target: Path, import_root: Path | None, as_json: bool) -> None:
-    """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json).
+def convert(
+    source: Path,
+    target: Path,
+    draw: str | None,
+    section: str | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json, .svg, .png).
 
-    A mission is drawn where TARGET ends in .svg.
+    TARGET is a picture where it ends in .svg or .png: of a mission that which --draw names, of a net its
+    places and transitions.
     """
     from mcpn.net.formats import save_net
+    from mcpn.report.pictures.drawing import KNOWN
 
-    if target.suffix.lower() == ".svg" and not is_net(source):
-        from mcpn.report.pictures.svg import MissionPicture
-
-        MissionPicture(mission_net_of(source, import_root)).save(target)
+    if target.suffix.lower() in KNOWN:
+        _picture(source, draw, section, import_root).save(target)
         if as_json:
             emit_json({"file": str(target), "warnings": []})
         return
+    if draw or section:
+        expected = "--draw and --section are for pictures: expected " + " or ".join(KNOWN)
+        raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}; {expected}")
     net = net_of(source, import_root)
     warning = save_net(net, target)
     if as_json:
@@ -103,3 +124,16 @@ def convert(source: Path, target: Path, import_root: Path | None, as_json: bool)
         emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
     elif warning:
         click.echo(f"warning: {warning}", err=True)
+
+
+def _picture(source: Path, draw: str | None, section: str | None, import_root: Path | None) -> Drawing:
+    """The picture that is asked for."""
+    from mcpn.report.pictures.choice import drawn
+    from mcpn.report.pictures.nets import net_drawing
+
+    if not is_net(source):
+        kind = draw or ("mission" if section is None else "alternatives")
+        return drawn(mission_net_of(source, import_root), kind, section)
+    if draw not in (None, "net") or section:
+        raise InputError.at(Source(str(source)), "found a net, expected a mission: only these have sections")
+    return net_drawing(net_of(source, import_root))

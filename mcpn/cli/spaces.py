@@ -111,7 +111,7 @@ def _local_counts(
 
     started = time.perf_counter()
     composite = composite_of(mission_net, max_states, quiet=quiet)
-    names = ("states", "edges", "dead_states", "max_tokens", "nodes")
+    names = ("states", "edges", "dead_states", "max_tokens", "nodes", "order")
     whole = summarise(mission_net.net, "symbolic") if markings else None
     return {
         "places": len(mission_net.net.places),
@@ -150,7 +150,8 @@ def _listed(
     help="How --engine explicit goes on: from stable state to stable state, or through all markings.",
 )
 @click.option("--proof/--no-proof", default=True, help="Prove that internal evolution is confluent and ends.")
-@click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut or .dot.")
+@click.option("-o", "--output", type=FILE, help="Write the graph: .json, .graphml, .aut, .dot, .svg or .png.")
+@click.option("--section", metavar="NAME", help="The local graph of this section alone.")
 @limit_option
 @import_option
 @json_option
@@ -160,6 +161,7 @@ def alternatives(
     method: str | None,
     proof: bool,
     output: Path | None,
+    section: str | None,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
@@ -177,6 +179,10 @@ def alternatives(
         engine = "explicit"
     mission_net = mission_net_of(mission, import_root)
     started = time.perf_counter()
+    if section is not None:
+        from mcpn.report.pictures.sections import part_of
+
+        mission_net, engine = part_of(mission_net, section).net(), "explicit"
 
     def ask(attempt: Attempt) -> Space[Any]:
         if attempt.engine == "explicit" and not attempt.brief:
@@ -192,7 +198,8 @@ def alternatives(
     if output is not None:
         from mcpn.report.graphs import save_graph
 
-        save_graph(graph or written_out(space, choice.engine, max_states), mission_net, output)
+        whole = graph or written_out(space, choice.engine, max_states)
+        save_graph(whole, mission_net, output, section)
     fired = space.firings(space.everything)
     counts = {
         "states": space.everything.count(),

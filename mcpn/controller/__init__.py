@@ -29,12 +29,6 @@ class Generate(ModuleType):
     ) -> Controller:
         """Generates the controller of a mission: finite state machines that do what was verified.
 
-        >>> import mcpn
-        >>> mission = mcpn.read_mission("experiments/ulysse/mission.xml")
-        >>> flat = mcpn.controller(mission, "flat")
-        >>> [len(machine.states) for machine in flat.types]
-        [236]
-
         Args:
             of: The mission, or its net.
             form: ``hierarchical``, a machine for each type of section, or ``flat``, one for the mission.
@@ -43,6 +37,13 @@ class Generate(ModuleType):
         Raises:
             SemanticsError: The mission is not safe or not confluent.
             LimitError: A machine would have more states than allowed.
+
+        Examples:
+            >>> import mcpn
+            >>> mission = mcpn.read_mission("experiments/ulysse/mission.xml")
+            >>> flat = mcpn.controller(mission, "flat")
+            >>> [len(machine.states) for machine in flat.types]
+            [236]
         """
         from mcpn.controller.generate import generate
         from mcpn.net.compose import as_net

@@ -104,7 +104,7 @@ class Handover:
         usage = self.usage
         if any(usage.sharing.serves(a) for a in before & after):
             return True
-        if not any(usage.may_wait(a) or usage.sharing.evaluated_on_release(a) for a in before):
+        if not any(usage.may_wait(a) or usage.sharing.order_matters(a) for a in before):
             return False
         shared = usage.resources_of(before) & usage.resources_of(after)
         return bool(shared) or not before.isdisjoint(after)

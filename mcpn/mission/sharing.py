@@ -11,10 +11,19 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
     from mcpn.mission.usage import Usage
+
+
+Occasion: TypeAlias = tuple[str, str]
+"""A hardware resource that ``fails`` or ``returns``."""
+
+
+def occasions(fails: Iterable[str], returns: Iterable[str]) -> frozenset[Occasion]:
+    """The failures of some hardware and the returns of some."""
+    return frozenset([*((h, "fails") for h in fails), *((h, "returns") for h in returns)])
 
 
 class Sharing:
@@ -26,7 +35,7 @@ class Sharing:
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
-        self._again: dict[str, bool] = {}
+        self._matters: dict[str, bool] = {}
         self._under: dict[tuple[str, str], frozenset[str]] = {}
 
     @cached_property
@@ -52,18 +61,19 @@ class Sharing:
         produces = self.usage.activities[activity].produces
         return len(produces) > 1 or any(s in self.consumers for s in produces)
 
-    def evaluated_on_release(self, activity: str) -> bool:
-        """Whether a producer evaluates its alternatives again each time that a consumer gives a product back.
+    def order_matters(self, activity: str) -> bool:
+        """Whether a producer that keeps its alternative might differ by which of two consumers comes first.
 
         A producer that serves goes on if another consumer asks before the last one releases, and is started
-        anew if it asks after. Both may come of one failure, or of one event that leads several branches of a
-        block onward, in either order, and make a difference where the producer, or one that serves it, has
-        several alternatives: the one that goes on keeps its alternative.
-        There, and only there, it evaluates them again, so that both orders end alike.
+        anew if it asks after. Both may come of one failure or return, or of one event that leads several
+        branches of a block onward, in either order, and make a difference where the producer, or one that
+        serves it, has several alternatives: the one that goes on keeps its alternative. There it switches
+        back to a better alternative as soon as one is possible, so that both orders end alike
+        (:meth:`mcpn.mission.switching.Switching.switches_back`).
         """
-        if activity not in self._again:
-            self._again[activity] = self._order_matters(activity)
-        return self._again[activity]
+        if activity not in self._matters:
+            self._matters[activity] = self._order_matters(activity)
+        return self._matters[activity]
 
     def _order_matters(self, activity: str) -> bool:
         usage = self.usage
@@ -90,21 +100,25 @@ class Sharing:
         inner = (graph for graph in self.usage.graphs() if graph is not self.usage.graph)
         return any(section.interruptions for graph in inner for section in graph.sections)
 
-    def affecting(self, consumers: Collection[str], producer: str) -> frozenset[str]:
-        """Hardware whose failure may make some activities ask or release, the producer's failure aside.
+    def affecting(self, consumers: Collection[str], producer: str) -> frozenset[Occasion]:
+        """What may make some activities ask or release, errors of the producer aside.
 
-        It reaches them from below, by an error of something else that they consume, and from above, where it
-        makes their own consumers release.
+        A failure reaches them from below, by an error of something else that they consume, and from above,
+        where it makes their own consumers release. A return makes them, or their consumers, switch back.
         """
         usage = self.usage
         above = [a for a in usage.started if not usage.closure(a).isdisjoint(consumers)]
-        return frozenset[str]().union(*(self._under_all(a, producer) for a in above))
-
-    def ending(self, activity: str, alternative: int, producer: str) -> frozenset[str]:
-        """Hardware whose failure may end an alternative by something else than what a producer brings it."""
-        return self._under_resources(
-            self.usage.activities[activity].alternatives[alternative].consumes, producer
+        return frozenset[Occasion]().union(
+            *(occasions(self._under_all(a, producer), usage.switching.returns(a)) for a in above)
         )
+
+    def ending(self, activity: str, alternative: int, producer: str) -> frozenset[Occasion]:
+        """What may end an alternative, errors aside of what a producer brings it."""
+        usage = self.usage
+        consumed = usage.activities[activity].alternatives[alternative].consumes
+        declared = usage.activities[activity].switch_back
+        better = usage.switching.higher(activity, alternative) if declared else ()
+        return occasions(self._under_resources(consumed, producer), frozenset[str]().union(*better))
 
     def _under_all(self, activity: str, without: str) -> frozenset[str]:
         key = (activity, without)

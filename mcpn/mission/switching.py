@@ -34,25 +34,64 @@ class Switching:
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
         self._ways: dict[str, Ways] = {}
+        self._back: dict[str, bool] = {}
 
     @cached_property
     def watched(self) -> frozenset[str]:
         """Hardware whose return makes some activity evaluate its alternatives again."""
-        usage = self.usage
-        found = frozenset[str]()
-        for a in usage.started:
-            for i in range(len(usage.activities[a].alternatives)):
-                found = found.union(*self.better(a, i))
-        return found
+        return frozenset[str]().union(*(self.returns(a) for a in self.usage.started))
+
+    def returns(self, activity: str) -> frozenset[str]:
+        """Hardware whose return may make an activity leave its alternative."""
+        return self._of_higher(activity) if self.switches_back(activity) else frozenset()
+
+    def declared(self, activity: str) -> frozenset[str]:
+        """Hardware whose return may make it leave its alternative because it is declared to."""
+        return self._of_higher(activity) if self.usage.activities[activity].switch_back else frozenset()
+
+    def _of_higher(self, activity: str) -> frozenset[str]:
+        alternatives = range(len(self.usage.activities[activity].alternatives))
+        return frozenset[str]().union(*(way for i in alternatives for way in self.higher(activity, i)))
 
     def better(self, activity: str, alternative: int) -> Ways:
+        """Sets of hardware for which an activity leaves this alternative for one of higher priority.
+
+        Raises:
+            LimitError: There are too many.
+        """
+        return self.higher(activity, alternative) if self.switches_back(activity) else frozenset()
+
+    def switches_back(self, activity: str) -> bool:
+        """Whether an activity returns to a better alternative.
+
+        It does where it is declared to, and where what shares its product could else tell in which order
+        two consumers came: it then always runs the best alternative that the hardware allows.
+        """
+        if activity not in self._back:
+            usage = self.usage
+            several = len(usage.activities[activity].alternatives) > 1
+            self._back[activity] = several and (
+                usage.activities[activity].switch_back
+                # Whether it matters is asked upwards only, from producers to who consumes.
+                or any(map(usage.sharing.order_matters, self._above.get(activity, ())))
+            )
+        return self._back[activity]
+
+    @cached_property
+    def _above(self) -> dict[str, list[str]]:
+        """By activity, those that may start it, itself included."""
+        found: dict[str, list[str]] = {}
+        for a in self.usage.started:
+            for below in self.usage.closure(a):
+                found.setdefault(below, []).append(a)
+        return found
+
+    def higher(self, activity: str, alternative: int) -> Ways:
         """Sets of hardware that make an alternative of higher priority than this one possible.
 
         Raises:
             LimitError: There are too many.
         """
-        if not self.usage.activities[activity].switch_back:
-            return frozenset()
         higher = self.usage.activities[activity].alternatives[:alternative]
         ways = _minimal(way for better in higher for way in self._all_of(activity, better.consumes))
         # What is always possible is never left out.

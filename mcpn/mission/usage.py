@@ -20,7 +20,7 @@ from mcpn.errors import Source
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
-from mcpn.mission.sharing import Sharing
+from mcpn.mission.sharing import Sharing, occasions
 from mcpn.mission.switching import Switching
 
 Demand: TypeAlias = tuple[str, int]
@@ -160,8 +160,9 @@ class Usage:
     def released_unasked(self, resource: str) -> bool:
         """Whether the resource may be released while its producer, evaluating, still brings or takes it.
 
-        So it is where one failure makes the producer evaluate again, and somebody above, with something
-        else, give the resource back; and where the producer may have waited for another activity's release.
+        So it is where one failure, or one return, makes the producer evaluate again, and somebody above, with
+        something else, give the resource back; and where the producer may have waited for another activity's
+        release.
         """
         return resource in self._released_unasked or self.may_wait(self.producer[resource])
 
@@ -171,7 +172,7 @@ class Usage:
             s
             for name in self.started
             for s in self.activities[name].produces
-            if self._evaluated_after(name)
+            if occasions(self._evaluated_after(name), self.switching.returns(name))
             & self.sharing.affecting([a for a in self.started if s in self.resources_of({a})], name)
         )
 
@@ -265,7 +266,8 @@ class Usage:
         """Concurrent demands for one resource within the chain under one running activity.
 
         They are those of one alternative, and those of what an alternative that is given up leaves behind,
-        still evaluating for the failure that ended it, with those of the alternative that is tried next.
+        still evaluating for the failure or return that ended it, with those of the alternative that is tried
+        next.
         """
         if activity not in self._inner:
             found: set[tuple[str, Demand, Demand]] = set()
@@ -278,11 +280,12 @@ class Usage:
                 for p, q in combinations(below, 2):
                     found.update(_both(self.tree_needs(p), self.tree_needs(q)))
                 under = frozenset[str]().union(*(self.closure(p) for p in below))
+                # Only declared returns: who else switches back follows from what is wanted together.
                 left = [
                     q
                     for q in under
-                    if self._released_unasked.intersection(self.activities[q].produces)
-                    and self._evaluated_after(q) & self.sharing.ending(activity, i, q)
+                    if occasions(self._evaluated_after(q), self.switching.declared(q))
+                    & self.sharing.ending(activity, i, q)
                 ]
                 for j, other in enumerate(self.activities[activity].alternatives if left else ()):
                     if i != j:

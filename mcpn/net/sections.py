@@ -81,8 +81,8 @@ class LocalPart:
                 ),
                 activity.name in usage.handover.with_idle,
                 usage.may_wait(activity.name),
-                usage.sharing.evaluated_on_release(activity.name),
-                activity.switch_back,
+                usage.sharing.order_matters(activity.name),
+                usage.switching.switches_back(activity.name),
             )
             for activity in parts.activities
         )

@@ -1,4 +1,4 @@
-"""The alternatives graph as a file: JSON, GraphML, Aldebaran (``.aut``) or Graphviz."""
+"""The alternatives graph as a file: JSON, GraphML, Aldebaran (``.aut``), Graphviz or a picture."""
 
 from __future__ import annotations
 
@@ -10,23 +10,36 @@ from mcpn.check.modes import Situation, situation
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.compose import MissionNet
+from mcpn.report.pictures.drawing import KNOWN as PICTURES
 from mcpn.space.alternatives import AlternativesGraph
 
-KNOWN = (".json", ".graphml", ".aut", ".dot")
+KNOWN = (".json", ".graphml", ".aut", ".dot", *PICTURES)
 
 
-def save_graph(graph: AlternativesGraph, mission_net: MissionNet, path: Path) -> None:
+def save_graph(
+    graph: AlternativesGraph, mission_net: MissionNet, path: Path, section: str | None = None
+) -> None:
     """Writes an alternatives graph, whole or not at all.
 
     Args:
         graph: The graph.
         mission_net: The net that it belongs to.
         path: The file; its suffix chooses the format.
+        section: The section that the graph is of, if not of the whole mission.
 
     Raises:
         InputError: The suffix is of no known format, or the file cannot be written.
+        LimitError: A picture would be too large to be read.
     """
     suffix = path.suffix.lower()
+    if suffix in PICTURES:
+        from mcpn.report.pictures.machines import alternatives_drawing, local_graph_drawing
+
+        if section is None:
+            alternatives_drawing(mission_net, graph).save(path)
+        else:
+            local_graph_drawing(mission_net, graph, section).save(path)
+        return
     edges = [
         (int(graph.sources[edge]), str(graph.event(edge)), int(graph.targets[edge]))
         for edge in range(graph.edges)

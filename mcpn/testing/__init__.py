@@ -199,8 +199,8 @@ class _Drawing:
         ways: list[Alternative] = []
         for i in range(self.number(1, self.shape.alternatives)):
             # Fallbacks mostly use something else than what has failed.
-            before = {k for way in ways for k in way.consumes} if self.number(0, 3) else set()
-            consumes = self.consumed(name, island, before)
+            before = {k for way in ways for k in way.consumes}
+            consumes = self.consumed(name, island, before, before if self.number(0, 3) else set())
             ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
@@ -213,10 +213,16 @@ class _Drawing:
             description=self.description(),
         )
 
-    def consumed(self, activity: str, island: _Island, avoided: set[str]) -> tuple[str, ...]:
+    def consumed(
+        self, activity: str, island: _Island, before: set[str], avoided: set[str]
+    ) -> tuple[str, ...]:
         chosen: list[str] = []
         for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
-            left = [k for k in island.below if self.may_join(island, k, chosen)]
+            left = [
+                k
+                for k in island.below
+                if self.may_join(island, k, chosen) and self.may_follow(island, k, before)
+            ]
             if self.shape.own_hardware:
                 left = [k for k in left if self.users.get(k, activity) == activity]
             left = [k for k in left if k not in avoided] or left
@@ -240,6 +246,16 @@ class _Drawing:
             return resource not in chosen
         return resource not in chosen and all(
             resource in island.groups[k] or island.below[resource].isdisjoint(island.below[k]) for k in chosen
+        )
+
+    def may_follow(self, island: _Island, resource: str, before: set[str]) -> bool:
+        """Whether a resource may be consumed after other alternatives, whose producers may be ending yet."""
+        if not self.shape.disjoint_branches:
+            return True
+        return all(
+            (resource == k and len(island.below[k]) == 1)
+            or island.below[resource].isdisjoint(island.below[k])
+            for k in before
         )
 
     # --- blocks ----------------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ import re
 
 from mcpn.net.compose import MissionNet
 
-SELECTS = re.compile(r"(.*)_sel\d+$")
+SELECTS = re.compile(r"[_:]sel\d+$")
+BUSY = re.compile(r"[_:](Start|Stop|StartByRes|(eval|wait|active)\d+|error|refusing|running)$")
 
 
 class NetRobot:
@@ -30,18 +31,11 @@ class NetRobot:
         self.running_place = {
             place: name.split(".", 1) for place, name in mission_net.saying("active").items()
         }
-        self.own = {
-            activity.name: [
-                number
-                for number, place in enumerate(self.net.places)
-                if place.name.startswith(f"{activity.name}_")
-                and re.fullmatch(
-                    r"Start|Stop|StartByRes|(eval|wait|active)\d+|error|refusing|running",
-                    place.name.removeprefix(f"{activity.name}_"),
-                )
-            ]
-            for activity in mission_net.mission.activities
-        }
+        self.own: dict[str, list[int]] = {activity.name: [] for activity in mission_net.mission.activities}
+        for number, place in enumerate(self.net.places):
+            of = place.provenance
+            if of and of.kind in ("activity", "alternative") and BUSY.search(place.name):
+                self.own[of.name.split(".", 1)[0]].append(number)
         makes = {k: a.name for a in mission_net.mission.activities for k in a.produces}
         self.suppliers = {
             a.name: {makes[k] for way in a.alternatives for k in way.consumes if k in makes}
@@ -120,6 +114,13 @@ class NetRobot:
 
     def first(self, enabled: list[int]) -> list[int]:
         """Those that may fire before the others, as the rule above says."""
-        selects = {t: found[1] for t in enabled if (found := SELECTS.match(self.net.transitions[t].name))}
+        selects = {t: activity for t in enabled if (activity := self.selecting(t))}
         others = [t for t in enabled if t not in selects]
         return others or [t for t, a in selects.items() if self.suppliers[a].isdisjoint(selects.values())]
+
+    def selecting(self, transition: int) -> str | None:
+        """The activity of which a transition selects an alternative."""
+        of = self.net.transitions[transition]
+        if of.provenance and of.provenance.kind in ("activity", "alternative") and SELECTS.search(of.name):
+            return of.provenance.name.split(".", 1)[0]
+        return None

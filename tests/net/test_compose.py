@@ -200,8 +200,8 @@ def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> N
     found = compose(mission)
     assert found.usage.contentions == ()
     event(f"shared: {bool(found.usage.sharing.consumers)}")
-    again = any(found.usage.sharing.evaluated_on_release(a.name) for a in mission.activities)
-    event(f"evaluated on release: {again}")
+    matters = any(found.usage.sharing.order_matters(a.name) for a in mission.activities)
+    event(f"order matters: {matters}")
     try:
         markings = explore(found.net, max_states=LIMIT)
     except LimitError:

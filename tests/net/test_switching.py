@@ -204,7 +204,7 @@ def test_who_switches_back_never_runs_what_is_not_the_best(mission: Mission) -> 
             if a.name in robot.mode:
                 running = [w.name for w in a.alternatives].index(robot.mode[a.name])
                 assert possible(a.alternatives[running], lost)
-                if a.switch_back:
+                if found.usage.switching.switches_back(a.name):
                     switched |= running > 0
                     assert not any(possible(w, lost) for w in a.alternatives[:running])
     event(f"runs a fallback: {switched}")

@@ -38,8 +38,6 @@ class _Life:
         activate: Places marked when an alternative starts to run.
         ending: How it is stopped.
         quiet: The place that says that no activation is on its way, where one is needed.
-        again: Interfaces of its products, as resource and owner; while one is held it evaluates its
-            alternatives again when another is given back.
     """
 
     start: str
@@ -47,7 +45,6 @@ class _Life:
     activate: list[str]
     ending: _Ending
     quiet: list[str] = field(default_factory=list)
-    again: list[tuple[str, str | None]] = field(default_factory=list)
 
 
 def draw_activity(canvas: Canvas, activity: Activity) -> None:
@@ -139,8 +136,7 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
         pen.transition("refused", refuse, [idle], read=unused)
-    again = served if sharing.evaluated_on_release(a) else []
-    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused), again=again)
+    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused))
 
 
 class _AlternativeDrawing:
@@ -190,7 +186,6 @@ class _AlternativeDrawing:
             self._draw("sel", [self.evaluation, *self.life.quiet], self.runs_and_says)
         self.stop()
         self.switch_back()
-        self.evaluate_again()
         if self.usage.waits_for_release(self.activity.name, self.index):
             self.stop_while_evaluated()
         if self.usage.waits_for_answer(self.activity.name, self.index):
@@ -252,20 +247,6 @@ class _AlternativeDrawing:
                 *way,
                 read=[self.canvas.resource(h, "service") for h in way],
             )
-
-    def evaluate_again(self) -> None:
-        """A product is given back while another is held: evaluate every alternative again."""
-        of = self.canvas.resource
-        for i, (resource, owner) in enumerate(self.life.again):
-            for j, held in enumerate(self.life.again):
-                if i != j:
-                    self._draw(
-                        "again",
-                        [*self.runs, *self._answers(()), of(resource, "free", owner)],
-                        [*self._releases(), self.life.start, of(resource, "available", owner)],
-                        f"{i}.{j}",
-                        read=[self.canvas.answer(*held)],
-                    )
 
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""

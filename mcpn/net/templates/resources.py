@@ -89,8 +89,7 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
     ``deactivation`` while its owner has yet to take note of an error. ``free`` is marked from its release on
     until it is known whether the producer goes on, because another interface is held; then it is available
     again. Otherwise the producer stops first. Where that must not depend on who comes first, the producer
-    that goes on evaluates its alternatives again (:meth:`mcpn.mission.sharing.Sharing.evaluated_on_release`),
-    which is drawn with these.
+    always runs its best alternative (:meth:`mcpn.mission.sharing.Sharing.order_matters`).
 
     Args:
         canvas: Where to draw.
@@ -101,7 +100,6 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
     running = canvas.place_of("activity", a, "active1" if len(producer.alternatives) == 1 else "running")
     idle, refusing = (canvas.place_of("activity", a, part) for part in ("idle", "refusing"))
     every = [(product, owner) for product in producer.produces for owner in canvas.owners(product)]
-    goes_on = not canvas.usage.sharing.evaluated_on_release(a)
     for owner in canvas.owners(s):
         pen = canvas.of_interface("software", s, resource.source, owner)
         free, busy = pen.place("free"), pen.place("busy")
@@ -113,7 +111,7 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
         pen.transition("4", [busy, release], [free, unused])
         pen.transition("10", [free], [available], read=[idle])
         for other in every:
-            if goes_on and other != (s, owner):
+            if other != (s, owner):
                 part = ("9", *(name for name in other if name))
                 pen.transition(part, [free], [available], read=[canvas.answer(*other)])
         interface = [available, take, waiting, answer, release, free]

@@ -14,5 +14,5 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["number"] = lambda value: f"{value:g}"
+    made.filters["number"] = lambda value: f"{round(value, 1):g}" if abs(value) < 1e5 else f"{value:.0f}"
     return made

@@ -1,0 +1,295 @@
+"""Stable states as pictures: local graphs, alternatives graphs, controllers.
+
+A state is a box with what the robot does in it, a curve an event. Where there are too many states to be read,
+those that run the same are drawn as one box, whatever hardware is out of service beside them; the whole
+mission is drawn by its sections.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from mcpn.check.modes import Situation, situation
+from mcpn.check.runs import what_happens
+from mcpn.controller.actions import Action
+from mcpn.controller.hierarchy import Controller, SectionMachine, section_machine
+from mcpn.mission.graph import ObjectivesGraph, ParallelSection
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
+from mcpn.report.pictures.drawing import Drawing
+from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
+from mcpn.report.pictures.objectives import ENDS, objectives_picture
+from mcpn.report.pictures.sections import local_graph, part_of
+from mcpn.space.alternatives import AlternativesGraph
+
+MOST_STATES = 16
+"""States of a section up to which each has a box of its own."""
+
+MOST_WHOLE = 24
+"""Boxes up to which a mission is drawn in one piece."""
+
+MOST_LINES = 3
+"""Events beside one curve; all of them are in its title."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """An event from one state to another.
+
+    Args:
+        source: Number of a state, or ``None`` before the section is entered.
+        target: Number of a state, or the outcome.
+        event: What happens.
+        actions: What the controller then does, where that is to be shown.
+    """
+
+    source: int | None
+    target: int | str
+    event: Event
+    actions: tuple[Action, ...] = ()
+
+
+def local_drawing(
+    mission_net: MissionNet, section: str, *, actions: bool = False, merged: bool = False
+) -> Drawing:
+    """The picture of the local graph of a section.
+
+    Args:
+        mission_net: The mission's net.
+        section: The section's name.
+        actions: Whether each event shows what the controller does: the picture of the section's controller.
+        merged: Whether states that run the same are one box, however few they are.
+
+    Raises:
+        InputError: There is no such section.
+        SemanticsError: It is not safe, or not confluent.
+        LimitError: It has too many states.
+    """
+    local, graph = local_graph(mission_net, section)
+    if actions:
+        machine = section_machine(local, graph, part_of(mission_net, section).faulty)
+        return machine_drawing(machine, f"Controller of the section {section}")
+    return local_graph_drawing(local, graph, section, merged=merged)
+
+
+def local_graph_drawing(
+    local: MissionNet, graph: AlternativesGraph, section: str, *, merged: bool = False
+) -> Drawing:
+    """The same of a local graph that is there already."""
+    name = f"Local graph of the section {section}"
+    return drawing(states_picture(name, *states_within(local, graph), merged=merged))
+
+
+def machine_drawing(machine: SectionMachine, name: str) -> Drawing:
+    """The picture of a machine with its actions."""
+    passages = [Passage(m.source, m.target, machine.events[m.event], m.actions) for m in machine.moves]
+    start = Event(What.START, "")
+    passages += [Passage(None, e.target, start, e.actions) for e in machine.entries if e]
+    return drawing(states_picture(name, machine.states, passages, actions=True))
+
+
+def controller_drawing(controller: Controller) -> Drawing:
+    """The picture of a controller: its sections with the sizes of their machines, and the routes."""
+    name = f"Controller of the mission {controller.mission}"
+    if len(controller.sections) == 1:
+        return machine_drawing(controller.types[0], name)
+    nodes = [Node("", ("start",), "node")]
+    for section in controller.sections:
+        machine = controller.types[section.type]
+        sizes = f"{len(machine.states)} states, {len(machine.moves)} edges"
+        nodes.append(Node(section.name, (section.name, sizes), "node", f"machine {section.type}: {sizes}"))
+    edges = [Edge("", controller.initial, "success", title="the mission starts")]
+    for section in controller.sections:
+        for outcome, route in section.routes.items():
+            kind = outcome if outcome in ("success", "failure") else "event"
+            lines = () if kind == outcome else (outcome,)
+            edges.append(Edge(section.name, route, kind, lines, f"{section.name}: {outcome}"))
+    reached = {edge.target for edge in edges}
+    nodes += [Node(key, (word,), f"node {word}") for key, word in ENDS.items() if key in reached]
+    return drawing(Graph(name, nodes, edges))
+
+
+def alternatives_drawing(mission_net: MissionNet, graph: AlternativesGraph) -> Drawing:
+    """The picture of an alternatives graph: what runs, by section; of a long mission its sections alone."""
+    states, passages = states_within(mission_net, graph)
+    name = f"Alternatives graph of the mission {mission_net.mission.name}: {graph.states:,} states"
+    section_of = sections_of(mission_net.graph)
+    if len({_runs(state) for state in states}) <= MOST_WHOLE:
+        return drawing(states_picture(f"{name}, by what runs", states, passages, section_of))
+    counts: dict[str, int] = {}
+    for state in states:
+        for section in dict.fromkeys(section_of[o] for o in (*state.objectives, *state.pending, *state.done)):
+            counts[section] = counts.get(section, 0) + 1
+    notes = {section: f"{count:,} states" for section, count in counts.items()}
+    return drawing(objectives_picture(mission_net.graph, f"{name}, by section", notes))
+
+
+def sections_of(graph: ObjectivesGraph) -> dict[str, str]:
+    """By objective and by branch of a parallel block, the section of the mission that it stands in."""
+    found = {}
+    for section in graph.sections:
+        found[section.name] = section.name
+        if isinstance(section, ParallelSection):
+            for branch in section.branches:
+                names = (branch.name, *(inner.name for inner in branch.graph.all_sections()))
+                found |= dict.fromkeys(names, section.name)
+    return found
+
+
+def states_within(mission_net: MissionNet, graph: AlternativesGraph) -> tuple[list[Situation], list[Passage]]:
+    """States between start and end, and what leads to them, between them and out of them."""
+    markings = [graph.marking(state) for state in range(graph.states)]
+    said = [situation(mission_net, marking) for marking in markings]
+    exits: dict[int, str] = {}
+    for number, marking in enumerate(markings):
+        for name, place in mission_net.exits.items():
+            if marking[place]:
+                exits[number] = name
+    waiting = {n for n, marking in enumerate(markings) if marking[mission_net.beginning]}
+    numbers = [n for n in range(graph.states) if n not in waiting and n not in exits]
+    new = {old: number for number, old in enumerate(numbers)}
+    passages = []
+    for edge in range(graph.edges):
+        source, target = int(graph.sources[edge]), int(graph.targets[edge])
+        if source in exits or target in waiting:
+            continue
+        end: int | str = exits[target] if target in exits else new[target]
+        passages.append(Passage(new.get(source), end, graph.event(edge)))
+    return [said[n] for n in numbers], passages
+
+
+# --- the picture of some states ------------------------------------------------------------------------
+
+
+def _runs(state: Situation) -> Hashable:
+    """What runs in a state, whatever hardware is out of service."""
+    pairs = (tuple(sorted(found.items())) for found in (state.mode, state.waiting))
+    return state.objectives, state.pending, state.done, *pairs, state.refused
+
+
+def states_picture(
+    name: str,
+    states: Sequence[Situation],
+    passages: Sequence[Passage],
+    section_of: Mapping[str, str] | None = None,
+    *,
+    actions: bool = False,
+    merged: bool = False,
+) -> Graph:
+    """States as boxes, events as curves.
+
+    Args:
+        name: What the picture shows.
+        states: By number.
+        passages: Events.
+        section_of: By objective its section, where each section has a frame of its own.
+        actions: Whether to write what the controller does beside each event.
+        merged: Whether states that run the same are one box, however few they are.
+    """
+    merged = merged or section_of is not None or len(states) > MOST_STATES
+    groups: dict[Hashable, list[int]] = {}
+    for number, state in enumerate(states):
+        groups.setdefault(_runs(state) if merged else number, []).append(number)
+    key_of = {number: f"s{key}" for key, members in enumerate(groups.values()) for number in members}
+    if merged and section_of is None:
+        name += f": {len(states):,} states, those that run the same as one"
+    nodes, clusters = [Node("enter", ("start",), "node")], dict[str, Cluster]()
+    for members in groups.values():
+        state = states[members[0]]
+        cluster = None
+        if section_of is not None:
+            section = next((section_of[o] for o in (*state.objectives, *state.pending)), "")
+            cluster = clusters.setdefault(section, Cluster(f"c{len(clusters)}", section)).key
+        lines = tuple(_lines(state, merged=merged, count=len(members)))
+        nodes.append(Node(key_of[members[0]], lines, "node", _title(state, merged=merged), cluster))
+    outcomes = dict.fromkeys(p.target for p in passages if isinstance(p.target, str))
+    nodes += [
+        Node(f"end {end}", (end,), f"node {end}" if end in ("success", "failure") else "node")
+        for end in outcomes
+    ]
+    return Graph(name, nodes, list(_edges(passages, key_of, actions)), list(clusters.values()))
+
+
+def _edges(passages: Sequence[Passage], key_of: Mapping[int, str], actions: bool) -> Iterator[Edge]:
+    """One curve for all events of a kind between two boxes; hardware's failure and return as one."""
+    found: dict[tuple[str, str, str], dict[Event, str]] = {}
+    for p in passages:
+        source = "enter" if p.source is None else key_of[p.source]
+        target = f"end {p.target}" if isinstance(p.target, str) else key_of[p.target]
+        if source != target:
+            said = "; ".join(_order(action) for action in p.actions) if actions else ""
+            found.setdefault((source, target, _KINDS.get(p.event.what, "arc")), {}).setdefault(p.event, said)
+    for (source, target, kind), events in found.items():
+        both = False
+        if kind == "arc" and not actions:
+            there = {_undone(event) for event in events}
+            what = {event.what for event in events}
+            both = len(what) == 1 and there == found.get((target, source, kind), {}).keys()
+            if both and what == {What.REPAIRED}:
+                continue  # drawn with the failures
+        told = []
+        for event, said in events.items():
+            words = "" if event.what is What.START else _happens(event) + (" ⇄ works again" if both else "")
+            told.append("\n".join(filter(None, (words, said))))
+        told = list(dict.fromkeys(filter(None, told)))
+        lines = [line for text in told[:MOST_LINES] for line in text.split("\n")]
+        if len(told) > MOST_LINES:
+            lines.append(f"and {len(told) - MOST_LINES} more")
+        yield Edge(source, target, kind, tuple(lines), "; ".join(t.replace("\n", ": ") for t in told), both)
+
+
+_KINDS = {What.SUCCESS: "success", What.FAILURE: "failure", What.DECLARED: "event"}
+
+
+def _undone(event: Event) -> Event | None:
+    """A hardware's return for its failure, and the other way round."""
+    other = {What.OUT_OF_SERVICE: What.REPAIRED, What.REPAIRED: What.OUT_OF_SERVICE}.get(event.what)
+    return None if other is None else Event(other, event.element)
+
+
+def _happens(event: Event) -> str:
+    """An event in as few words as are clear beside a curve."""
+    if event.what is What.SUCCESS:
+        return f"{_last(event.element)} succeeds"
+    if event.what is What.FAILURE:
+        return f"{_last(event.element)} fails"
+    return what_happens(event, "")
+
+
+def _last(name: str) -> str:
+    return name.rsplit(".", 1)[-1]
+
+
+def _order(action: Action) -> str:
+    what = action.activity or action.hardware or ""
+    if action.verb == "select" and action.alternative not in (None, action.activity):
+        return f"select {what}: {action.alternative}"
+    return f"{action.verb} {what}"
+
+
+def _lines(state: Situation, *, merged: bool, count: int) -> Iterator[str]:
+    """What a box says."""
+    yield ", ".join(_last(name) for name in state.objectives) or "about to begin"
+    for name in state.pending:
+        yield f"next: {_last(name)}"
+    for activity, way in state.mode.items():
+        if activity != way:
+            yield f"{activity}: {way}"
+    for activity in state.waiting:
+        yield f"waits: {activity}"
+    for activity in state.refused:
+        yield f"no way: {activity}"
+    if not merged:
+        for name in state.out_of_service:
+            yield f"{name} out"
+    elif count > 1:
+        yield f"{count} states"
+
+
+def _title(state: Situation, *, merged: bool) -> str:
+    mode = ", ".join(f"{a}: {way}" if a != way else a for a, way in state.mode.items())
+    told = [f"objectives {', '.join(state.objectives) or 'none'}", f"runs {mode or 'nothing'}"]
+    if state.out_of_service and not merged:
+        told.append(f"out of service {', '.join(state.out_of_service)}")
+    return "; ".join(told)

@@ -1,0 +1,173 @@
+"""Nets as pictures: the units of a mission's net and what joins them, or one section place by place.
+
+The paper's colours: what is internal to a unit is red, a place that no stable marking marks is orange
+(temporary), the interface between units is green. Borders differ as well, for those who see no colours.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet, Place, Provenance, Transition
+from mcpn.report.pictures.drawing import Drawing
+from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
+from mcpn.report.pictures.sections import local_graph, part_of
+
+MOST_LISTED = 20_000
+"""Stable markings that are listed at most to tell which places are temporary."""
+
+
+def net_drawing(net: PetriNet) -> Drawing:
+    """The picture of a net, place by place."""
+    return drawing(net_picture(net, f"Net {net.name}"))
+
+
+def section_net_drawing(mission_net: MissionNet, section: str) -> Drawing:
+    """The picture of the local net of a section, place by place.
+
+    Args:
+        mission_net: The mission's net.
+        section: The section's name.
+
+    Raises:
+        InputError: There is no such section.
+    """
+    local = part_of(mission_net, section).net()
+    try:
+        _, graph = local_graph(mission_net, section, MOST_LISTED)
+    except (LimitError, SemanticsError):
+        return drawing(net_picture(local.net, f"Net of the section {section}"))
+    stable = {
+        place for state in range(graph.states) for place, tokens in enumerate(graph.marking(state)) if tokens
+    }
+    return drawing(net_picture(local.net, f"Net of the section {section}", stable))
+
+
+def units_drawing(mission_net: MissionNet) -> Drawing:
+    """The picture of the units of a mission's net; curves are interface places between two of them."""
+    return drawing(units_picture(mission_net.net, f"Net of the mission {mission_net.mission.name}"))
+
+
+# --- units ---------------------------------------------------------------------------------------------
+
+_Unit = tuple[str, str]
+
+
+def _unit(provenance: Provenance | None) -> _Unit | None:
+    """The unit that something belongs to: alternatives are drawn with their activity."""
+    if provenance is None:
+        return None
+    if provenance.kind == "alternative":
+        return "activity", provenance.name.split(".")[0]
+    return provenance.kind, provenance.name
+
+
+def _arcs(net: PetriNet) -> Iterator[tuple[int, int, str, int]]:
+    """Each arc: place, transition, ``consume``, ``produce`` or ``read``, weight."""
+    for number, t in enumerate(net.transitions):
+        for way in ("consume", "produce", "read"):
+            for place, weight in getattr(t, way):
+                yield place, number, way, weight
+
+
+def interface(net: PetriNet) -> set[int]:
+    """Places that join units: a transition of another unit has an arc with it."""
+    return {
+        place
+        for place, transition, _, _ in _arcs(net)
+        if _unit(net.places[place].provenance) != _unit(net.transitions[transition].provenance)
+    }
+
+
+def units_picture(net: PetriNet, name: str) -> Graph:
+    """Units as boxes, and curves that say how many interface places lead from one to another."""
+    places = Counter(_unit(place.provenance) for place in net.places)
+    transitions = Counter(_unit(transition.provenance) for transition in net.transitions)
+    keys = {unit: f"u{number}" for number, unit in enumerate({**places, **transitions})}
+    nodes = [
+        Node(
+            keys[unit],
+            (unit[1], unit[0], f"{places[unit]} places, {transitions[unit]} transitions")
+            if unit
+            else (net.name,),
+            "node",
+        )
+        for unit in keys
+    ]
+    joined: dict[tuple[str, str], set[int]] = {}
+    for place, transition, way, _ in _arcs(net):
+        ends = keys[_unit(net.places[place].provenance)], keys[_unit(net.transitions[transition].provenance)]
+        if ends[0] != ends[1]:
+            joined.setdefault(ends if way != "produce" else ends[::-1], set()).add(place)
+    edges = []
+    for (source, target), shared in joined.items():
+        back = (target, source) in joined
+        if back and source > target:
+            continue
+        every = shared | joined.get((target, source), set())
+        names = ", ".join(net.places[place].name for place in sorted(every))
+        edges.append(Edge(source, target, "joint", (f"{len(every)}",), f"interface places: {names}", back))
+    return Graph(name, nodes, edges, sideways=True)
+
+
+# --- place by place ------------------------------------------------------------------------------------
+
+
+def net_picture(net: PetriNet, name: str, stable: Collection[int] | None = None) -> Graph:
+    """Places and transitions, each unit in a frame.
+
+    Args:
+        net: The net.
+        name: What the picture shows.
+        stable: Places that some stable marking marks, where they are known.
+    """
+    joining = interface(net)
+    clusters: dict[_Unit, Cluster] = {}
+
+    def cluster_of(item: Place | Transition) -> str | None:
+        unit = _unit(item.provenance)
+        if unit is None:
+            return None
+        known = clusters.setdefault(unit, Cluster(f"c{len(clusters)}", " ".join(unit)))
+        return known.key
+
+    nodes = []
+    for number, place in enumerate(net.places):
+        kind = "internal"
+        if number in joining:
+            kind = "interface"
+        elif stable is not None and number not in stable:
+            kind = "temporary"
+        marked = " marked" if place.initial else ""
+        tokens = {0: "", 1: "● "}.get(place.initial, f"{place.initial} ")
+        title = f"place {place.name} ({kind})" + (f", {place.initial} tokens at first" if marked else "")
+        text = tokens + _short(place.name, place.provenance)
+        nodes.append(Node(f"p{number}", (text,), f"place {kind}{marked}", title, cluster_of(place)))
+    for number, transition in enumerate(net.transitions):
+        if transition.event is None:
+            line, kind = "", "transition"
+        else:
+            line, kind = str(transition.event), "transition happens"
+        title = f"transition {transition.name}"
+        nodes.append(Node(f"t{number}", (line,), kind, title, cluster_of(transition)))
+    edges = []
+    for p, t, way, weight in _arcs(net):
+        ends = (f"p{p}", f"t{t}") if way != "produce" else (f"t{t}", f"p{p}")
+        told = (str(weight),) if weight > 1 else ()
+        kind = "read" if way == "read" else "arc"
+        edges.append(Edge(*ends, kind, told, arrow=way != "read"))
+    return Graph(name, nodes, edges, list(clusters.values()), nested=bool(clusters))
+
+
+def _short(name: str, provenance: Provenance | None) -> str:
+    """A name without that of its unit, whose frame says it."""
+    if provenance is None:
+        return name
+    unit = (_unit(provenance) or ("", ""))[1]
+    for stem in (unit, f"OBJ_{unit}", f"PAR_{unit}"):
+        if name.startswith(f"{stem}_"):
+            return name[len(stem) + 1 :]
+    return name

@@ -1,0 +1,166 @@
+"""The objectives graph as a picture: sections and their routes; of a long one the blocks they stand in."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.compose import MissionNet
+from mcpn.report.pictures.drawing import Drawing
+from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
+
+MOST_SECTIONS = 80
+"""Sections that are drawn one by one; of more, those of one block are drawn as one."""
+
+MOST_INTERRUPTED = 4
+"""Sections that an event may lead from to one target with a curve for each."""
+
+ENDS = {SUCCEED: "success", FAIL: "failure"}
+
+
+def objectives_drawing(mission_net: MissionNet, notes: Mapping[str, str] | None = None) -> Drawing:
+    """The picture of an objectives graph.
+
+    Args:
+        mission_net: The mission's net.
+        notes: By section, what stands below its name instead of its activities.
+    """
+    name = f"Objectives graph of the mission {mission_net.mission.name}"
+    return drawing(objectives_picture(mission_net.graph, name, notes))
+
+
+def objectives_picture(graph: ObjectivesGraph, name: str, notes: Mapping[str, str] | None = None) -> Graph:
+    """The same before it is laid out."""
+    if sum(1 for _ in graph.all_sections()) > MOST_SECTIONS:
+        return _by_block(graph, name)
+    drawn = _Drawn(notes or {})
+    drawn.level(graph, dict.fromkeys(ENDS, ""), None)
+    drawn.gather()
+    ends = [Node(key, (word,), f"node {word}") for key, word in ENDS.items() if key in drawn.reached]
+    begin = Node("", ("start",), "node")
+    edges = [Edge("", drawn.first(graph), "success", title="the mission starts"), *drawn.edges]
+    return Graph(name, [begin, *drawn.nodes, *ends], edges, drawn.clusters)
+
+
+class _Drawn:
+    """What has been drawn so far."""
+
+    def __init__(self, notes: Mapping[str, str]) -> None:
+        self.notes = notes
+        self.nodes: list[Node] = []
+        self.edges: list[Edge] = []
+        self.clusters: list[Cluster] = []
+        self.reached: set[str] = set()
+
+    def level(self, graph: ObjectivesGraph, exits: Mapping[str, str], cluster: str | None) -> None:
+        """Draws the sections of one graph and their routes."""
+        for section in graph.sections:
+            if isinstance(section, ElementarySection):
+                told = self.notes.get(section.name)
+                lines = section.activities if told is None else (told,)
+                self.nodes.append(
+                    Node(section.name, (section.name, *lines), "node", _title(section), cluster)
+                )
+            else:
+                self._block(section, cluster)
+            for route, lines, kind in _routes(section):
+                if route in ENDS:
+                    target = exits[route] or route
+                    self.reached.add(target)
+                else:
+                    target = self.first(graph, route)
+                title = f"{section.name}: {', '.join(lines) or kind} leads to {ENDS.get(route, route)}"
+                self.edges.append(Edge(self.last(section), target, kind, lines, title))
+
+    def gather(self) -> None:
+        """Draws an event as one box where it interrupts so many sections that its curves would hide them."""
+        events = [edge for edge in self.edges if edge.kind == "event"]
+        counts = Counter((edge.lines, edge.target) for edge in events)
+        for number, ((lines, target), count) in enumerate(counts.items()):
+            if count > MOST_INTERRUPTED:
+                gone = [e for e in events if (e.lines, e.target) == (lines, target)]
+                title = "; ".join(edge.title for edge in gone)
+                key = f"event {number}"
+                self.nodes.append(Node(key, (*lines, f"in any of {count} sections"), "node", title))
+                self.edges = [edge for edge in self.edges if edge not in gone]
+                self.edges.append(Edge(key, target, "event", title=title))
+
+    def _block(self, section: ParallelSection, cluster: str | None) -> None:
+        """A parallel block: a frame with its branches, a box where they begin and one where they end."""
+        key = f"block {section.name}"
+        name = f"{section.name}, in parallel" + (
+            f": {self.notes[section.name]}" if section.name in self.notes else ""
+        )
+        self.clusters.append(Cluster(key, name, cluster))
+        fork, join = f"fork {section.name}", f"join {section.name}"
+        self.nodes += [
+            Node(fork, ("",), "transition", f"{section.name} begins", key),
+            Node(join, ("",), "transition", f"{section.name} ends", key),
+        ]
+        for branch in section.branches:
+            word = () if branch.mandatory else ("optional",)
+            self.edges.append(Edge(fork, self.first(branch.graph), "arc", word, f"{branch.name} begins"))
+            self.level(branch.graph, dict.fromkeys(ENDS, join), key)
+
+    def first(self, graph: ObjectivesGraph, name: str | None = None) -> str:
+        """The node at which a section begins."""
+        section = graph.section(name or graph.entry)
+        return section.name if isinstance(section, ElementarySection) else f"fork {section.name}"
+
+    @staticmethod
+    def last(section: Section) -> str:
+        """The node at which a section ends."""
+        return section.name if isinstance(section, ElementarySection) else f"join {section.name}"
+
+
+def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
+    yield section.success, (), "success"
+    yield section.failure, (), "failure"
+    for interruption in section.interruptions:
+        yield interruption.target, (f"on {interruption.event}",), "event"
+
+
+def _title(section: ElementarySection) -> str:
+    told = f"objective {section.name}: {', '.join(section.activities)}"
+    return f"{told}; {section.description}" if section.description else told
+
+
+def _by_block(graph: ObjectivesGraph, name: str) -> Graph:
+    """Sections of one block as one box: the deepest blocks of which there are few enough, or neighbours."""
+    group_of = _groups(graph)
+    members = Counter(group_of.values())
+    nodes = [Node("", ("start",), "node")]
+    nodes += [
+        Node(group, (group, f"{count} sections" if count > 1 else "1 section"), "node")
+        for group, count in members.items()
+    ]
+    counts: Counter[tuple[str, str, str]] = Counter()
+    for section in graph.sections:
+        for route, _, kind in _routes(section):
+            source, target = group_of[section.name], group_of.get(route, route)
+            if source != target:
+                counts[source, target, kind] += 1
+    ends = {target for _, target, _ in counts} & ENDS.keys()
+    nodes += [Node(key, (ENDS[key],), f"node {ENDS[key]}") for key in ENDS if key in ends]
+    edges = [Edge("", group_of[graph.entry], "success", title="the mission starts")]
+    edges += [
+        Edge(source, target, kind, (f"{count}",) if count > 1 else (), f"{count} routes on {kind}")
+        for (source, target, kind), count in counts.items()
+    ]
+    return Graph(name, nodes, edges)
+
+
+def _groups(graph: ObjectivesGraph) -> dict[str, str]:
+    names = [section.name for section in graph.sections]
+    for depth in range(max(name.count(".") for name in names), 0, -1):
+        found = {name: ".".join(name.split(".")[:depth]) for name in names}
+        if len(set(found.values())) <= MOST_SECTIONS:
+            return found
+    size = -(-len(names) // MOST_SECTIONS)
+    found = {}
+    for start in range(0, len(names), size):
+        part = names[start : start + size]
+        found |= dict.fromkeys(part, f"{part[0]} to {part[-1]}" if len(part) > 1 else part[0])
+    return found

@@ -1,0 +1,264 @@
+"""Pictures of graphs: everything is in them, nothing of a mission's text is obeyed, large ones are folded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from lxml import etree
+
+import mcpn
+from mcpn.errors import InputError, LimitError, SemanticsError
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.petri import NetBuilder
+from mcpn.report.pictures import drawing as drawing_module
+from mcpn.report.pictures import graph as graphs
+from mcpn.report.pictures import graphviz
+from mcpn.report.pictures.choice import KINDS, drawn
+from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, Placed, lay_out
+from mcpn.report.pictures.nets import interface, net_picture, units_picture
+from mcpn.report.pictures.objectives import MOST_SECTIONS, objectives_picture
+from mcpn.testing import missions
+from tests.commands import mcpn as command
+from tests.commands import output
+from tests.conftest import ULYSSE
+from tests.report.test_pictures import hostile
+
+pytest.importorskip("pygraphviz", reason="needs pygraphviz: the extra pictures")
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def ulysse() -> MissionNet:
+    return compose(read_mission(ULYSSE))
+
+
+def overlapping(placed: Placed) -> Iterator[tuple[Any, Any]]:
+    frames = placed.nodes
+    for i, a in enumerate(frames):
+        for b in frames[:i]:
+            apart = (
+                a.x + a.width <= b.x or b.x + b.width <= a.x or a.y + a.height <= b.y or b.y + b.height <= a.y
+            )
+            if not apart:
+                yield a, b
+
+
+@settings(max_examples=50)
+@given(missions())
+def test_every_section_and_route_is_drawn(mission: Mission) -> None:
+    net = compose(mission)
+    graph = objectives_picture(net.graph, "x")
+    keys = {node.key for node in graph.nodes}
+    assert {section.name for section in net.graph.walk()} <= keys
+    for edge in graph.edges:
+        assert edge.source in keys
+        assert edge.target in keys
+
+
+@settings(max_examples=10)
+@given(missions())
+def test_boxes_stand_apart(mission: Mission) -> None:
+    graph = objectives_picture(compose(mission).graph, "x")
+    placed = lay_out(graph)
+    assert len(placed.nodes) == len(graph.nodes)
+    assert len(placed.curves) == len(graph.edges)
+    assert list(overlapping(placed)) == []
+    for frame in placed.nodes:
+        assert frame.x >= 0
+        assert frame.x + frame.width <= placed.width + 1
+        assert frame.y >= 0
+        assert frame.y + frame.height <= placed.height + 1
+
+
+@settings(max_examples=15)
+@given(missions())
+def test_a_net_is_drawn_with_its_interface(mission: Mission) -> None:
+    """Each place once; what joins units is green, and only units that share a place are joined."""
+    net = compose(mission).net
+    picture = net_picture(net, "x")
+    assert len(picture.nodes) == len(net.places) + len(net.transitions)
+    assert len(picture.edges) == sum(len(t.consume) + len(t.produce) + len(t.read) for t in net.transitions)
+    green = {node.key for node in picture.nodes if "interface" in node.kind}
+    assert green == {f"p{place}" for place in interface(net)}
+    units = units_picture(net, "x")
+    joined = set[str]().union(
+        *(edge.title.removeprefix("interface places: ").split(", ") for edge in units.edges)
+    )
+    assert joined <= {place.name for place in net.places}
+    assert {net.places[p].name for p in interface(net)} == joined - {""}
+
+
+def test_places_of_a_resource_have_the_colours_of_the_paper(ulysse: MissionNet) -> None:
+    """Paper, 6.1: free and busy red, failing orange, the interface green."""
+    text = drawn(ulysse, "net", "transect.diving").svg
+    titles = {
+        rect.findtext(f"{SVG}title"): rect.get("class")
+        for rect in etree.fromstring(text.encode()).iter(f"{SVG}rect")
+    }
+    for part, kind in (
+        ("busy", "internal"),
+        ("failing", "temporary"),
+        *((part, "interface") for part in ("available", "take", "answer", "release", "error")),
+    ):
+        found = [kind for title, kind in titles.items() if title and f"GPS_sensor_{part} " in title]
+        assert len(found) == 1
+        assert kind in (found[0] or "")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("section", [None, "transect.diving"])
+def test_ulysse(ulysse: MissionNet, kind: str, section: str | None, tmp_path: Path) -> None:
+    if section and kind in ("mission", "objectives"):
+        with pytest.raises(InputError, match="expected one of a section"):
+            drawn(ulysse, kind, section)
+        return
+    picture = drawn(ulysse, kind, section)
+    root = etree.fromstring(picture._repr_svg_().encode())
+    assert "diving" in str(root.xpath("string()"))
+    assert len(repr(picture)) < 200
+
+
+def test_the_local_graph_answers_what_happens_when_the_gps_fails(ulysse: MissionNet) -> None:
+    """During the dive, the IMU takes over; when it fails too, there is no way."""
+    from mcpn.report.pictures.machines import local_drawing
+
+    assert ">GPS_sensor out<" in local_drawing(ulysse, "transect.diving").svg
+    merged = local_drawing(ulysse, "transect.diving", merged=True)
+    lines = [str(t.text) for t in etree.fromstring(merged.svg.encode()).iter(f"{SVG}text")]
+    assert [line for line in lines if line.split(":")[0] in ("localisation", "no way")] == [
+        "localisation: gps_localisation",
+        "localisation: imu_localisation",
+        "no way: diving",
+    ]
+
+
+def test_a_hostile_mission_is_only_text(tmp_path: Path) -> None:
+    """In every picture, of the whole and of its sections, there are no elements but those of pictures."""
+    net = compose(hostile())
+    first = net.graph.sections[0].name
+    for kind in KINDS:
+        for section in (None, first):
+            try:
+                text = drawn(net, kind, section).svg
+            except InputError:
+                continue
+            root = etree.fromstring(text.encode())
+            known = {"svg", "style", "rect", "defs", "marker", "path", "title", "text", "polyline"}
+            assert {etree.QName(element).localname for element in root.iter("*")} <= known
+            assert not any(
+                str(name).startswith("on") for element in root.iter("*") for name in element.attrib
+            )
+            assert max(len(t.text or "") for t in root.iter(f"{SVG}text")) <= graphs.MOST_IN_NODE
+
+
+def test_texts_that_graphviz_would_read() -> None:
+    """Backslashes, references of HTML, quotes and braces are text."""
+    evil = 'a\\N "b" <B>c</B> &amp; {d|e} \\l ☃ \u202e'
+    nodes = [Node("x", (evil,), "node", cluster="c"), Node("y", (evil,), "node")]
+    graph = Graph(evil, nodes, [Edge("x", "y", "arc", (evil,))], [Cluster("c", evil)])
+    root = etree.fromstring(graphs.drawing(graph).svg.encode())
+    assert [text.text for text in root.iter(f"{SVG}text")].count(evil) == 4
+
+
+def test_a_long_mission_is_drawn_by_its_blocks() -> None:
+    base = hostile()
+    many = tuple(Objective(name=f"o{i}", activities=("b",)) for i in range(500))
+    from dataclasses import replace
+
+    net = compose(replace(base, blocks=many))
+    graph = objectives_picture(net.graph, "long")
+    assert len(graph.nodes) <= MOST_SECTIONS + 3
+    told = [node.lines for node in graph.nodes if "sections" in node.lines[-1]]
+    assert sum(int(lines[-1].split()[0]) for lines in told) == 500
+
+
+def test_too_large_a_picture_names_its_limit(tmp_path: Path) -> None:
+    builder = NetBuilder("wide")  # a limit is checked before the layout
+    for i in range(graphs.MOST_NODES + 1):
+        builder.place(f"p{i}")
+    with pytest.raises(
+        LimitError, match=f"301 boxes, the limit of what one drawing shows is {graphs.MOST_NODES}"
+    ):
+        mcpn.picture(builder.build()).save(tmp_path / "x.svg")
+    assert not (tmp_path / "x.svg").exists()
+
+
+def test_graphviz_may_fail(ulysse: MissionNet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where its process dies with curves there are straight lines; where it always dies, an error."""
+    asked = []
+    answers = graphviz._answers
+
+    def dies(questions: Sequence[dict[str, Any]], *when: str) -> list[dict[str, Any]] | None:
+        asked.append([question["splines"] for question in questions])
+        return None if asked[-1][0] in when else answers(questions)
+
+    monkeypatch.setattr(graphviz, "_answers", lambda questions: dies(questions, "true"))
+    assert "transect.diving" in drawn(ulysse, "objectives").svg
+    assert asked == [["true"], ["true"], ["line"]]
+    monkeypatch.setattr(graphviz, "_answers", lambda questions: dies(questions, "true", "line"))
+    with pytest.raises(LimitError, match="Objectives graph of the mission ulysse: Graphviz finds no layout"):
+        _ = drawn(ulysse, "objectives").svg
+    assert answers([{"splines": "true", "nodes": "none"}]) is None
+
+
+def test_without_the_extra_an_error_says_what_to_install(
+    ulysse: MissionNet, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def absent(name: str) -> object:
+        raise ImportError(name)
+
+    monkeypatch.setattr(drawing_module, "import_module", absent)
+    with pytest.raises(LimitError, match=r"pygraphviz: pip install 'mcpn\[pictures\]'"):
+        drawn(ulysse, "objectives").save(tmp_path / "x.svg")
+    with pytest.raises(LimitError, match=r"resvg_py: pip install 'mcpn\[pictures\]'"):
+        drawn(ulysse).save(tmp_path / "x.png")
+
+
+def test_png(ulysse: MissionNet, tmp_path: Path) -> None:
+    """A picture of the right size, in the colours of paper."""
+    pytest.importorskip("resvg_py", reason="needs resvg-py: the extra pictures")
+    picture = drawn(ulysse, "controller")
+    try:
+        data = picture.png
+    except LimitError as error:
+        pytest.skip(str(error))
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = (int.from_bytes(data[16 + 4 * i : 20 + 4 * i], "big") for i in (0, 1))
+    root = etree.fromstring(picture.svg.encode())
+    assert (width, height) == (2 * int(root.get("width", "0")), 2 * int(root.get("height", "0")))
+    assert "var(" not in drawing_module._on_paper(picture.svg)
+    assert "@media" not in drawing_module._on_paper(picture.svg)
+
+
+def test_the_commands(tmp_path: Path) -> None:
+    target = tmp_path / "a.svg"
+    told = output("alternatives", ULYSSE, "--section", "transect.diving", "-o", target)
+    assert told["states"] == 36
+    assert "Local graph of the section transect.diving" in target.read_text()
+    output("convert", ULYSSE, target, "--draw", "objectives")
+    assert "Objectives graph" in target.read_text()
+    wrong = command("convert", ULYSSE, target, "--section", "no")
+    assert wrong.returncode == 2
+    assert "found the section 'no', expected one of coral_head.manual_moving" in wrong.stderr
+    wrong = command("convert", ULYSSE, tmp_path / "x.net", "--draw", "net")
+    assert wrong.returncode == 2
+    assert "expected .svg or .png" in wrong.stderr
+
+
+@settings(max_examples=6)
+@given(missions())
+def test_any_mission_is_drawn(mission: Mission) -> None:
+    """Every kind of picture of every mission is made, or an error says why it cannot be."""
+    net = compose(mission)
+    for kind in ("alternatives", "controller"):
+        for section in (None, net.graph.sections[0].name):
+            try:
+                etree.fromstring(drawn(net, kind, section).svg.encode())
+            except (LimitError, SemanticsError):
+                continue

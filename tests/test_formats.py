@@ -1,0 +1,129 @@
+"""JSON formats: what commands print and write is what the schemas of the package say."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+from jsonschema.exceptions import ValidationError
+
+from mcpn.errors import SemanticsError
+from tests.commands import mcpn, output
+from tests.conftest import ROOT
+
+FOLDER = resources.files("mcpn.report").joinpath("schemas")
+SCHEMAS: dict[str, dict[str, Any]] = {
+    file.name.removesuffix(".json"): json.loads(file.read_text("utf-8")) for file in FOLDER.iterdir()
+}
+CONTENDED = ROOT / "docs" / "contention.md"
+UNBOUNDED = "net u\npl p (1)\ntr t p -> p q\npl q (0)\n"
+PRINTED = {
+    "check mission.xml": "check",
+    "check mission.xml --engine local": "check",
+    "check contended.xml --internal": "check",
+    "check mission.pnml": "check-net",
+    "check unbounded.net": "check-net",
+    "check dead.net": "check-net",
+    "check dead.net --structure": "check-structure",
+    "causes mission.xml": "causes",
+    "causes mission.xml --formula --objective transect.diving": "causes",
+    "causes contended.xml": "error",
+    "alternatives contended.xml": "error",
+    "states unsafe.net": "error",
+    "states mission.xml": "states",
+    "states mission.xml --engine symbolic": "states",
+    "states mission.xml --engine local": "states",
+    "alternatives mission.xml": "alternatives",
+    "alternatives mission.xml --engine symbolic": "alternatives",
+    "compare dead.net": "compare",
+    "ctl mission.xml EF(success) AF(success|failure)": "ctl",
+    "ctl mission.xml EF(failure) --on alternatives --engine local": "ctl",
+    "ctl mission.pnml --examination ReachabilityDeadlock": "ctl",
+    "simulate mission.xml --random 9 --seed 3": "simulate",
+    "controller mission.xml -o one": "controller",
+    "convert mission.xml other.pnml": "convert",
+    "convert mission.xml other.svg": "convert",
+    "report mission.xml -o report.html": "report",
+    "init another": "init",
+    "schema": "schema",
+    "schema check": "schema",
+}
+"""By command line: the format of what it prints."""
+WRITTEN = {
+    "causes mission.xml --fmeca f.json": ("f.json", "fmeca"),
+    "alternatives mission.xml -o g.json": ("g.json", "alternatives-graph"),
+    "convert mission.xml n.json": ("n.json", "net"),
+    "convert unbounded.net n.json": ("n.json", "net"),
+    "controller mission.xml -o one": ("one/controller.json", "controller-document"),
+    "controller mission.xml -o one --flat --minimise": ("one/controller.json", "controller-document"),
+}
+"""By command line: the file that it writes, and its format."""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with missions and nets of every kind."""
+    monkeypatch.chdir(tmp_path)
+    for path in (ROOT / "experiments" / "ulysse").glob("*.xml"):
+        shutil.copy(path, tmp_path)
+    contended = CONTENDED.read_text().partition("```xml\n")[2].partition("```")[0]
+    (tmp_path / "contended.xml").write_text(contended)
+    (tmp_path / "unbounded.net").write_text(UNBOUNDED)
+    (tmp_path / "unsafe.net").write_text("net n\npl p (1)\npl q (1)\ntr t p -> q\n")
+    (tmp_path / "dead.net").write_text("net n\npl p (1)\npl q (0)\ntr t p -> q\n")
+    return tmp_path
+
+
+def validate(value: object, name: str) -> None:
+    Draft202012Validator(SCHEMAS[name]).validate(value)
+
+
+@pytest.mark.parametrize("line", PRINTED)
+def test_what_is_printed_is_of_its_format(line: str) -> None:
+    arguments = line.split()
+    if "mission.pnml" in arguments:
+        mcpn("convert", "mission.xml", "mission.pnml")
+    found = mcpn(*arguments, "--json")
+    assert found.returncode in (0, 1), found.stderr
+    validate(json.loads(found.stdout), PRINTED[line])
+
+
+@pytest.mark.parametrize("line", WRITTEN)
+def test_what_is_written_is_of_its_format(line: str, folder: Path) -> None:
+    assert mcpn(*line.split()).returncode == 0
+    file, name = WRITTEN[line]
+    validate(json.loads((folder / file).read_text()), name)
+
+
+def test_every_schema_is_one_and_is_used() -> None:
+    for schema in SCHEMAS.values():
+        Draft202012Validator.check_schema(schema)
+    assert set(SCHEMAS) == {*PRINTED.values(), *(name for _, name in WRITTEN.values())}
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_a_schema_says_no_to_what_lacks_a_key_or_has_one_too_many(name: str) -> None:
+    schema = SCHEMAS[name].get("items", SCHEMAS[name])
+    required = dict.fromkeys(schema["required"])
+    with pytest.raises(ValidationError):
+        validate([{}] if "items" in SCHEMAS[name] else {}, name)
+    if schema.get("additionalProperties") is False:
+        unknown = Draft202012Validator({"additionalProperties": False, "properties": schema["properties"]})
+        assert not unknown.is_valid({**required, "colour": "blue"})
+
+
+def test_kinds_of_errors_are_those_of_the_schema() -> None:
+    kinds = {SemanticsError.kind, *(error.kind for error in SemanticsError.__subclasses__())}
+    assert kinds == set(SCHEMAS["error"]["properties"]["error"]["enum"])
+
+
+def test_an_unknown_schema_is_an_error_that_names_those_there_are() -> None:
+    found = mcpn("schema", "checks")
+    assert found.returncode == 2
+    assert all(name in found.stderr for name in SCHEMAS)
+    assert json.loads(output("schema", "check")["schema"]) == SCHEMAS["check"]
