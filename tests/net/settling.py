@@ -8,7 +8,7 @@ from mcpn.net.petri import Marking, PetriNet
 
 
 def stabilise(net: PetriNet, marking: Sequence[int]) -> Marking:
-    """Fires internal transitions, the first enabled each time, until none is; the caller knows that it ends."""
+    """Fires internal transitions, the first enabled each time, until none is: the caller knows it ends."""
     at = tuple(marking)
     while (enabled := net.enabled(at)) and net.transitions[enabled[0]].internal:
         at = net.fire(at, enabled[0])
