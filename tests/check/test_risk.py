@@ -9,7 +9,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.prospects import Prospects
@@ -31,6 +31,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
 from tests.check.oracle import Play, fragile_missions
+from tests.draws import fewer
 from tests.shares import returns_early
 
 LAMBDA, MU, D = 0.25, 0.5, 1.6
@@ -216,7 +217,7 @@ def with_numbers(draw: st.DataObject, mission: Mission) -> Mission:
     return replace(mission, robots=robots, blocks=tuple(map(timed, mission.blocks)))
 
 
-@settings(max_examples=15)
+@fewer(0.1)
 @given(fragile_missions(max_hardware=3, max_objectives=3, max_sections=5), st.data())
 def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) -> None:
     found = compose(with_numbers(data, mission))
