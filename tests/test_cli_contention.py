@@ -27,7 +27,7 @@ COMMANDS = [
     ("check", "--engine", "local"),
     ("alternatives",),
     ("alternatives", "--method", "reduction"),
-    ("alternatives", "--method", "local"),
+    ("alternatives", "--engine", "local"),
     ("states", "--engine", "local"),
     *(("causes", "--engine", engine) for engine in ("explicit", "symbolic", "local")),
     *(

@@ -24,9 +24,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError
 
 if TYPE_CHECKING:
-    from mcpn.check.causes.risk import Risk
     from mcpn.check.choice import Asked
-    from mcpn.net.compose import MissionNet
     from mcpn.report.causes import Classes
 
 MOST_TOLD = 50
@@ -71,8 +69,8 @@ def causes(
     """Tell what makes MISSION fail: minimal sets of lost hardware, critical events, what each loss does.
 
     Every engine answers every question; local needs no space of the whole mission. Numbers of risk list the
-    states of the whole mission. Of missions with more than 50 objectives, runs and FMECA rows are of those
-    that --objective names, or of all with --fmeca.
+    states of the whole mission, or with local those of each type of section. Of missions with more than 50
+    objectives, runs and FMECA rows are of those that --objective names, or of all with --fmeca.
     """
     from dataclasses import asdict
 
@@ -98,7 +96,11 @@ def causes(
     short = len(found.objectives) <= MOST_TOLD
     wanted = None if fmeca is not None else list(found.objectives)
     rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
-    numbers = _risk(mission_net, max_states) if rates else None
+    numbers = None
+    if rates:
+        from mcpn.check.causes.risk import risk
+
+        numbers = risk(every.prospects, max_states)
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
         write_atomically(openpsa, open_psa(mission_net.usage, every.mission.cut_sets, cut_sets))
@@ -120,15 +122,6 @@ def causes(
     if numbers is not None:
         report.print_risk(numbers)
     print_choice(every.choice)
-
-
-def _risk(mission_net: MissionNet, max_states: int | None) -> Risk:
-    """Numbers of risk, on the listed states of the whole mission."""
-    from mcpn.check.causes.prospects import Prospects
-    from mcpn.check.causes.risk import risk
-    from mcpn.check.spaces import stable_space
-
-    return risk(Prospects(mission_net, stable_space(mission_net, engine="explicit", max_states=max_states)))
 
 
 def _classes(given: tuple[str, ...]) -> Classes:

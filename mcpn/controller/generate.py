@@ -9,7 +9,7 @@ from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
-from mcpn.space.alternatives import AlternativesGraph, direct
+from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import Options, composite_space
@@ -64,13 +64,7 @@ def generate(
     for placed in composite.sections.values():
         type_ = placed.type
         if type_ not in listed:
-            size = f"section {placed.name} has {type_.size:,} states"
-            if type_.size > limit:
-                raise LimitError(
-                    f"{size}: a machine lists every state, the limit is {limit:,} (--max-states)"
-                )
-            if told and type_.size > MOST_UNTOLD:
-                told(f"{size}: listing them")
-            # The composite has proved what the mission reaches confluent.
-            listed[type_] = direct(type_.net.net, proof=False, max_states=limit)
+            if told and MOST_UNTOLD < type_.size <= limit:
+                told(f"section {placed.name} has {type_.size:,} states: listing them")
+            listed[type_] = type_.listed(placed.name, limit, "a machine lists every state")
     return hierarchical_controller(composite, listed)

@@ -207,18 +207,20 @@ class Space(Protocol[S]):
         """
 
 
-def partition(space: Space[S], states: S, places: Sequence[int]) -> Iterator[tuple[frozenset[int], S]]:
+def partition(
+    space: Space[S], states: S, places: Sequence[int], images: ImageStore
+) -> Iterator[tuple[frozenset[int], S]]:
     """Some states by which of some places they mark.
 
     Args:
         space: Their space.
         states: The states.
         places: The places.
+        images: Where their image is made; it has at least as many numbers.
 
     Yields:
         For each combination that occurs, the places marked and the states that mark just these.
     """
-    images = ImageStore(len(places))
     for numbers in space.image(states, places, images):
         marked = frozenset(places[number] for number in numbers)
         yield marked, space.restricted(states, marked, [p for p in places if p not in marked])

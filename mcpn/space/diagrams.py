@@ -14,6 +14,7 @@ from functools import partial
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Edge, Guards
 from mcpn.space.diagram_base import Diagrams
+from mcpn.space.run import Completion
 from mcpn.space.symbolic import SymbolicSpace, chained
 
 
@@ -122,6 +123,7 @@ class DiagramAlternatives(Diagrams):
         assert space.stable is not None, "the alternatives graph is of nets with priorities"
         start = space.encoding.initial().saturate(space.encoding.internal) & space.stable
         super().__init__(space, space.stable, start)
+        self._completion = Completion(self.net)
 
     @property
     def _edges_anywhere(self) -> list[int]:
@@ -195,10 +197,7 @@ class DiagramAlternatives(Diagrams):
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state, each with one interleaving of the internal transitions behind it."""
-        net, marking = self.net, self.marking(state)
-        for t in net.enabled(marking):
-            fired, at = list[int](), net.fire(marking, t)
-            while (enabled := net.enabled(at)) and net.transitions[enabled[0]].internal:
-                fired.append(enabled[0])
-                at = net.fire(at, enabled[0])
-            yield Edge(t, self.encoding.marked_levels(at), tuple(fired))
+        marking = self.marking(state)
+        for t in self.net.enabled(marking):
+            fired, after = self._completion.after(marking, t)
+            yield Edge(t, self.encoding.marked_levels(after), fired)

@@ -6,7 +6,7 @@ another. The families are far too large to be listed, so they are built diagram 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 
 from mcpn._kernel import Store, Zdd
 from mcpn.errors import LimitError
@@ -28,6 +28,8 @@ class ImageStore:
     def __init__(self, levels: int) -> None:
         self.levels = levels
         self.store = Store(max(levels, 1))
+        self.known: dict[Hashable, Zdd] = {}
+        """Images of diagrams, for those who ask for the same again."""
         self._puts = [self.store.event([], [level]) for level in range(levels)]
 
     @property

@@ -109,8 +109,8 @@ def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
 
 
 def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
-    # What composes missions declares resources first and sections in sequence last: read backwards, the
-    # sections stand on top in sequence, over the activities that they start and the resources under these.
+    # Sections on top, over the activities that they start and the resources under these. What composes
+    # missions declares resources first; FORCE knows no direction, so that the order says which end is up.
     file = tuple(range(len(net.places)))
     for name, order in (
         ("force", force(net, file)),
@@ -118,8 +118,18 @@ def _of_missions(net: PetriNet) -> Iterator[tuple[str, Order]]:
         ("force-rcm", force(net, cuthill_mckee(net))),
         ("units", by_units(net)),
     ):
-        yield f"{name}-reversed", order[::-1]
-        yield name, order
+        ways = [(f"{name}-reversed", order[::-1]), (name, order)]
+        yield from ways[::-1] if _stands_on_hardware(net, order) else ways
+
+
+def _stands_on_hardware(net: PetriNet, order: Order) -> bool:
+    """Whether the middle of what controls a mission is above the middle of its hardware."""
+    kinds = [place.provenance and place.provenance.kind for place in net.places]
+    control, hardware = (
+        [level for level, p in enumerate(order) if kinds[p] in wanted]
+        for wanted in (("mission", "objective", "parallel"), ("hardware",))
+    )
+    return bool(control and hardware and np.mean(control) < np.mean(hardware))
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:

@@ -27,6 +27,7 @@ class Completion:
     def __init__(self, net: PetriNet) -> None:
         self.net = net
         self._internal = [t for t, transition in enumerate(net.transitions) if transition.internal]
+        self._known: dict[int, list[int]] = {}
         self._users: dict[int, list[int]] = {}
         for t in self._internal:
             for place, _ in (*net.transitions[t].consume, *net.transitions[t].read):
@@ -47,9 +48,17 @@ class Completion:
                 yield t, at
                 queue += [t, *self._beside(t)]
 
+    def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
+        """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
+        begun = self.net.fire(marking, event)
+        steps = list(self.settle(begun, [event]))
+        return tuple(t for t, _ in steps), steps[-1][1] if steps else begun
+
     def _beside(self, fired: int) -> list[int]:
-        produced = self.net.transitions[fired].produce
-        return sorted({t for place, _ in produced for t in self._users.get(place, ())})
+        if fired not in self._known:
+            produced = self.net.transitions[fired].produce
+            self._known[fired] = sorted({t for place, _ in produced for t in self._users.get(place, ())})
+        return self._known[fired]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import islice
+from itertools import chain, islice
 from typing import Any
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
@@ -23,7 +23,7 @@ from mcpn.space.order import Order, candidates
 from mcpn.space.race import FIRST_BUDGET, Race, cores
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET_OF_MISSIONS = 800_000
+FIRST_BUDGET_OF_MISSIONS = 2_000_000
 EXPLORER_RANK, MOST_WORKERS = 3, 4
 STEPS_OF_A_STATE = 4
 """About how many steps of a closure take the time of exploring one marking."""
@@ -264,18 +264,17 @@ def _close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> Symb
         peak, spent = max(peak, store.peak_nodes), spent + store.steps
         return found
 
-    reachable = closed(encoding.initial())
-
     def step(settled: Zdd, events: list[int]) -> Zdd:
-        nonlocal reachable, spent
+        nonlocal spent
         fired = settled.images(events)
         spent += store.steps
-        after = closed(fired - reachable) - reachable
-        reachable |= after
-        return after.without(unstable)
+        return closed(fired).without(unstable)
 
-    by_element = [partial(step, events=distinct(encoding.events[t] for t in of)) for of in elements(encoding)]
-    stable = chained(reachable.without(unstable), by_element)
+    # Transient markings stay out of the sets that grow; those behind all events are put together at the end.
+    by_element = [distinct(encoding.events[t] for t in of) for of in elements(encoding)]
+    begun = closed(encoding.initial())
+    stable = chained(begun.without(unstable), [partial(step, events=of) for of in by_element])
+    reachable = begun | closed(stable.images(distinct(chain.from_iterable(by_element))))
     return SymbolicSpace(encoding, reachable, stable, name, order, peak)
 
 

@@ -7,13 +7,17 @@ import random
 import statistics
 from collections.abc import Collection
 from dataclasses import replace
+from itertools import product
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mcpn.check.causes import section_chains
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
+from mcpn.check.spaces import stable_space
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.mission.model import (
     Activity,
@@ -30,6 +34,7 @@ from mcpn.mission.model import (
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
+from mcpn.testing import missions
 from tests.check.oracle import Play, fragile_missions
 from tests.draws import fewer
 from tests.shares import returns_early
@@ -39,6 +44,18 @@ LAMBDA, MU, D = 0.25, 0.5, 1.6
 
 def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
     return risk(Prospects(found, ArraySpace(direct(found.net, max_states=max_states))))
+
+
+def sections_numbers(found: MissionNet, max_states: int = 5000) -> Risk:
+    return risk(Prospects(found, stable_space(found, engine="local")), max_states)
+
+
+def assert_same(one: Risk, other: Risk) -> None:
+    """Equal but for rounding: each number by composition and on the whole."""
+    assert other.success == pytest.approx(one.success, rel=1e-9, abs=1e-12)
+    assert other.failure == pytest.approx(one.failure, rel=1e-9, abs=1e-12)
+    assert other.degraded_modes == pytest.approx(one.degraded_modes, rel=1e-9, abs=1e-12)
+    assert other.importance == pytest.approx(one.importance, rel=1e-9, abs=1e-12)
 
 
 def mission(hardware: list[Hardware], ways: dict[str, list[tuple[str, ...]]], *blocks: Block) -> MissionNet:
@@ -128,6 +145,134 @@ def test_a_mission_that_never_ends_has_neither() -> None:
 def test_durations_must_be_known() -> None:
     with pytest.raises(InputError, match="objective x has no duration"):
         numbers(mission([], {"a": [()]}, Objective(name="x", activities=("a",))))
+
+
+def row_of_sections(count: int) -> Mission:
+    """So many objectives, each by one of two resources of five; a failure leads on but now and then."""
+    hardware = tuple(
+        Hardware(name=f"H{i}", failure_rate=0.01 * (i + 1), repair_rate=0.3 / (i + 1)) for i in range(5)
+    )
+    pairs = [("H0", "H1"), ("H1", "H2"), ("H3", "H0"), ("H4", "H2")]
+    activities = tuple(
+        Activity(name=f"a{k}", alternatives=tuple(Alternative(name=f"a{k}{h}", consumes=(h,)) for h in pair))
+        for k, pair in enumerate(pairs)
+    )
+    blocks = tuple(
+        objective(f"s{i}", f"a{i % 4}", 0.5 + i % 3, failure_probability=0.05 * (i % 2))
+        if i % 7 == 6 or i == count - 1
+        else replace(
+            objective(f"s{i}", f"a{i % 4}", 0.5 + i % 3, failure_probability=0.05 * (i % 2)),
+            failure=f"s{i + 1}",
+        )
+        for i in range(count)
+    )
+    return Mission(
+        name="m", robots=(Robot(name="r", hardware=hardware, activities=activities),), blocks=blocks
+    )
+
+
+def recursion(found: Mission, frozen: str | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """The probability of success and the expected degraded modes by status of all hardware at the start.
+
+    The model written down for missions of :func:`row_of_sections`: backward, with the status of all hardware
+    and the alternative in use as the states of each section. No net, no graph, no composition.
+    """
+    hardware = found.hardware
+    number = {h.name: i for i, h in enumerate(hardware)}
+    ways = {a.name: [number[x.consumes[0]] for x in a.alternatives] for a in found.activities}
+    statuses = list(product((0, 1), repeat=len(hardware)))
+    index = {status: i for i, status in enumerate(statuses)}
+    next_values = {"succeed": (np.ones(len(statuses)), np.zeros(len(statuses)))}
+    next_values["fail"] = (np.zeros(len(statuses)), np.zeros(len(statuses)))
+    blocks = [b for b in found.blocks if isinstance(b, Objective)]
+    for block, later in reversed(list(zip(blocks, [*(b.name for b in blocks[1:]), "succeed"], strict=True))):
+        chosen, well = ways[block.activities[0]], next_values[later]
+        badly = next_values[block.failure or "fail"]
+        assert block.duration is not None
+        states = [(way, status) for way in (0, 1) for status in statuses if not status[chosen[way]]]
+        place = {state: i for i, state in enumerate(states)}
+        matrix, gain = np.zeros((len(states),) * 2), np.zeros((len(states), 2))
+        for (way, status), i in place.items():
+            leaving = 1 / block.duration
+            chance = block.failure_probability or 0.0
+            end = (1 - chance) * np.array([w[index[status]] for w in well])
+            gain[i] += leaving * (end + chance * np.array([w[index[status]] for w in badly]))
+            for k, h in enumerate(hardware):
+                rate = (h.repair_rate if status[k] else h.failure_rate) or 0.0
+                if h.name == frozen:
+                    continue
+                leaving += rate
+                after = (*status[:k], 1 - status[k], *status[k + 1 :])
+                other = chosen[1 - way]
+                if k != chosen[way]:
+                    matrix[i, place[way, after]] += rate
+                elif not after[other]:
+                    matrix[i, place[1 - way, after]] += rate
+                    gain[i, 1] += rate * (way == 0)
+                else:
+                    gain[i] += rate * np.array([w[index[after]] for w in badly])
+            matrix[i] /= leaving
+            gain[i] /= leaving
+        solved = np.linalg.solve(np.eye(len(states)) - matrix, gain)
+        values = np.zeros((len(statuses), 2))
+        for status, i in index.items():
+            working = [way for way in (0, 1) if not status[chosen[way]]]
+            if working:
+                values[i] = solved[place[working[0], status]] + (0, working[0])
+            else:
+                values[i] = [w[i] for w in badly]
+        next_values[block.name] = values[:, 0], values[:, 1]
+    return next_values[blocks[0].name]
+
+
+def test_three_hundred_sections_are_those_of_a_recursion() -> None:
+    of = row_of_sections(300)
+    found = sections_numbers(compose(of))
+    success, modes = recursion(of)
+    assert found.success == pytest.approx(success[0], rel=1e-9)
+    assert found.success + found.failure == pytest.approx(1, rel=1e-9)
+    assert found.degraded_modes == pytest.approx(modes[0], rel=1e-9)
+    without = recursion(of, "H2")[0]
+    assert found.importance["H2"] == pytest.approx(without[0] - without[1 << 2], rel=1e-9)
+
+
+def test_a_few_sections_are_those_of_the_whole() -> None:
+    of = row_of_sections(9)
+    assert_same(numbers(compose(of)), sections_numbers(compose(of)))
+    assert numbers(compose(of)).success == pytest.approx(recursion(of)[0][0], rel=1e-9)
+
+
+def test_much_hardware_to_remember_is_a_limit_that_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = compose(row_of_sections(4))
+    monkeypatch.setattr(section_chains, "MOST_HARDWARE", 4)
+    with pytest.raises(LimitError, match=r"5 hardware .* remember 2\^5 states of them, the limit is 2\^4"):
+        sections_numbers(found)
+    # Hardware that no later section uses is not remembered: one section at a time uses two.
+    monkeypatch.setattr(section_chains, "MOST_HARDWARE", 3)
+    with pytest.raises(LimitError, match="section s2 and those after it use 4"):
+        sections_numbers(found)
+    monkeypatch.setattr(section_chains, "MOST_HARDWARE", 1)
+    hardware = [Hardware(name=f"H{i}", failure_rate=LAMBDA) for i in range(20)]
+    last = Objective(name="end", activities=("a19",), duration=D)
+    alone = sections_numbers(mission(hardware, {"a19": [("H19",)]}, last))
+    assert alone.success == pytest.approx(1 / (1 + LAMBDA * D))
+    assert alone.importance == pytest.approx({h.name: float(h.name == "H19") for h in hardware})
+
+
+def test_a_large_section_is_a_limit_that_is_named() -> None:
+    with pytest.raises(LimitError, match=r"section s0 has .* states: numbers of risk list every state"):
+        sections_numbers(compose(row_of_sections(4)), max_states=3)
+
+
+@pytest.mark.parametrize("direct", [1024, 0], ids=["by elimination", "by iteration"])
+def test_sections_in_a_loop(direct: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(section_chains, "MOST_DENSE", direct)
+    h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
+    ways: dict[str, list[tuple[str, ...]]] = {"free": [()], "a": [("H",)]}
+    first = objective("x", "free", 3.0)
+    found = mission([h], ways, first, replace(objective("y", "a"), failure="x"))
+    assert_same(numbers(found), sections_numbers(found))
+    assert sections_numbers(found).success == pytest.approx(1)
 
 
 class Simulation:
@@ -239,3 +384,24 @@ def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) 
         modes = [count for _, count in ended]
         width = 5 * math.sqrt(max(statistics.variance(modes), 1 / runs) / runs)
         assert abs(statistics.fmean(modes) - computed.degraded_modes) <= width
+
+
+@settings(max_examples=20)
+@given(
+    st.one_of(
+        fragile_missions(max_hardware=3, max_objectives=3, max_sections=5),
+        missions(None, protocols=False, max_hardware=3, max_objectives=3, max_sections=5),
+    ),
+    st.data(),
+)
+def test_numbers_by_composition_and_by_diagrams_are_those_of_the_whole(
+    mission: Mission, data: st.DataObject
+) -> None:
+    found = compose(with_numbers(data, mission))
+    try:
+        whole = numbers(found, max_states=600)
+    except (LimitError, ConfluenceError) as error:
+        returns_early(type(error).__name__)
+        return
+    assert_same(whole, sections_numbers(found))
+    assert_same(whole, risk(Prospects(found, stable_space(found, engine="symbolic"))))

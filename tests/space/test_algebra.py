@@ -223,7 +223,8 @@ class Questions:
         for name, space in self.spaces.items():
             found = space.image(sets_a[name], places, images)
             assert found == expected, name
-            parts = {marked: members(space, part) for marked, part in partition(space, sets_a[name], places)}
+            divided = partition(space, sets_a[name], places, images)
+            parts = {marked: members(space, part) for marked, part in divided}
             assert parts == {
                 frozenset(places[i] for i in row): {
                     m for m in a if tuple(i for i, p in enumerate(places) if m[p]) == row

@@ -114,11 +114,12 @@ class CutSets(Generic[S]):
         """
         if moment is Moment.START:
             return self.lost(self._from_start & goal.won)
-        hopeful = self.hopeful(goal) & goal.running
         if moment is Moment.ENTRY:
             assert section is not None, "an entry is that of a section"
-            return self.lost(hopeful & self.mortal.entered(section))
-        return self.lost(hopeful & self.mortal.begun)
+            states = self.mortal.entered(section) & goal.running
+        else:
+            states = goal.running & self.mortal.begun
+        return self.lost(states & self.hopeful(goal))
 
     def lost_at_worst(self, goal: Goal[S]) -> Zdd:
         """The sets of hardware that lose a goal at the worst moment."""

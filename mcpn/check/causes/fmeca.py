@@ -263,9 +263,9 @@ class _Table(Generic[S]):
 
     def by_mode(self, transition: int, states: S, goal: Goal[S]) -> Iterator[tuple[int, Any]]:
         """A state for each pair of modes before and after."""
-        space, places = self.space, self.mode_places(goal, states)
-        for _, before in partition(space, states, places):
-            for _, after in partition(space, space.after(before, [transition]), places):
+        space, places, images = self.space, self.mode_places(goal, states), self.prospects.images
+        for _, before in partition(space, states, places, images):
+            for _, after in partition(space, space.after(before, [transition]), places, images):
                 yield transition, (space.before(after, [transition]) & before).pick()
 
     def case(self, hardware: str, state: Any, transition: int, goal: Goal[S]) -> _Case:
@@ -292,7 +292,8 @@ class _Table(Generic[S]):
     def mode(self, member: Any, goal: Goal[S]) -> Situation:
         """The part of a state's mode that concerns an objective."""
         states = self.space.single(member)
-        ((marked, _),) = partition(self.space, states, self.mode_places(goal, states))
+        places = self.mode_places(goal, states)
+        ((marked, _),) = partition(self.space, states, places, self.prospects.images)
         said = self.prospects.said(marked)
         return Situation(
             mode=dict(name.split(".", 1) for name in said["active"]),

@@ -19,6 +19,7 @@ from mcpn.mission.handover import entries
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space, partition
+from mcpn.space.images import ImageStore
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 
@@ -74,6 +75,7 @@ class Prospects(Generic[S]):
         self.mission_net = mission_net
         self.space = space
         roles = mission_net.by_role
+        self.images = ImageStore(len(roles))
         self.hardware = tuple(h.name for h in mission_net.mission.hardware if ("oos", h.name) in roles)
 
     # --- transitions by what they say --------------------------------------------------------------------
@@ -223,7 +225,8 @@ class Prospects(Generic[S]):
             if t not in allowed or event is None:
                 continue
             for piece in self.space.pieces(states):
-                for marked, part in partition(self.space, piece, self._telling(event, goal, piece)):
+                telling = self._telling(event, goal, piece)
+                for marked, part in partition(self.space, piece, telling, self.images):
                     said = self.said(marked)
                     key = event, said["objective"], said["active"]
                     found[key] = found.get(key, 0) + part.count()
@@ -238,13 +241,13 @@ class Prospects(Generic[S]):
         for place in sorted(marked):
             kind, name = self.mission_net.roles[place]
             found[kind].append(name)
-        order = {name: i for i, name in enumerate(self._objective_names)}
-        found["objective"].sort(key=order.__getitem__)
+        found["objective"].sort(key=self._rank.__getitem__)
         return {kind: tuple(names) for kind, names in found.items()}
 
     @cached_property
-    def _objective_names(self) -> list[str]:
-        return [section.name for section in self.mission_net.graph.walk()]
+    def _rank(self) -> dict[str, int]:
+        """Elementary objectives by their place in the mission's order."""
+        return {section.name: i for i, section in enumerate(self.mission_net.graph.walk())}
 
     def _telling(self, event: Event, goal: Goal[S], states: S) -> list[int]:
         """Places that tell objectives, and the alternatives of the activities that an event concerns."""
@@ -258,19 +261,29 @@ class Prospects(Generic[S]):
         ]
 
     def concerned(self, event: Event) -> frozenset[str]:
-        """Activities that an event concerns: those of the objective, or those that stand on the hardware."""
-        usage = self.mission_net.usage
+        """Activities whose choice of alternative matters to an event.
+
+        Those of the objective that ends; or those with an alternative that stands on the hardware, directly
+        or through others, and another that does not.
+        """
         if event.what in (What.SUCCESS, What.FAILURE):
-            return self.serving.get(event.element, frozenset())
-        return frozenset(
-            name
-            for name in usage.started
-            if any(
-                event.element in alternative.consumes
-                for inner in usage.closure(name)
-                for alternative in usage.activities[inner].alternatives
+            return next(
+                (frozenset(s.activities) for s in self.mission_net.graph.walk() if s.name == event.element),
+                frozenset(),
             )
-        )
+        return self._choosing.get(event.element, frozenset())
+
+    @cached_property
+    def _choosing(self) -> Mapping[str, frozenset[str]]:
+        """By hardware, the activities of which some but not all alternatives may stand on it."""
+        usage = self.mission_net.usage
+        found: dict[str, set[str]] = {}
+        for name in usage.started:
+            alternatives = usage.activities[name].alternatives
+            ways = [frozenset().union(*map(usage.hardware_under, a.consumes)) for a in alternatives]
+            for hardware in frozenset().union(*ways) - ways[0].intersection(*ways):
+                found.setdefault(hardware, set()).add(name)
+        return {hardware: frozenset(names) for hardware, names in found.items()}
 
     @cached_property
     def serving(self) -> Mapping[str, frozenset[str]]:

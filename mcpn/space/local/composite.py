@@ -187,13 +187,14 @@ class CompositeSpace(Runs):
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
         wanted, found = frozenset(transitions), dict[str, Zdd]()
+        allowed_in = self.filtered(wanted)
         beside_all = any(t in wanted for kinds in self.toggles.values() for t in kinds.values())
         names = self.everything.parts if beside_all else {n for t in wanted for n in self._firing.get(t, ())}
         for name in names:
             part, placed = self.everything.parts.get(name), self.sections.get(name)
             if part is None:
                 continue
-            allowed = self.allowed_in(name, wanted)
+            allowed = allowed_in(name)
             states = part & self._able(name, part, allowed)
             if placed is not None:
                 states |= part & placed.type.enabling(allowed)
@@ -241,15 +242,16 @@ class CompositeSpace(Runs):
     def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
         found = images.nothing
-        known: set[tuple[Zdd, tuple[Bit, ...]]] = set()
         for name, part in states.parts.items():
             placed = self.sections.get(name)
             bits = tuple(self._bit(name, placed, place) for place in places)
-            told = {bit[0] for bit in bits if not isinstance(bit, bool)}
-            projected = self.closed(name, part).onto(sorted(told))
-            if (projected, bits) not in known:
-                known.add((projected, bits))
-                found |= images.of_diagram(projected, self.layout.store, bits)
+            if (part, bits) not in images.known:
+                told = {bit[0] for bit in bits if not isinstance(bit, bool)}
+                projected = part.onto(sorted(told))
+                if (projected, bits) not in images.known:
+                    images.known[projected, bits] = images.of_diagram(projected, self.layout.store, bits)
+                images.known[part, bits] = images.known[projected, bits]
+            found |= images.known[part, bits]
         return found
 
 

@@ -8,7 +8,7 @@ and the state of all hardware.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -88,44 +88,33 @@ class Glued:
             found[event.element][kinds[event.what]] = t
         return found
 
-    def allowed_in(
-        self, name: str, wanted: frozenset[int] | None, guards: Guards[CompositeSet] = None
-    ) -> Allowed:
-        """What edges may carry, as a section sees it."""
-        if wanted is None and not guards:
-            return ALL
-        pairs, local, placed = None, None, self.sections.get(name)
-        if wanted is not None:
-            pairs = frozenset(
-                (hardware, kind)
-                for hardware, kinds in self.toggles.items()
-                for kind, t in kinds.items()
-                if t in wanted
-            )
-            if placed is None:
-                return Allowed(frozenset({0}) if self.mission_net.start in wanted else frozenset(), pairs)
-            local = frozenset(own for own, t in enumerate(placed.transitions) if t in wanted)
-        found: list[tuple[int, Zdd]] = []
-        if placed is not None:
-            limits = guards or {}
-            for own, t in enumerate(placed.transitions):
-                if t in limits:
-                    found.append((own, limits[t].parts.get(name, self.layout.store.empty())))
-        return Allowed(local, pairs, tuple(found))
-
     def filtered(
         self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None
     ) -> Callable[[str], Allowed]:
-        """The same, worked out once for each section that it is asked of; guards are of sections' events."""
-        wanted = None if transitions is None else frozenset(transitions)
-        known: dict[str, Allowed] = {}
+        """What edges may carry, as each section sees it; guards are of sections' events."""
+        if transitions is None and not guards:
+            return lambda name: ALL
+        wanted, limits = None if transitions is None else frozenset(transitions), guards or {}
+        pairs = None if wanted is None else self._toggled_by(wanted)
 
         def of(name: str) -> Allowed:
-            if name not in known:
-                known[name] = self.allowed_in(name, wanted, guards)
-            return known[name]
+            if name not in self.sections:
+                start = wanted is None or self.mission_net.start in wanted
+                return Allowed(None if start else frozenset(), pairs)
+            placed, local = self.sections[name], None
+            if wanted is not None:
+                local = frozenset([own for own, t in enumerate(placed.transitions) if t in wanted])
+            guarded = [(own, t) for own, t in enumerate(placed.transitions) if t in limits] if limits else []
+            empty = self.layout.store.empty()
+            return Allowed(local, pairs, tuple((own, limits[t].parts.get(name, empty)) for own, t in guarded))
 
-        return of
+        return cache(of)
+
+    def _toggled_by(self, wanted: frozenset[int]) -> frozenset[tuple[str, str]]:
+        """Idle hardware with the kinds of its events that some transitions carry."""
+        return frozenset(
+            (name, kind) for name, kinds in self.toggles.items() for kind, t in kinds.items() if t in wanted
+        )
 
     def entries(self, name: str, inside: Zdd) -> Zdd:
         """The states of all hardware with which a section, or an end, is entered in some of its states."""

@@ -6,16 +6,18 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
+from mcpn.net.petri import Marking
 from mcpn.net.sections import LocalPart
 from mcpn.space.encoding import Encoding, distinct
 from mcpn.space.local.layout import Layout
+from mcpn.space.run import Completion
 from mcpn.space.symbolic import SymbolicSpace, chained, elements
 
 Exit = str
@@ -62,6 +64,7 @@ class LocalStates:
         self._reachable, self._stable = (
             layout.store.from_bytes(states.to_bytes()) for states in (explored.reachable, explored.stable)
         )
+        self.completion = Completion(net.net)
         self._known: dict[Hashable, object] = {}
 
     def remembered(self, key: Hashable, compute: Callable[[], Known]) -> Known:
@@ -168,6 +171,14 @@ class LocalStates:
         wanted = [(t, c) for t in self._every if (c := self.encoding.enabling[t]) is not None]
         counts = states.counts([c for _, c in wanted])
         return {t: n for (t, _), n in zip(wanted, counts, strict=True) if n}
+
+    def fired(self, levels: Sequence[int]) -> list[tuple[int, Marking, Exit | None]]:
+        """The events of a local state, each with the stable marking after it, and its exit if it has one."""
+        marking, found = self.encoding.marking(levels), []
+        for t in self.net.net.enabled(marking):
+            _, after = self.completion.after(marking, t)
+            found.append((t, after, next((e for e, place in self.ends.items() if after[place]), None)))
+        return found
 
     def begun(self, inside: Zdd, entering: Zdd) -> Zdd:
         """Markings just after an event, before any internal firing.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 
 from mcpn._kernel import Zdd
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, Guards
 from mcpn.space.local.glued import Glued
 from mcpn.space.local.local_states import ALL, Allowed
@@ -47,12 +47,10 @@ class Runs(Glued):
                     yield Edge(self.toggles[hardware][kind], (name, tuple(sorted(after))))
 
     def _fired(self, placed: PlacedSection, levels: tuple[int, ...]) -> Iterator[Edge]:
-        type_ = placed.type
-        net, marking = type_.net.net, type_.encoding.marking(levels)
-        beside_it = {level for level in levels if level >= self.layout.first_slot}
-        for t in net.enabled(marking):
-            after = _run_to_completion(net, net.fire(marking, t))
-            exit_ = next((e for e, place in type_.ends.items() if after[place]), None)
+        type_, first = placed.type, self.layout.first_slot
+        local = tuple(level for level in levels if level < first)
+        beside_it = {level for level in levels if level >= first}
+        for t, after, exit_ in type_.remembered(("fired", local), lambda: type_.fired(local)):
             if exit_ is None:
                 target = (placed.name, tuple(sorted({*type_.encoding.marked_levels(after), *beside_it})))
             else:
@@ -204,9 +202,3 @@ class Runs(Glued):
         return allowed.beside is None or any(
             self.toggles[hardware][kind] == edge.transition for hardware, kind in allowed.beside
         )
-
-
-def _run_to_completion(net: PetriNet, marking: Marking) -> Marking:
-    while (enabled := net.enabled(marking)) and net.transitions[enabled[0]].internal:
-        marking = net.fire(marking, enabled[0])
-    return marking

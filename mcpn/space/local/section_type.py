@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mcpn._kernel import Zdd
-from mcpn.errors import SemanticsError
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.space.alternatives import AlternativesGraph, direct
 from mcpn.space.diagrams import DiagramAlternatives
 from mcpn.space.local.local_states import Exit, LocalStates
 from mcpn.space.symbolic import SymbolicSpace
@@ -170,6 +171,23 @@ class SectionType(LocalStates):
             ("entries", inside), lambda: self.ending(inside).images([start], within=self.before)
         )
         return self.to_slots(before, own)
+
+    def listed(self, section: str, max_states: int, why: str) -> AlternativesGraph:
+        """The stable states of the local net, one by one.
+
+        Args:
+            section: The section's name, for the error.
+            max_states: How many states may be listed.
+            why: What needs the list, for the error.
+
+        Raises:
+            LimitError: There are more states than allowed; the message says how many.
+        """
+        if self.size > max_states:
+            found = f"section {section} has {self.size:,} states: {why}"
+            raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")
+        # The composite has proved what the mission reaches confluent.
+        return direct(self.net.net, proof=False, max_states=max_states)
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
         """Checks that a section hands on the state of its hardware and nothing else.
