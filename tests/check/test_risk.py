@@ -386,7 +386,7 @@ def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) 
         assert abs(statistics.fmean(modes) - computed.degraded_modes) <= width
 
 
-@settings(max_examples=20)
+@fewer(0.1)
 @given(
     st.one_of(
         fragile_missions(max_hardware=3, max_objectives=3, max_sections=5),
