@@ -308,22 +308,6 @@ def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None
     return None
 
 
-def nearest_fault(net: PetriNet, max_states: int) -> SemanticsError | None:
-    """The error of an event that has not one stable end, after as few events as any.
-
-    Args:
-        net: A net with priorities.
-        max_states: How many stable states may be looked at.
-    """
-    try:
-        direct(net, max_states=max_states)
-    except LimitError:
-        return None
-    except SemanticsError as error:
-        return error
-    return None
-
-
 def direct(
     net: PetriNet,
     *,
