@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 MOST_ROWS = 50
 """Objectives up to which a page has the FMECA table."""
 
+MOST_STATES = 200_000
+"""Markings that are listed at most for numbers of risk."""
+
 
 @click.command()
 @click.argument("mission", type=FILE)
@@ -86,6 +89,7 @@ def findings(mission_net: MissionNet, engine: Asked = "auto", max_states: int | 
     """
     from mcpn.check.verdicts.mission import check
     from mcpn.mission.warnings import find_warnings
+    from mcpn.report.local import local_pictures
     from mcpn.report.page import Findings
 
     seconds: dict[str, float] = {}
@@ -119,8 +123,25 @@ def findings(mission_net: MissionNet, engine: Asked = "auto", max_states: int | 
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
     controller = tried("controller", lambda: _controller(mission_net, chosen, max_states))
+    with timed("local graphs"):
+        local, missing = local_pictures(mission_net)
+    notes += missing
+    risk = None
+    if any(h.failure_rate for h in mission_net.mission.hardware):
+        risk = tried(
+            "numbers of risk", lambda: _risk(mission_net, min(max_states or MOST_STATES, MOST_STATES))
+        )
     warnings = list(dict.fromkeys(warnings))
-    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds)
+    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
+
+
+def _risk(mission_net: MissionNet, max_states: int) -> Any:
+    """Numbers of risk, on the listed states of the whole mission."""
+    from mcpn.check.causes.prospects import Prospects
+    from mcpn.check.causes.risk import risk
+    from mcpn.check.spaces import stable_space
+
+    return risk(Prospects(mission_net, stable_space(mission_net, engine="explicit", max_states=max_states)))
 
 
 def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None) -> tuple[Any, Any]:

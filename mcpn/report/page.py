@@ -10,15 +10,15 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
 from mcpn import __version__
-from mcpn.check.causes.conditions import enumeration, sentence
+from mcpn.check.causes.conditions import enumeration
 from mcpn.check.runs import what_happens
 from mcpn.net.events import Event
 from mcpn.report.causes import COLUMNS, fmeca_rows
@@ -31,7 +31,13 @@ from mcpn.report.words import in_words
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
     from mcpn.check.causes.fmeca import Row
+    from mcpn.check.causes.risk import Risk
     from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.report.local import LocalPicture
+
+
+MOST_ROWS = 2000
+"""Rows of one table of a page."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +53,8 @@ class Findings:
         warnings: What reading the mission found suspicious.
         engine: The engine that was used.
         seconds: Time by what took it.
+        risk: Numbers of risk, where the mission's files give rates.
+        local: Local graphs.
     """
 
     check: MissionCheck
@@ -57,6 +65,8 @@ class Findings:
     warnings: Sequence[str] = ()
     engine: str = ""
     seconds: Mapping[str, float] = field(default_factory=dict)
+    risk: Risk | None = None
+    local: Sequence[LocalPicture] = ()
 
 
 @dataclass(frozen=True)
@@ -67,11 +77,13 @@ class Table:
         name: Its caption.
         heads: Of its columns.
         rows: Texts.
+        more: Rows that the page has no room for.
     """
 
     name: str
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
+    more: int = 0
 
 
 def page(findings: Findings) -> str:
@@ -91,8 +103,10 @@ def page(findings: Findings) -> str:
             alone=False,
             verdicts=list(_verdicts(findings.check)),
             passed=findings.check.passed,
-            conditions=_conditions(findings.causes),
+            answers=list(_answers(findings)),
+            local=findings.local,
             tables=_tables(findings),
+            early=int(bool(findings.fmeca)),  # the first table answers what people ask first
             notes=findings.notes,
             warnings=findings.warnings,
             controlled=findings.controller is not None,
@@ -147,9 +161,59 @@ def _verdicts(check: MissionCheck) -> list[dict[str, Any]]:
     return found
 
 
-def _conditions(causes: Causes | None) -> list[str]:
-    """When the mission fails, and what it survives from its start on."""
-    return [] if causes is None else [sentence(causes.mission.name, causes.mission.cut_sets)]
+def _answers(findings: Findings) -> Iterator[tuple[str, str]]:
+    """What is asked first, each with its state: can it succeed, what makes it fail, what does it survive."""
+    verdict = findings.check.verdicts["success_reachable"]
+    number = {True: 0, False: 1, None: 2}[verdict.holds]
+    yield ("holds", "fails", "unknown")[number], SENTENCES["success_reachable"][number]
+    if findings.causes is None:
+        return
+    cut_sets = findings.causes.mission.cut_sets
+    if () in cut_sets:
+        yield "fails", "It fails whatever the hardware does."
+    elif cut_sets:
+        lost = "; ".join(enumeration(lost) + (" together" if len(lost) > 1 else "") for lost in cut_sets)
+        yield "note", f"It can succeed no more once this hardware is lost and not repaired: {lost}."
+    else:
+        yield "holds", "No loss of hardware alone makes it fail."
+    alone = {lost[0] for lost in cut_sets if len(lost) == 1}
+    mission = findings.check.mission_net.mission
+    survived = [h.name for h in mission.hardware if h.faulty and h.name not in alone]
+    if survived and () not in cut_sets:
+        yield "holds", f"It survives the loss of any one of these alone: {', '.join(survived)}."
+    if findings.risk is not None:
+        yield "note", f"With the given rates it succeeds with probability {findings.risk.success:.6g}."
+
+
+def _what_if(rows: Sequence[Row]) -> Table:
+    """For each objective that may run, what the failure of each hardware resource alone does."""
+    hardware = list(dict.fromkeys(row.hardware for row in rows))
+    by_objective: dict[str, dict[str, str]] = {}
+    for row in rows:
+        by_objective.setdefault(row.objective, {})[row.hardware] = _effect(row)
+    heads = ("while this runs", *(f"{name} fails" for name in hardware))
+    table = [
+        (objective, *(found.get(name, "") for name in hardware)) for objective, found in by_objective.items()
+    ]
+    return Table("What happens when hardware fails", heads, table)
+
+
+def _effect(row: Row) -> str:
+    if row.local_effect == "none":
+        return "nothing changes"
+    return f"{row.objective_effect} ({row.local_effect}); mission {row.mission_effect}"
+
+
+def _risk(risk: Risk) -> Table:
+    """Numbers of risk: the mission's, then the importance of each hardware resource."""
+    rows = [
+        ("probability of success", f"{risk.success:.6g}"),
+        ("probability of failure", f"{risk.failure:.6g}"),
+        ("times in a degraded mode, expected", f"{risk.degraded_modes:.6g}"),
+    ]
+    ranked = sorted(risk.importance.items(), key=lambda pair: -pair[1])
+    rows += [(f"importance of {name}", f"{value:.6g}") for name, value in ranked]
+    return Table("Risk", ("what", "value"), rows)
 
 
 def _tables(findings: Findings) -> list[Table]:
@@ -168,13 +232,22 @@ def _tables(findings: Findings) -> list[Table]:
             ],
         )
     ]
+    if findings.fmeca:
+        tables.insert(0, _what_if(findings.fmeca))
+    if findings.risk is not None:
+        tables.append(_risk(findings.risk))
     if findings.causes is not None:
         tables += _cause_tables(findings.causes)
     if findings.fmeca is not None:
         rows = [[row[column] for column in COLUMNS] for row in fmeca_rows(findings.fmeca)]
         heads = [column.replace("_", " ") for column in COLUMNS]
         tables.append(Table("FMECA: what each failure does", heads, rows))
-    return [*tables, _sizes(findings)]
+    return [_cut(table) for table in (*tables, _sizes(findings))]
+
+
+def _cut(table: Table) -> Table:
+    """A table as far as a page has room for it."""
+    return replace(table, rows=table.rows[:MOST_ROWS], more=max(0, len(table.rows) - MOST_ROWS))
 
 
 def _cause_tables(causes: Causes) -> list[Table]:

@@ -42,7 +42,7 @@ class Torn(NamedTuple):
     error: SemanticsError
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class AlternativesGraph(StateGraph):
     """Stable markings and the event transitions between them, in breadth-first order.
 
@@ -303,22 +303,6 @@ def fault_after(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None
             (t,) = [t for t in masked.allowed(covered) if net.transitions[t].event == event]
             after = walk.step(at, t)
             at = walk.stabilise(after, masked.covered_after(covered, after, t), (at, t))
-    except SemanticsError as error:
-        return error
-    return None
-
-
-def nearest_fault(net: PetriNet, max_states: int) -> SemanticsError | None:
-    """The error of an event that has not one stable end, after as few events as any.
-
-    Args:
-        net: A net with priorities.
-        max_states: How many stable states may be looked at.
-    """
-    try:
-        direct(net, max_states=max_states)
-    except LimitError:
-        return None
     except SemanticsError as error:
         return error
     return None

@@ -7,7 +7,8 @@ descent*, Newman 1942; van Oostrom 2007), so that the end of the one run that is
 of them all.
 
 Transitions whose arcs cannot conflict are passed over; for each other pair, one query on the diagram of
-reachable markings asks whether any of them enables both.
+reachable markings asks whether any of them enables both. Pairs that some marking does enable are joined
+(:mod:`mcpn.space.joining`): where both ways always lead to the same marking again, that proves the same.
 """
 
 from __future__ import annotations
@@ -16,20 +17,20 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from mcpn._kernel import Zdd
-from mcpn.errors import LimitError
+from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
-from mcpn.net.structure import conflicts
-from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, direct
+from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
+from mcpn.space.diagrams import DiagramMarkings
+from mcpn.space.encoding import Encoding
+from mcpn.space.joining import EndlessRun, Joining, Parting, judged, open_pairs
+from mcpn.space.nearest import nearest_fault
 from mcpn.space.symbolic import SymbolicSpace, reach
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
+PROOF_BY_JOINING = (
+    "symbolic: wherever internal transitions conflict, both ways lead to the same marking again"
+)
 PROOF = "symbolic: in no reachable marking do internal transitions conflict; each run followed has ended"
-
-
-def harmless(net: PetriNet, first: int, second: int) -> bool:
-    """Whether firing either of two transitions, each enabled, gives the same marking."""
-    one, other = net.safe_transitions[first], net.safe_transitions[second]
-    return set(one.consume) == set(other.consume) and set(one.produce) == set(other.produce)
 
 
 def open_conflicts(
@@ -47,11 +48,9 @@ def open_conflicts(
     """
     encoding, net = space.encoding, space.encoding.net
     if pairs is None:
-        pairs = conflicts(net, [t for t in encoding.transitions if net.transitions[t].internal])
+        pairs = open_pairs(net, encoding.transitions)
     found: list[tuple[tuple[int, int], int]] = []
     for first, second in pairs:
-        if harmless(net, first, second):
-            continue
         one, other = net.safe_transitions[first], net.safe_transitions[second]
         condition = encoding.condition((*one.consume, *one.read, *other.consume, *other.read))
         if condition is not None:
@@ -88,9 +87,9 @@ def direct_with_proof(
         space = reach(net)
     except LimitError:  # no diagram within memory: edge by edge may still do
         return direct(net, proof=True, max_states=max_states, progress=progress)
-    if next(open_conflicts(space), None) is None:
-        graph = direct(net, proof=False, max_states=max_states, progress=progress)
-        return replace(graph, proof=PROOF)
+    proof = PROOF if next(open_conflicts(space), None) is None else proof_by_joining(space)
+    if proof is not None:
+        return replace(direct(net, proof=False, max_states=max_states, progress=progress), proof=proof)
     return direct(net, proof=True, max_states=max_states, progress=progress)
 
 
@@ -116,6 +115,57 @@ def prove_confluent(
     space = space or reach(net)
     if not space.endless and next(open_conflicts(space), None) is None:
         return PROOF_OF_ENDS
-    proof = direct(net, proof=True, max_states=max_states).proof
+    proof = proof_by_joining(space) or direct(net, proof=True, max_states=max_states).proof
     assert proof is not None, "a proof was asked for"
     return proof
+
+
+def proof_by_joining(space: SymbolicSpace) -> str | None:
+    """Proves that conflicts between internal transitions do not decide the outcome, where that is so.
+
+    Args:
+        space: The reachable markings of a net with priorities.
+
+    Returns:
+        The proof in words; ``None`` where internal evolution may have no end.
+
+    Raises:
+        ConfluenceError: Two runs behind one event end in different stable markings.
+    """
+    net = space.encoding.net
+    if space.endless:
+        return None
+    try:
+        found = judged(space.encoding, space.reachable, list(open_conflicts(space)), Joining(net))
+    except EndlessRun:
+        return None
+    if found.parting is not None:
+        marking, parting = found.parting
+        raise nearest_fault(net) or _error_at(space, marking, parting)
+    if not found.balanced and has_endless_run(space.encoding, space.reachable):
+        return None
+    return PROOF_BY_JOINING
+
+
+def has_endless_run(encoding: Encoding, markings: Zdd) -> bool:
+    """Whether some internal run through a set of markings goes on for ever: a greatest fixpoint."""
+    left = markings
+    while left:
+        before = left.images(encoding.internal_back, within=left)
+        if before == left:
+            return True
+        left = before
+    return False
+
+
+def _error_at(space: SymbolicSpace, marking: tuple[int, ...], parting: Parting) -> SemanticsError:
+    """The error for runs that part in a marking."""
+    net = space.encoding.net
+    markings = DiagramMarkings(space)
+    begin = markings.initial.pick()
+    assert begin is not None, "there is an initial marking"
+    run = markings.run(begin, space.encoding.set_of(marking))
+    assert run is not None, "the marking is reachable"
+    before = [edge.transition for edge in run]
+    runs = [[*before, *way] for way in (parting.first, parting.second)]
+    return confluence_error(net, [[net.transitions[t].name for t in run] for run in runs])

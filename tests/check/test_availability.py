@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from hypothesis import given, settings
+from hypothesis import given
 
 from mcpn._kernel import Zdd
 from mcpn.check.causes.availability import Availability
@@ -27,6 +27,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
 from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal
+from tests.draws import fewer
 from tests.shares import returns_early
 
 
@@ -34,7 +35,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
     agree(ulysse_net)
 
 
-@settings(max_examples=150)
+@fewer(0.75)
 @given(fragile_missions(max_hardware=4))
 def test_where_nothing_contends_the_text_says_what_the_graph_says(mission: Mission) -> None:
     agree(compose(mission))

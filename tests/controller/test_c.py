@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from mcpn.controller.targets.c import Array
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.testing import missions
 from tests.controller.traces import Traced, canonical, random_events, tour
@@ -235,6 +236,29 @@ def test_identifiers_are_such_and_differ(names: list[str], longest: int) -> None
         assert text not in C_KEYWORDS
         assert text.lower() != "x_y"
     assert identifiers(names, keywords=C_KEYWORDS, longest=longest, taken=["X_Y"]) == found
+
+
+def named(name: str) -> dict[str, str]:
+    """The files of a small mission of some name."""
+    activity = Activity(name="a", alternatives=(Alternative(name="w", consumes=("h",)),))
+    robot = Robot(name="r", hardware=(Hardware(name="h"),), activities=(activity,))
+    blocks = (Objective(name="o", activities=("a",)),)
+    mission_net = compose(Mission(name=name, robots=(robot,), blocks=blocks))
+    return files(generate(mission_net), mission_net, "c")
+
+
+def test_no_mission_s_name_makes_a_name_of_the_templates(tmp_path: Path) -> None:
+    text = "\n".join(named("zz").values())
+    interface = set(re.findall(r"\bzz_(\w+)", text))
+    words = {word for word in re.findall(r"\b[a-z]\w*\b", text) if not word.startswith("zz")}
+    clashing = {w[: -len(i) - 1] for w in words for i in interface if w.endswith(f"_{i}")}
+    assert {"local", "move"} <= clashing
+    headers = set(re.findall(r"#include <(\w+)\.h>", text))
+    assert {"stdint", "string"} <= headers
+    for name in clashing | headers:
+        assert f"{name}.h" not in named(name)
+    for name in ("local", "string", "int", "a.b"):
+        build(named(name), tmp_path / name, "-I", str(tmp_path / name))
 
 
 def test_collisions_and_keywords() -> None:

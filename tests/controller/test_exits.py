@@ -24,45 +24,12 @@ from tests.controller.test_python import Generated
 from tests.controller.test_scxml import check
 from tests.controller.traces import Traced, random_events, tour
 
-# Two sections of one type that the same event leads to different places; a block that one event interrupts
-# inside a branch, as a whole, or with the mission around it; a handler that happens once.
-MISSION = """\
-<mission name="watch" xmlns="urn:mcpn:mission:1">
-  <robot name="r">
-    <event name="storm"/><event name="leak"/><event name="call"/>
-    <hardware name="h"/><hardware name="k"/>
-    <software name="position"/>
-    <activity name="locate" produces="position">
-      <alternative name="by_h" consumes="h"/>
-      <alternative name="by_k" consumes="k"/>
-    </activity>
-    <activity name="go"><alternative name="go" consumes="position"/></activity>
-    <activity name="film"/>
-    <activity name="look"/>
-  </robot>
-  <on event="call" goto="fail"/>
-  <objective name="out" activities="go" failure="out">
-    <on event="storm" goto="back"/>
-  </objective>
-  <parallel name="work">
-    <on event="leak" goto="out" once="true"/>
-    <on event="storm" goto="back"/>
-    <objective name="near">
-      <objective name="first" activities="film"><on event="leak" goto="second"/></objective>
-      <objective name="second" activities="go"/>
-    </objective>
-    <objective name="see" activities="look"/>
-  </parallel>
-  <objective name="back" activities="go"><on event="storm" goto="succeed"/></objective>
-</mission>
-"""
+WATCH = Path(__file__).with_name("watch.xml")
 
 
 @pytest.fixture(scope="module")
-def watch(tmp_path_factory: pytest.TempPathFactory) -> MissionNet:
-    path = tmp_path_factory.mktemp("watch") / "mission.xml"
-    path.write_text(MISSION)
-    return compose(read_mission(path))
+def watch() -> MissionNet:
+    return compose(read_mission(WATCH))
 
 
 @pytest.fixture(scope="module")

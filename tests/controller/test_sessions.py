@@ -1,9 +1,11 @@
-"""Stateful test: every controller of Ulysse beside its net, whatever is asked of them and in what order."""
+"""Stateful tests: every controller of a mission beside its net, whatever is asked of them in what order."""
 
 from __future__ import annotations
 
 import random
-from typing import Any
+from functools import cache
+from pathlib import Path
+from typing import Any, ClassVar
 
 import pytest
 from hypothesis import settings
@@ -23,32 +25,32 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused
 from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot
+from tests.controller.test_exits import WATCH
 from tests.controller.test_lockstep import plain
 from tests.controller.test_python import Generated
 
-_MADE: dict[str, Any] = {}
 
-
-def made() -> tuple[MissionNet, list[tuple[Controller, dict[str, Any], Generated]]]:
-    """The controllers of Ulysse: flat and hierarchical, minimised and not."""
-    if not _MADE:
-        net = compose(read_mission(ULYSSE))
-        controllers = [generate(net, "flat"), generate(net, "hierarchical")]
-        controllers += [minimise(controller) for controller in controllers]
-        rows = []
-        for controller in controllers:
-            ((_, text),) = files(controller, net, "python").items()
-            rows.append((controller, document(controller, net), Generated(text)))
-        _MADE.update(net=net, rows=rows)
-    return _MADE["net"], _MADE["rows"]
+@cache
+def made(path: Path) -> tuple[MissionNet, list[tuple[Controller, dict[str, Any], Generated]]]:
+    """The controllers of a mission: flat and hierarchical, minimised and not."""
+    net = compose(read_mission(path))
+    controllers = [generate(net, "flat"), generate(net, "hierarchical")]
+    controllers += [minimise(controller) for controller in controllers]
+    rows = []
+    for controller in controllers:
+        ((_, text),) = files(controller, net, "python").items()
+        rows.append((controller, document(controller, net), Generated(text)))
+    return net, rows
 
 
 class Beside(RuleBasedStateMachine):
     """The plain net, the simulator, four runtimes and four generated programs."""
 
+    mission: ClassVar[Path] = ULYSSE
+
     @initialize(seed=st.integers(0, 2**32))
     def begin(self, seed: int) -> None:
-        self.net, rows = made()
+        self.net, rows = made(self.mission)
         self.seed = seed
         self.robot = NetRobot(self.net, random.Random(seed))
         self.simulation = Simulation(self.net)
@@ -90,7 +92,7 @@ class Beside(RuleBasedStateMachine):
         """The simulator takes one back; the others are made anew and led there."""
         self.simulation.undo()
         events = self.events[:-1]
-        _, rows = made()
+        _, rows = made(self.mission)
         self.robot = NetRobot(self.net, random.Random(self.seed))
         self.runtimes = [Runtime.from_document(said) for _, said, _ in rows]
         self.programs = [generated.module["Controller"]() for _, _, generated in rows]  # type: ignore[operator]
@@ -124,3 +126,13 @@ class Beside(RuleBasedStateMachine):
 
 TestBeside = Beside.TestCase
 TestBeside.settings = settings(max_examples=15, stateful_step_count=25, deadline=None)
+
+
+class BesideInterrupted(Beside):
+    """The same of a mission whose sections events leave by exits of their own."""
+
+    mission = WATCH
+
+
+TestBesideInterrupted = BesideInterrupted.TestCase
+TestBesideInterrupted.settings = settings(max_examples=15, stateful_step_count=25, deadline=None)

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import pty
 import random
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -47,6 +51,44 @@ def test_events_by_number_name_and_beginning() -> None:
     assert "localisation changes from gps_localisation to" in by_number
     assert "  stop      gps_driver\n  release   GPS_sensor\n" in by_number
     assert "GPS_sensor out of service; IMU_sensor used by imu_driver" in by_number
+
+
+def test_a_person_at_a_prompt_has_completion_and_may_err() -> None:
+    pytest.importorskip("readline")
+    leader, follower = pty.openpty()
+    command = [sys.executable, "-m", "mcpn.cli", "simulate", str(ULYSSE)]
+    environment = {**os.environ, "TERM": "dumb"}
+    session = subprocess.Popen(
+        command, stdin=follower, stdout=follower, stderr=follower, env=environment, start_new_session=True
+    )
+    os.close(follower)
+    told = ""
+
+    def until(wanted: str) -> None:
+        nonlocal told
+        while wanted not in told:
+            told += os.read(leader, 65536).decode()
+        told = told.partition(wanted)[2]
+
+    try:
+        until("help shows what else")
+        until("\r\n> ")
+        os.write(leader, b"MISS\t\n")
+        until("MISSION_EV_START")
+        until("  start     gps_driver")
+        until("\r\n> ")
+        os.write(leader, b"fly\n")  # said, and the session goes on
+        until("expected a possible event")
+        until("\r\n> ")
+        os.write(leader, b"goto c\t\n")
+        until("> thruster_actuator_EV_OOS")
+        until("\r\n> ")
+        os.write(leader, b"quit\n")
+        assert session.wait(timeout=60) == 0
+    finally:
+        session.kill()
+        session.wait()
+        os.close(leader)
 
 
 def test_undo_goto_run_and_restart() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import replace
@@ -189,6 +190,69 @@ def test_tables_sort_and_filter(browser: Any, ulysse_findings: Findings, tmp_pat
         section.locator("th button").nth(1).click()
         names = section.locator("tbody tr td:nth-child(2)").all_text_contents()
         assert names == sorted(names, key=str.lower)[::direction]
+    assert wrong == []
+
+
+def test_the_page_answers_what_is_asked_first(ulysse_findings: Findings) -> None:
+    """Can it succeed, what makes it fail, what happens when the GPS fails during the dive."""
+    told = re.sub(r"\s+", " ", Elements(page(ulysse_findings)).text)
+    assert "The mission can succeed." in told
+    assert (
+        "this hardware is lost and not repaired: thruster_actuator; GPS_sensor and IMU_sensor together."
+        in told
+    )
+    assert "It survives the loss of any one of these alone: GPS_sensor, IMU_sensor." in told
+    row = re.search(r"transect\.diving ?(goes on[^;]*); mission can still succeed", told)
+    assert row is not None
+    assert row[1] == "goes on in another mode (localisation: gps_localisation -> imu_localisation)"
+
+
+def test_local_graphs_are_zoomed(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:
+    """One for each type of section; it becomes larger and smaller by buttons and keys."""
+    if not ulysse_findings.local:
+        pytest.skip("needs pygraphviz: the extra pictures")
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    pictures = tab.locator("#local details")
+    assert pictures.count() == len(ulysse_findings.local) == 2
+    pictures.nth(1).locator("summary").click()
+    svg = pictures.nth(1).locator("svg")
+    fitting = svg.bounding_box()["width"]
+    pictures.nth(1).locator("[data-zoom=in]").click()
+    assert svg.bounding_box()["width"] == pytest.approx(1.25 * fitting, rel=0.01)
+    pictures.nth(1).locator(".drawing").focus()
+    tab.keyboard.press("0")
+    assert svg.bounding_box()["width"] == pytest.approx(int(svg.get_attribute("width")), rel=0.01)
+    ids = tab.eval_on_selector_all("[id]", "all => all.map(one => one.id)")
+    assert len(set(ids)) == len(ids)
+    assert wrong == []
+
+
+def test_risk_is_told_where_there_are_rates() -> None:
+    found = findings(compose(read_mission(ROOT / "experiments" / "rover" / "mission.xml")))
+    assert found.risk is not None
+    text = Elements(page(found)).text
+    assert f"it succeeds with probability {found.risk.success:.6g}" in text
+    assert "importance of" in text
+
+
+def test_a_mission_whose_sections_are_interrupted(browser: Any, tmp_path: Path) -> None:
+    """The warehouse drone: low battery ends any section, people nearby one of them."""
+    found = findings(compose(read_mission(ROOT / "experiments" / "drone" / "mission.xml")))
+    assert found.controller is not None
+    runtime = Controller.from_document(found.controller)
+    tab, wrong = opened(browser, page(found), tmp_path)
+    boxes, draw = boxes_of(tab), random.Random(1)
+    declared = 0
+    for _ in range(20):
+        events = [event for event in runtime.possible if not event.endswith(("_OOS", "_RD"))]
+        if not events:
+            break
+        event = draw.choice(events)
+        declared += not event.startswith(("OBJ_", "MISSION_"))
+        runtime.handle(event)
+        click(tab, event)
+        compare(tab, runtime, boxes)
+    assert declared
     assert wrong == []
 
 

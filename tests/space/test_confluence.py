@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import event, given, settings
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.model import Mission
@@ -12,8 +12,16 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
-from mcpn.space.confluence import PROOF, direct_with_proof, open_conflicts
+from mcpn.space.confluence import (
+    PROOF,
+    PROOF_BY_JOINING,
+    direct_with_proof,
+    open_conflicts,
+    proof_by_joining,
+)
 from mcpn.space.explicit import explore
+from mcpn.space.local.composing import composite_space
+from mcpn.space.nearest import nearest_fault
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
@@ -70,7 +78,77 @@ def test_a_conflict_that_no_marking_enables_is_no_obstacle() -> None:
     assert direct_with_proof(builder.build()).proof == PROOF
 
 
-def test_a_conflict_that_rejoins_is_decided_edge_by_edge() -> None:
+@given(nets(max_places=6, max_transitions=9))
+def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) -> None:
+    net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
+    if not reachable(net)[2]:
+        returns_early("not 1-safe")
+        return
+    try:
+        by_reduction(explore(net))
+        expected: type[SemanticsError] | None = None
+    except SemanticsError as error:
+        expected = type(error)
+    near = nearest_fault(net)
+    if near is not None:
+        assert expected is not None
+        ends_differ(net, near)
+    try:
+        proof = proof_by_joining(reach(net))
+    except ConfluenceError as error:
+        assert expected is not None
+        ends_differ(net, error)
+        event("parts")
+    else:
+        assert (proof is None) == (expected is not None)
+        event("rejoins" if proof else "may have no end")
+
+
+def ends_differ(net: PetriNet, error: SemanticsError) -> None:
+    """The runs of an error fire, and end in stable markings that differ; one that has no end comes back."""
+    ends = []
+    for run in error.runs:
+        passed = [net.initial]
+        for name in run:
+            t = net.transition_index[name]
+            assert t in net.enabled(passed[-1])
+            passed.append(net.fire(passed[-1], t))
+        ends.append(passed[-1])
+        if isinstance(error, DivergenceError):
+            assert passed[-1] in passed[:-1]
+    if isinstance(error, ConfluenceError):
+        assert ends[0] != ends[1]
+        for end in ends:
+            assert all(not net.transitions[t].internal for t in net.enabled(end))
+
+
+@given(missions())
+@settings(max_examples=30)
+def test_a_contended_mission_is_judged_alike_by_every_proof(mission: Mission) -> None:
+    mission_net = compose(mission)
+    try:
+        by_reduction(explore(mission_net.net, max_states=20_000))
+        expected: type[SemanticsError] | None = None
+    except LimitError:
+        returns_early("too many markings")
+        return
+    except SemanticsError as error:
+        expected = type(error)
+    event(f"{expected}")
+    near = nearest_fault(mission_net.net)
+    assert near is None or expected is not None
+    found: SemanticsError | None = None
+    for prove in (lambda: proof_by_joining(reach(mission_net.net)), lambda: composite_space(mission_net)):
+        try:
+            prove()
+            found = None
+        except SemanticsError as error:
+            found = error
+            ends_differ(mission_net.net, error)
+        assert (found is None) == (expected is None)
+
+
+def test_a_conflict_that_rejoins_by_ways_of_any_length_is_joined() -> None:
     builder = NetBuilder("rejoin", priorities=True)
     for place, tokens in (("a", 1), ("b", 0), ("x", 0), ("y", 0), ("end", 0)):
         builder.place(place, initial=tokens)
@@ -80,6 +158,10 @@ def test_a_conflict_that_rejoins_is_decided_edge_by_edge() -> None:
     builder.transition("from_x", consume=["x"], produce=["end"])
     builder.transition("from_y", consume=["y"], produce=["end"])
     graph = direct_with_proof(builder.build())
-    assert (graph.states, graph.edges) == (2, 1)
-    assert graph.proof is not None
-    assert graph.proof != PROOF
+    assert (graph.states, graph.edges, graph.proof) == (2, 1, PROOF_BY_JOINING)
+    builder.transition("straight", consume=["b"], produce=["end"])
+    graph = direct_with_proof(builder.build())
+    assert (graph.states, graph.edges, graph.proof) == (2, 1, PROOF_BY_JOINING)
+    builder.transition("back", consume=["x"], produce=["b"])
+    with pytest.raises(DivergenceError):
+        direct_with_proof(builder.build())

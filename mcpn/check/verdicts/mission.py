@@ -15,17 +15,18 @@ from typing import Any, NamedTuple
 
 from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.modes import Mode
-from mcpn.check.spaces import alternatives_by, markings_by
+from mcpn.check.spaces import Engine, alternatives_by, markings_by
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
+from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
-from mcpn.space.alternatives import nearest_fault
 from mcpn.space.clash import explained
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
 from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.nearest import nearest_fault
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
@@ -66,7 +67,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class MissionCheck:
+class MissionCheck(Told):
     """All that one check of a mission found.
 
     Args:
@@ -88,6 +89,10 @@ class MissionCheck:
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
     choice: Choice = field(default_factory=lambda: Choice("explicit"))
+
+    def __repr__(self) -> str:
+        verdicts = ", ".join(f"{name}: {verdict.holds}" for name, verdict in self.verdicts.items())
+        return f"<check of the mission {self.mission_net.mission.name}: {verdicts}>"
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:
@@ -175,7 +180,7 @@ def _checked(
         verdicts["safe"] = Verdict("safe", False, str(error), _runs_of(mission_net, error))
         return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_UNSAFE))
     except (ConfluenceError, DivergenceError) as error:
-        verdicts["confluent"] = _not_confluent(mission_net, error, limit if engine == "explicit" else None)
+        verdicts["confluent"] = _not_confluent(mission_net, error, engine)
     space = alternatives or markings
     if space is None:
         return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_LOCAL))
@@ -197,10 +202,10 @@ def _undecided(verdicts: dict[str, Verdict], reason: str) -> dict[str, Verdict]:
     return {n: Verdict(n, None, reason) if v.holds is None else v for n, v in verdicts.items()}
 
 
-def _not_confluent(mission_net: MissionNet, error: SemanticsError, max_states: int | None) -> Verdict:
-    """The verdict on an event that has not one stable end; a nearer one is looked for within a limit."""
-    if max_states is not None:
-        error = nearest_fault(mission_net.net, max_states) or error
+def _not_confluent(mission_net: MissionNet, error: SemanticsError, engine: Engine) -> Verdict:
+    """The verdict on an event that has not one stable end; for arrays a nearer one is looked for."""
+    if engine == "explicit":
+        error = nearest_fault(mission_net.net) or error
     if isinstance(error, ConfluenceError):
         error = explained(mission_net, error)
     return Verdict("confluent", False, str(error), _runs_of(mission_net, error))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mcpn.controller.hierarchy import Controller
-from mcpn.controller.targets.names import C_KEYWORDS, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
 from mcpn.controller.targets.numbers import Numbers
 from mcpn.controller.targets.render import render, rows
 from mcpn.net.compose import MissionNet
@@ -66,7 +66,7 @@ def write_c(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
         mission_net: The mission's net, for the parameters.
     """
     numbers = Numbers(controller, mission_net)
-    prefix = identifiers([controller.mission], keywords=C_KEYWORDS, longest=LONGEST_PREFIX)[
+    prefix = identifiers([controller.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[
         controller.mission
     ]
     lower, upper = prefix.lower(), prefix.upper()

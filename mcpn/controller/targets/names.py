@@ -21,6 +21,19 @@ C_KEYWORDS = frozenset(
 )
 """Of C99 and of C++, since headers are read by both."""
 
+C_PREFIX_RESERVED = C_KEYWORDS | frozenset(
+    word
+    for line in (
+        # The standard's headers: a file of their name would be read in their place.
+        "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg",
+        "stdbool stddef stdint stdio stdlib string tgmath time wchar wctype",
+        # Before the names of the interface these give names that the templates use themselves.
+        "action local move print",
+    )
+    for word in line.split()
+)
+"""What a mission's name must not become, which stands before each name of the interface in C."""
+
 PYTHON_KEYWORDS = frozenset((*kwlist, *softkwlist))
 
 C_SIGNIFICANT = 63

@@ -78,7 +78,7 @@ def local_graph_drawing(
 ) -> Drawing:
     """The same of a local graph that is there already."""
     name = f"Local graph of the section {section}"
-    return drawing(states_picture(name, *_inside(local, graph), merged=merged))
+    return drawing(states_picture(name, *states_within(local, graph), merged=merged))
 
 
 def machine_drawing(machine: SectionMachine, name: str) -> Drawing:
@@ -112,7 +112,7 @@ def controller_drawing(controller: Controller) -> Drawing:
 
 def alternatives_drawing(mission_net: MissionNet, graph: AlternativesGraph) -> Drawing:
     """The picture of an alternatives graph: what runs, by section; of a long mission its sections alone."""
-    states, passages = _inside(mission_net, graph)
+    states, passages = states_within(mission_net, graph)
     name = f"Alternatives graph of the mission {mission_net.mission.name}: {graph.states:,} states"
     section_of = sections_of(mission_net.graph)
     if len({_runs(state) for state in states}) <= MOST_WHOLE:
@@ -123,6 +123,20 @@ def alternatives_drawing(mission_net: MissionNet, graph: AlternativesGraph) -> D
             counts[section] = counts.get(section, 0) + 1
     notes = {section: f"{count:,} states" for section, count in counts.items()}
     return drawing(objectives_picture(mission_net.graph, f"{name}, by section", notes))
+
+
+def graph_drawing(graph: AlternativesGraph) -> Drawing:
+    """The picture of an alternatives graph of a net alone: its states are numbers."""
+    nodes = [Node(f"s{n}", (str(n),), "node", f"state {n}") for n in range(graph.states)]
+    labels: dict[tuple[int, int], list[str]] = {}
+    for edge in range(graph.edges):
+        ends = int(graph.sources[edge]), int(graph.targets[edge])
+        labels.setdefault(ends, []).append(str(graph.event(edge)))
+    edges = [
+        Edge(f"s{source}", f"s{target}", "arc", tuple(events[:MOST_LINES]), ", ".join(events))
+        for (source, target), events in labels.items()
+    ]
+    return drawing(Graph(f"Alternatives graph of {graph.net.name}", nodes, edges))
 
 
 def sections_of(graph: ObjectivesGraph) -> dict[str, str]:
@@ -137,7 +151,7 @@ def sections_of(graph: ObjectivesGraph) -> dict[str, str]:
     return found
 
 
-def _inside(mission_net: MissionNet, graph: AlternativesGraph) -> tuple[list[Situation], list[Passage]]:
+def states_within(mission_net: MissionNet, graph: AlternativesGraph) -> tuple[list[Situation], list[Passage]]:
     """States between start and end, and what leads to them, between them and out of them."""
     markings = [graph.marking(state) for state in range(graph.states)]
     said = [situation(mission_net, marking) for marking in markings]

@@ -27,6 +27,34 @@
       section.querySelector(".count").textContent = `${count} of ${rows.length}`;
     });
   }
+
+  // --- drawings: larger and smaller -----------------------------------------------------------------------
+  for (const frame of document.querySelectorAll(".frame")) {
+    const shown = frame.querySelector(".drawing"), svg = shown.querySelector("svg");
+    const natural = svg.viewBox.baseVal.width;
+    let size = 1;
+    const steps = {
+      in: () => size * 1.25, out: () => size / 1.25, full: () => 1,
+      fit: () => Math.min(1, (shown.clientWidth - 4) / natural),
+    };
+    const zoom = (step) => {
+      size = Math.min(4, Math.max(0.05, steps[step]()));
+      svg.style.width = `${natural * size}px`;
+      svg.style.height = "auto";
+    };
+    for (const button of frame.querySelectorAll("[data-zoom]")) {
+      button.addEventListener("click", () => zoom(button.dataset.zoom));
+    }
+    shown.addEventListener("keydown", (key) => {
+      const step = { "+": "in", "-": "out", 0: "full" }[key.key];
+      if (step) zoom(step);
+    });
+    const details = frame.closest("details");
+    if (details) {
+      details.addEventListener("toggle", () => { if (details.open && size === 1) zoom("fit"); });
+      if (details.open) zoom("fit");
+    }
+  }
   if (!data.controller) return;
 
   // --- the controller, as mcpn/controller/targets/json.py describes it ------------------------------------
@@ -132,6 +160,8 @@
     if (state.phase === "before") return "The mission has not begun.";
     if (state.phase !== "running") return `The mission has ended in ${state.phase}.`;
     const said = [`Running: ${told.objectives.join(", ") || "nothing yet"}.`];
+    const ways = [...told.mode].filter(([activity, name]) => activity !== name);
+    if (ways.length) said.push(`With ${ways.map((pair) => pair.join(": ")).join(", ")}.`);
     if (told.refused.length) said.push(`No way to run: ${told.refused.join(", ")}.`);
     if (told.waiting.length) said.push(`Waiting: ${told.waiting.join(", ")}.`);
     if (state.out.size) said.push(`Out of service: ${[...state.out].sort().join(", ")}.`);

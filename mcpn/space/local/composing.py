@@ -26,6 +26,7 @@ from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Elements, PlacedSection
+from mcpn.space.nearest import nearest_fault
 from mcpn.space.symbolic import SymbolicSpace, reach
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -77,6 +78,10 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         LimitError: A limit was hit.
     """
     usage, graph, templates = mission_net.usage, mission_net.graph, options.templates
+    if usage.contentions and not options.mortal:
+        error = nearest_fault(mission_net.net)  # a clash near the start is found at once
+        if error is not None:
+            raise error
     parts = {section.name: section_part(usage, section) for section in graph.sections}
     kinds = {name: part.type if templates is None else name for name, part in parts.items()}
     first: dict[Hashable, str] = {}

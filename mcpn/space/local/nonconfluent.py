@@ -1,8 +1,9 @@
 """Where a mission comes to an event without one outcome: the second premise of composition.
 
 The symbolic proof (:mod:`mcpn.space.confluence`) is tried on the local net of each type, from every state of
-its hardware. Where it leaves conflicts open, they are looked for in what the mission reaches; where they
-occur there, the states of the local net are listed and each event's interleavings are explored.
+its hardware. Where it leaves conflicts open, they are looked for in what the mission passes and followed both
+ways (:mod:`mcpn.space.joining`). Only where internal evolution may have no end are states of the local
+net listed and the interleavings of each event explored.
 """
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ from typing import NoReturn
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError
 from mcpn.net.events import Event
+from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
 from mcpn.space.alternatives import direct, fault_after
-from mcpn.space.confluence import open_conflicts, prove_confluent
+from mcpn.space.confluence import has_endless_run, open_conflicts, prove_confluent
+from mcpn.space.joining import EndlessRun, Joining, judged
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
+from mcpn.space.nearest import fault_by
 from mcpn.space.symbolic import SymbolicSpace
 
 
@@ -39,22 +43,28 @@ def refuse_nonconfluent(
         LimitError: It is open, and a local net has too many states to be listed.
     """
     for type_, space in explored.items():
+        conflicts = list(open_conflicts(space))
+        if not (conflicts or space.endless):
+            continue
         sections = [
             p for p in composite.sections.values() if p.type is type_ and p.name in composite.everything.parts
         ]
-        conflicts = list(open_conflicts(space))
-        if (conflicts or space.endless) and _is_met(composite, type_, space, sections, conflicts):
+        if not _rejoin(composite, type_, space, sections, conflicts):
             _judge_by_list(composite, type_, sections, max_states)
 
 
-def _is_met(
+def _rejoin(
     composite: CompositeSpace,
     type_: SectionType,
     space: SymbolicSpace,
     sections: list[PlacedSection],
     conflicts: list[tuple[int, int]],
 ) -> bool:
-    """Whether a transient marking that the mission passes has such a conflict, or need not end."""
+    """Whether both ways of each conflict that the mission passes lead to one marking again, and all runs end.
+
+    Raises:
+        ConfluenceError: Some do not, and here are the runs of the mission that show it.
+    """
     begun = type_.layout.store.empty()
     for placed in sections:
         begun |= type_.begun(composite.everything.parts[placed.name], composite.entering(placed))
@@ -64,13 +74,37 @@ def _is_met(
             type_.layout.store.from_bytes(space.endless.to_bytes()), type_.layout.all_slots
         )
         if transient & endless:
-            return True
-    safe, encoding = type_.net.net.safe_transitions, type_.encoding
-    conditions = [
-        encoding.condition((*safe[t].consume, *safe[t].read, *safe[u].consume, *safe[u].read))
-        for t, u in conflicts
+            return False
+    try:
+        found = judged(type_.encoding, transient, conflicts, Joining(type_.net.net))
+    except EndlessRun:
+        return False
+    if found.parting is not None:
+        _raise_before(composite, type_, sections, transient, found.parting[0])
+        return False
+    return found.balanced or not has_endless_run(type_.encoding, transient)
+
+
+def _raise_before(
+    composite: CompositeSpace,
+    type_: SectionType,
+    sections: list[PlacedSection],
+    transient: Zdd,
+    marking: Marking,
+) -> None:
+    """Raises the error of an event after which sections of a type come to a marking where runs part."""
+    encoding, layout = type_.encoding, type_.layout
+    here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient
+    behind = here.saturate(encoding.internal_back, within=transient)
+    before = [
+        (t, behind.images([back]))
+        for t, back in encoding.undoing.items()
+        if not type_.net.net.transitions[t].internal
     ]
-    return transient.first([c for c in conditions if c is not None]) >= 0
+    for placed in sections:
+        for transition, states in before:
+            for met, event in _met_at(composite, placed, transition, states):
+                _raise(composite, met, event)
 
 
 def _judge_by_list(
@@ -122,7 +156,8 @@ def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None
     events = [_event(composite, edge.transition) for edge in run]
     for edge in composite.edges(state):
         if transition is None or edge.transition == transition:
-            found = fault_after(composite.net, [*events, _event(composite, edge.transition)])
+            run_on = [*events, _event(composite, edge.transition)]
+            found = fault_by(composite.net, run_on) or fault_after(composite.net, run_on)
             if found is not None:
                 raise found
     raise AssertionError("what is not confluent in the section's net is not in the mission's")

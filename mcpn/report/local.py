@@ -1,0 +1,71 @@
+"""Local graphs for a report: one for each type of section, drawn by what runs."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.net.compose import MissionNet
+from mcpn.net.sections import section_part
+from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
+from mcpn.report.pictures.machines import states_picture, states_within
+from mcpn.report.pictures.sections import local_graph
+
+MOST_LOCAL_STATES, MOST_DRAWN, MOST_BOXES = 20_000, 24, 60
+"""States of a section that are listed for its drawing, drawings of a report, and boxes of each."""
+
+
+@dataclass(frozen=True)
+class LocalPicture:
+    """The local graph of a type of section.
+
+    Args:
+        section: The section that it is drawn for.
+        alike: Other sections of the same type, by other names.
+        states: How many states it has.
+        picture: What is drawn.
+    """
+
+    section: str
+    alike: tuple[str, ...]
+    states: int
+    picture: Placed
+
+
+def local_pictures(mission_net: MissionNet) -> tuple[list[LocalPicture], list[str]]:
+    """Local graphs as far as they can be drawn, and for each that cannot why."""
+    alike: dict[Hashable, list[str]] = {}
+    for section in mission_net.graph.sections:
+        alike.setdefault(section_part(mission_net.usage, section).type, []).append(section.name)
+    notes, sizes = list[str](), list[int]()
+    graphs: list[Graph] = []
+    members: list[list[str]] = []
+    for names in alike.values():
+        if len(graphs) == MOST_DRAWN:
+            notes.append(
+                f"No more than {MOST_DRAWN} local graphs are drawn, of {len(alike)} types of sections."
+            )
+            break
+        try:
+            local, graph = local_graph(mission_net, names[0], MOST_LOCAL_STATES)
+        except (LimitError, SemanticsError) as error:
+            notes.append(f"No local graph of {names[0]}: {error}")
+            continue
+        found = states_picture(
+            f"Local graph of the section {names[0]}", *states_within(local, graph), merged=True
+        )
+        if len(found.nodes) > MOST_BOXES:
+            notes.append(f"No drawing of the local graph of {names[0]}: {len(found.nodes)} boxes.")
+            continue
+        graphs.append(replace(found, sideways=False))
+        sizes.append(graph.states)
+        members.append(names)
+    try:
+        placed = lay_out_all(graphs)
+    except LimitError as error:
+        return [], [*notes, f"No local graphs: {error}"]
+    return [
+        LocalPicture(names[0], tuple(names[1:]), size, picture)
+        for names, size, picture in zip(members, sizes, placed, strict=True)
+    ], notes

@@ -1,0 +1,261 @@
+"""Local confluence: whether two internal transitions in conflict lead to the same marking again.
+
+Where every two enabled internal transitions either commute or lead to a common marking again, and internal
+evolution ends, every transient marking has one stable end (Newman 1942). Where moreover both ways to the
+common marking are equally long, one run that ends proves that all do (balanced weak Church-Rosser: Toyama
+1992; van Oostrom, *Random descent*, 2007). So it is enough to look at the markings in which a conflict is
+open, and there to follow one run behind each of both transitions. If the two ends differ, both are the
+outcome of the same event. If they are the same, the part of the two runs that matters joins the two
+transitions in every marking that has the tokens for it, so that all such markings are done at once. No
+interleavings are listed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from mcpn._kernel import Zdd
+from mcpn.net.petri import PetriNet
+from mcpn.net.structure import conflicts
+from mcpn.space.encoding import Encoding
+from mcpn.space.firing import MaskedNet
+
+
+@dataclass(frozen=True, slots=True)
+class Join:
+    """Two transitions in conflict that lead to the same marking again.
+
+    Args:
+        needed: Places, a bit for each, whose tokens do for both ways.
+        balanced: Whether both ways are equally long.
+    """
+
+    needed: int
+    balanced: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Parting:
+    """Two runs from one marking to two stable markings.
+
+    Args:
+        first: Transitions of one run.
+        second: Those of the other; the first ones are in conflict.
+    """
+
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+
+
+class EndlessRun(Exception):
+    """An internal run comes back to a marking that it has passed.
+
+    Args:
+        run: Its transitions.
+    """
+
+    def __init__(self, run: Sequence[int]) -> None:
+        super().__init__("an internal run need not end")
+        self.run = tuple(run)
+
+
+class Joining:
+    """Joins transitions of one net; what it finds for one marking it knows for all that are alike.
+
+    Args:
+        net: A 1-safe net with priorities.
+
+    Attributes:
+        firings: How many firings it has looked at.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.masked = MaskedNet(net)
+        self._known: dict[tuple[int, int], list[Join]] = {}
+        self._rivals = [0] * len(net.transitions)
+        for t, u in open_pairs(net):
+            self._rivals[t] |= 1 << u
+            self._rivals[u] |= 1 << t
+        self.firings = 0
+        self._contended = sum(1 << t for t, rivals in enumerate(self._rivals) if rivals)
+
+    def run(self, marking: int, first: int) -> tuple[list[int], int]:
+        """A run that begins with a transition and goes on to a stable marking, and that marking.
+
+        Raises:
+            EndlessRun: It comes back to a marking that it has passed.
+        """
+        masked = self.masked
+        run, at = [first], masked.fire(marking, first)[0]
+        covered, seen = masked.covered(at), {marking}
+        while internal := covered & masked.internal:
+            if at in seen:
+                raise EndlessRun(run)
+            seen.add(at)
+            t = (internal & -internal).bit_length() - 1
+            run.append(t)
+            at = masked.fire(at, t)[0]
+            covered = masked.covered_after(covered, at, t)
+        self.firings += len(run)
+        return run, at
+
+    def outcome(self, marking: int, first: int, second: int) -> Join | Parting:
+        """Whether two transitions, both enabled, lead to the same marking again.
+
+        Raises:
+            EndlessRun: An internal run behind them need not end.
+        """
+        known = self._known.setdefault((first, second), [])
+        for join in known:
+            if marking & join.needed == join.needed:
+                return join
+        (one, end), (other, end_of_other) = self.run(marking, first), self.run(marking, second)
+        if end != end_of_other:
+            return Parting(tuple(one), tuple(other))
+        self._shorten(marking, one, other)
+        needed = self._needed(one) | self._needed(other)
+        known.append(Join(needed, len(one) == len(other)))
+        return known[-1]
+
+    def _shorten(self, marking: int, one: list[int], other: list[int]) -> None:
+        """Leaves out of two runs to the same marking what both do and neither needs."""
+        for at in range(len(one) - 1, 0, -1):
+            if one[at] not in other[1:]:
+                continue
+            beside = len(other) - 1 - other[::-1].index(one[at])
+            shorter = one[:at] + one[at + 1 :], other[:beside] + other[beside + 1 :]
+            ends = [self._fired(marking, run) for run in shorter]
+            if ends[0] is not None and ends[0] == ends[1]:
+                one[:], other[:] = shorter
+
+    def _fired(self, marking: int, run: Iterable[int]) -> int | None:
+        masked = self.masked
+        for t in run:
+            if marking & masked.need[t] != masked.need[t]:
+                return None
+            marking = masked.fire(marking, t)[0]
+        return marking
+
+    def _needed(self, run: Iterable[int]) -> int:
+        """The tokens with which a run can fire, where it can."""
+        masked = self.masked
+        needed = made = 0
+        for t in run:
+            needed |= masked.need[t] & ~made
+            made = made & ~masked.take[t] | masked.put[t]
+        return needed
+
+    def parting_behind(self, marking: int, most: int) -> tuple[list[int], int, Parting | None]:
+        """Looks behind a marking for conflicts that decide the end.
+
+        A transition that is in conflict with no other is fired at once: it commutes with all of them. Where
+        none is left, every order is tried (*persistent sets*: Godefroid, LNCS 1032, 1996).
+
+        Args:
+            marking: Where it begins.
+            most: How many markings may be left in several ways.
+
+        Returns:
+            A run to a stable marking, or to where it parts; the marking there; how it parts, if it does.
+
+        Raises:
+            EndlessRun: An internal run need not end.
+        """
+        masked = self.masked
+        stack: list[tuple[list[int], int]] = [([], marking)]
+        found: tuple[list[int], int] | None = None
+        seen = set[int]()
+        while stack and (found is None or most > 0):
+            run, at = stack.pop()
+            covered = masked.covered(at)
+            on_way = {at}
+            while (internal := covered & masked.internal) and (free := internal & ~self._contended):
+                t = (free & -free).bit_length() - 1
+                at = masked.fire(at, t)[0]
+                run.append(t)
+                if at in on_way:
+                    raise EndlessRun(run)
+                on_way.add(at)
+                covered = masked.covered_after(covered, at, t)
+            self.firings += len(on_way)
+            if at in seen:
+                continue
+            seen.add(at)
+            if not internal:
+                found = found or (run, at)
+                continue
+            most -= 1
+            ways = list(masked.allowed(internal))
+            for t in ways:
+                for u in masked.allowed(self._rivals[t] & internal & -(1 << t)):
+                    parting = self.outcome(at, t, u)
+                    if isinstance(parting, Parting):
+                        return run, at, parting
+            stack += [([*run, t], masked.fire(at, t)[0]) for t in reversed(ways)]
+        if found is None:  # no run ends: any of them shows it
+            self.run(marking, next(masked.allowed(masked.covered(marking) & masked.internal)))
+        assert found is not None, "some run ends"
+        return *found, None
+
+
+def harmless(net: PetriNet, first: int, second: int) -> bool:
+    """Whether firing either of two transitions, each enabled, gives the same marking."""
+    one, other = net.safe_transitions[first], net.safe_transitions[second]
+    return set(one.consume) == set(other.consume) and set(one.produce) == set(other.produce)
+
+
+def open_pairs(net: PetriNet, transitions: Iterable[int] | None = None) -> Iterator[tuple[int, int]]:
+    """Pairs of internal transitions that may be in conflict and do not give the same marking."""
+    among = range(len(net.transitions)) if transitions is None else transitions
+    for t, u in conflicts(net, [t for t in among if net.transitions[t].internal]):
+        if not harmless(net, t, u):
+            yield t, u
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the conflicts of some markings come to.
+
+    Args:
+        parting: A marking, as tokens by place, and how runs part there; ``None`` where all rejoin.
+        balanced: Whether all rejoin by ways of equal length.
+    """
+
+    parting: tuple[tuple[int, ...], Parting] | None
+    balanced: bool
+
+
+def judged(
+    encoding: Encoding, markings: Zdd, pairs: Iterable[tuple[int, int]], joining: Joining
+) -> Judgement:
+    """Follows the conflicts in a set of markings until each rejoins, or one is found that does not.
+
+    Args:
+        encoding: The net on the levels of a store.
+        markings: Reachable markings behind which internal evolution has an end.
+        pairs: Transitions in conflict.
+        joining: Of the net.
+
+    Raises:
+        EndlessRun: An internal run need not end.
+    """
+    balanced = True
+    safe = encoding.net.safe_transitions
+    for t, u in pairs:
+        needed = (*safe[t].consume, *safe[t].read, *safe[u].consume, *safe[u].read)
+        left = encoding.marking_all(dict.fromkeys(needed), markings)
+        while (levels := left.pick()) is not None:
+            marking = encoding.marking(levels)
+            found = joining.outcome(mask_of(marking), t, u)
+            if isinstance(found, Parting):
+                return Judgement((marking, found), balanced)
+            balanced = balanced and found.balanced
+            places = [p for p in range(len(marking)) if found.needed >> p & 1]
+            left -= encoding.marking_all(places, left)
+    return Judgement(None, balanced)
+
+
+def mask_of(marking: Sequence[int]) -> int:
+    """A 1-safe marking as an integer, a bit for each place."""
+    return sum(1 << place for place, tokens in enumerate(marking) if tokens)

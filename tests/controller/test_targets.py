@@ -1,0 +1,46 @@
+"""What all targets share: the same bytes for the same mission."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.conftest import ROOT, ULYSSE
+
+PROGRAM = """
+import hashlib, sys
+from pathlib import Path
+from mcpn.controller.generate import generate
+from mcpn.controller.minimise import minimise
+from mcpn.controller.targets import TARGETS, files
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+for path in sys.argv[1:]:
+    net = compose(read_mission(Path(path)))
+    for form in ("flat", "hierarchical"):
+        controller = generate(net, form)
+        for found in (controller, minimise(controller)):
+            for target in TARGETS:
+                for name, text in files(found, net, target).items():
+                    print(form, found.minimised, name, hashlib.sha256(text.encode()).hexdigest())
+"""
+
+
+def test_the_files_are_the_same_byte_for_byte_in_every_process() -> None:
+    """Sets and dictionaries of strings are walked in another order in each process."""
+    missions = [str(ULYSSE), str(Path(__file__).with_name("watch.xml"))]
+    said = []
+    for number in ("0", "1"):
+        run = subprocess.run(
+            [sys.executable, "-c", PROGRAM, *missions],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=ROOT,
+            env={**os.environ, "PYTHONHASHSEED": number},
+        )
+        said.append(run.stdout.splitlines())
+    assert len(said[0]) == 2 * 2 * 2 * 6  # missions, forms, minimised or not, files
+    assert said[0] == said[1]
