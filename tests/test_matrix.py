@@ -5,18 +5,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.find import Causes
+from mcpn.check.causes.fmeca import Severity, fmeca
+from mcpn.check.causes.risk import risk
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
 from mcpn.check.nets.behaviour import behaviour
-from mcpn.check.spaces import Engine, On, space_of
+from mcpn.check.spaces import Engine, On, space_of, stable_space
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import flat_controller
 from mcpn.errors import InputError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import MissionNet, compose
+from mcpn.space.listing import written_out
+from tests.check.asked import Asked
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 BEGIN, END = "<!-- matrix -->\n", "<!-- end of matrix -->\n"
@@ -27,7 +36,11 @@ def mission(*, contention: bool) -> MissionNet:
     """Two branches that use hardware, the same one or one each; the spare is never used."""
     robot = Robot(
         name="r",
-        hardware=(Hardware(name="H"), Hardware(name="I"), Hardware(name="spare")),
+        hardware=(
+            Hardware(name="H", failure_rate=0.5),
+            Hardware(name="I", failure_rate=1.0),
+            Hardware(name="spare", failure_rate=2.0),
+        ),
         activities=(
             Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),)),
             Activity(
@@ -35,7 +48,10 @@ def mission(*, contention: bool) -> MissionNet:
             ),
         ),
     )
-    branches = Objective(name="x", activities=("use",)), Objective(name="y", activities=("also",))
+    branches = tuple(
+        Objective(name=name, activities=(activity,), duration=1.0)
+        for name, activity in (("x", "use"), ("y", "also"))
+    )
     return compose(Mission(name="m", robots=(robot,), blocks=(Parallel(name="both", blocks=branches),)))
 
 
@@ -65,6 +81,74 @@ def checked(engine: Engine) -> MissionCheck:
     return CHECKED[engine]
 
 
+ASKED: dict[Engine, Asked] = {}
+
+
+def causes(engine: Engine) -> Causes:
+    if engine not in ASKED:
+        ASKED[engine] = Asked(mission(contention=False), engine)
+    return ASKED[engine].all
+
+
+def moments(engine: Engine) -> bool:
+    """Both branches must succeed: each resource in use is a cut set, until its branch has ended."""
+    single: list[CutSet] = [("H",), ("I",)]
+    mission_moments = {"start": single, "whenever": [("H", "I")], "sometime": single}
+    found = causes(engine)
+    every = {moment: [("H",)] for moment in ("start", "entry", "whenever", "sometime")}
+    return found.mission.moments == mission_moments and found.objectives["x"].moments == every
+
+
+def critical(engine: Engine) -> bool:
+    """H fails while x runs: with y, whose resource works, or after y, whose resource may do anything."""
+    found = [c for c in causes(engine).mission.critical_with_repairs if str(c.event) == "H_EV_OOS"]
+    return {c.objectives: c.edges for c in found} == {("x", "y"): 2, ("x",): 4}
+
+
+def survives(engine: Engine) -> bool:
+    start, entry = causes(engine).survival
+    return (start.always, start.at_most, entry.section) == (0, 1, "both") and start.cut_sets == [
+        ("H",),
+        ("I",),
+    ]
+
+
+def runs_to_failure(engine: Engine) -> bool:
+    run = causes(engine).objectives["x"].runs[("H",)]
+    assert run is not None
+    events = [str(event) for event in run.events]
+    return sorted(events) == ["H_EV_OOS", "MISSION_EV_START", "OBJ_x_EV_FAIL"] and events[-1].endswith("FAIL")
+
+
+def most_failures(engine: Engine) -> bool:
+    """The run through a moment to success with the most failures: of the spare, and of what has been used."""
+    run = causes(engine).survival[0].run
+    assert run is not None
+    events = [str(event) for event in run.events]
+    return sum(event.endswith("OOS") for event in events) == 2 and events[-1].endswith("EV_OK")
+
+
+def tabled(engine: Engine) -> bool:
+    rows = fmeca(causes(engine).prospects)
+    return {(row.hardware, row.objective): row.severity for row in rows} == {
+        (hardware, objective): Severity.MISSION_LOST for hardware in "HI" for objective in "xy"
+    }
+
+
+def numbers(engine: Engine) -> bool:
+    """Each branch outlives its resource with probability 1 / (1 + rate * duration)."""
+    causes(engine)
+    return math.isclose(risk(ASKED[engine].prospects).success, 1 / (1.5 * 2.0))
+
+
+def controls(engine: Engine) -> bool:
+    """A machine with an entry, and a state while x runs alone."""
+    found = mission(contention=False)
+    space = stable_space(found, engine=engine)
+    made = generate(found) if engine == "local" else flat_controller(found, written_out(space, engine))
+    return any(state.objectives == ("x",) for machine in made.types for state in machine.states)
+
+
 QUESTIONS: dict[str, Callable[[Engine], bool]] = {
     "how many markings, and firings between them": lambda e: checked(e).marking_sizes is not None,
     "how many stable states, and events between them": lambda e: checked(e).stable_sizes is not None,
@@ -85,6 +169,14 @@ QUESTIONS: dict[str, Callable[[Engine], bool]] = {
     "CTL under fairness": lambda e: answers(e, "alternatives", "AF success", "progress"),
     "CTL on all markings": lambda e: answers(e, "markings", "A[!oos(H) U success]"),
     "liveness, home markings, deadlock of a net from elsewhere": behaves,
+    "cut sets at every moment": moments,
+    "critical events, with and without repairs": critical,
+    "survival: how many losses, and whichever they are": survives,
+    "runs to failure": runs_to_failure,
+    "scenarios: the run to success with the most failures": most_failures,
+    "FMECA table": tabled,
+    "numbers of risk: success, degraded modes, importance": numbers,
+    "controller (of the local engine: by sections)": controls,
 }
 
 REASONS = {

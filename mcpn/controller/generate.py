@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller
+from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller, refuse_entries
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
-from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import Options, composite_space
@@ -23,6 +22,8 @@ DEFAULT_MAX_STATES = 1_000_000
 
 MOST_UNTOLD = 10_000
 """States of a section that are listed without a word."""
+
+WHY = "a machine lists every state"
 
 
 def generate(
@@ -60,11 +61,15 @@ def generate(
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_mission_words(mission_net):
         composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
-    listed: dict[SectionType, AlternativesGraph] = {}
+    names: dict[SectionType, str] = {}
     for placed in composite.sections.values():
-        type_ = placed.type
-        if type_ not in listed:
-            if told and MOST_UNTOLD < type_.size <= limit:
-                told(f"section {placed.name} has {type_.size:,} states: listing them")
-            listed[type_] = type_.listed(placed.name, limit, "a machine lists every state")
+        names.setdefault(placed.type, placed.name)
+    for type_, name in names.items():  # all before the first is listed
+        type_.refuse_list(name, limit, WHY)
+        refuse_entries(type_.faulty, name)
+    largest = max(names, key=lambda type_: type_.size)
+    if told and largest.size > MOST_UNTOLD:
+        every = f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states"
+        told(f"{every}, the largest, of section {names[largest]}, {largest.size:,}")
+    listed = {type_: type_.listed(name, limit, WHY) for type_, name in names.items()}
     return hierarchical_controller(composite, listed)

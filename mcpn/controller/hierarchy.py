@@ -24,6 +24,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
+from mcpn.notebook import Drawn
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
@@ -106,7 +107,7 @@ class PlacedMachine:
 
 
 @dataclass(frozen=True)
-class Controller:
+class Controller(Drawn):
     """A mission controller, flat or hierarchical.
 
     Args:
@@ -126,6 +127,9 @@ class Controller:
     sections: tuple[PlacedMachine, ...]
     types: tuple[SectionMachine, ...]
     minimised: bool = False
+
+    def __repr__(self) -> str:
+        return f"<{self.form} controller of the mission {self.mission}: {self.size}>"
 
     @property
     def states(self) -> int:
@@ -208,12 +212,22 @@ def section_machine(
     Raises:
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
-    if 1 << len(hardware) > MOST_ENTRIES:
-        raise LimitError(
-            f"{len(hardware)} hardware resources that may fail have 2^{len(hardware)} states, "
-            f"the limit on the entries of a machine is {MOST_ENTRIES}"
-        )
+    refuse_entries(hardware)
     return cut(controller(mission_net, alternatives), hardware)
+
+
+def refuse_entries(hardware: tuple[str, ...], section: str | None = None) -> None:
+    """Raises an error where a machine would have too many entries, one for each state of its hardware.
+
+    Raises:
+        LimitError: There are more than :data:`MOST_ENTRIES`.
+    """
+    if 1 << len(hardware) > MOST_ENTRIES:
+        where = "" if section is None else f"section {section}: "
+        raise LimitError(
+            f"{where}{len(hardware)} hardware resources that may fail have 2^{len(hardware)} states, "
+            f"the limit on the entries of a machine is {MOST_ENTRIES:,}"
+        )
 
 
 def cut(machine: Machine, hardware: tuple[str, ...]) -> SectionMachine:

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
-from mcpn.check.runs import stabilise
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
@@ -24,6 +23,7 @@ from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
 from tests.net.interpreter import Series
+from tests.net.settling import stabilise
 from tests.shares import returns_early
 
 HARDWARE = ("GPS_sensor", "IMU_sensor", "thruster_actuator")

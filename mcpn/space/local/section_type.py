@@ -183,11 +183,15 @@ class SectionType(LocalStates):
         Raises:
             LimitError: There are more states than allowed; the message says how many.
         """
+        self.refuse_list(section, max_states, why)
+        # The composite has proved what the mission reaches confluent.
+        return direct(self.net.net, proof=False, max_states=max_states)
+
+    def refuse_list(self, section: str, max_states: int, why: str) -> None:
+        """Raises the error of :meth:`listed` without a list."""
         if self.size > max_states:
             found = f"section {section} has {self.size:,} states: {why}"
             raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")
-        # The composite has proved what the mission reaches confluent.
-        return direct(self.net.net, proof=False, max_states=max_states)
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
         """Checks that a section hands on the state of its hardware and nothing else.
