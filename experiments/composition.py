@@ -2,26 +2,26 @@
 
 Usage: ``python experiments/composition.py [--sections N...] [--hardware N...] [--plot FILE.svg]``
 
-Ulysse first, every way in one process. Then the sweep: each run has a process, 60 s and 4 GiB of its own.
+Ulysse first, every way in one process. Then the sweep: each run has a process, 20 s and 4 GiB of its own.
 Explicit builds the markings graph and reduces it, direct runs to completion with the symbolic proof, symbolic
 reaches the markings as a diagram, local explores each type of section on its own; local gives every verdict
 and the exact sizes of the whole. An engine that has given up on a mission is not asked for a longer one.
 Sections of the last part use much hardware each, up to 24 resources, so that their interface states are
-diagrams. The plot needs matplotlib (``mcpn[experiments]``).
+diagrams. It takes some eight minutes on two cores with its defaults. The plot needs matplotlib
+(``mcpn[experiments]``).
 """
 
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import platform
-import resource
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from limits import Result, measured
 from missions import Parameters, generate
 
 from mcpn import __version__
@@ -38,9 +38,8 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.symbolic import reach
 
-SECONDS, GIB = 60, 4
+GIB = 4
 ENGINES = ("explicit", "direct", "symbolic", "local")
-Result = dict[str, Any]
 
 
 def run_engine(engine: str, mission: Mission) -> Result:
@@ -63,31 +62,6 @@ def run_engine(engine: str, mission: Mission) -> Result:
     return {"stable": composite.everything.count(), "local": local, "types": len(types), "most": most}
 
 
-def child(engine: str, mission: Mission, pipe: Any) -> None:
-    """Runs an engine within its memory and sends what it found."""
-    resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
-    started = time.perf_counter()
-    try:
-        found = run_engine(engine, mission)
-    except Exception as error:
-        pipe.send({"gave_up": str(error).split("\n")[0][:60] or type(error).__name__})
-        return
-    found["seconds"] = time.perf_counter() - started
-    found["megabytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
-    pipe.send(found)
-
-
-def measure(engine: str, mission: Mission) -> Result:
-    """The same in a process of its own, within its time."""
-    here, there = multiprocessing.Pipe()
-    process = multiprocessing.get_context("spawn").Process(target=child, args=(engine, mission, there))
-    process.start()
-    result = here.recv() if here.poll(SECONDS) else {"gave_up": f"more than {SECONDS} s"}
-    process.kill()
-    process.join()
-    return dict(result)
-
-
 def show(value: Result | None, key: str, form: Callable[[Any], str] = str) -> str:
     """A cell of the table."""
     if value is None:
@@ -95,12 +69,12 @@ def show(value: Result | None, key: str, form: Callable[[Any], str] = str) -> st
     return form(value[key]) if key in value else ("-" if "gave_up" in value else "")
 
 
-def row(label: str, mission: Mission, gone: set[str]) -> dict[str, Result]:
+def row(label: str, mission: Mission, gone: set[str], limit: float) -> dict[str, Result]:
     """Measures the engines that have not given up, prints a line, and checks that they agree."""
     results: dict[str, Result] = {}
     for engine in ENGINES:
         if engine not in gone:
-            results[engine] = measure(engine, mission)
+            results[engine] = measured(run_engine, engine, mission, seconds=limit, gib=GIB)
             if "gave_up" in results[engine]:
                 gone.add(engine)
     sizes = {r["stable"] for r in results.values() if "stable" in r}
@@ -175,12 +149,12 @@ def overtakes(points: dict[str, list[tuple[int, float]]]) -> None:
         print(f"{'':22} local overtakes {engine} at {ahead[0] if ahead else 'no size'}", flush=True)
 
 
-def sweep(label: str, missions: dict[int, Mission]) -> dict[str, list[tuple[int, float]]]:
+def sweep(label: str, missions: dict[int, Mission], limit: float) -> dict[str, list[tuple[int, float]]]:
     """One line for each mission, by its number of sections."""
     gone: set[str] = set()
     points: dict[str, list[tuple[int, float]]] = {engine: [] for engine in ENGINES}
     for sections, mission in missions.items():
-        results = row(f"{sections} sections, {label}", mission, gone)
+        results = row(f"{sections} sections, {label}", mission, gone, limit)
         for engine, result in results.items():
             if "seconds" in result:
                 points[engine].append((sections, result["seconds"]))
@@ -190,14 +164,17 @@ def sweep(label: str, missions: dict[int, Mission]) -> dict[str, list[tuple[int,
 
 def main() -> None:
     """Ulysse first, then the sweep."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--sections", type=int, nargs="+", default=[5, 10, 50, 100, 500, 1000])
     parser.add_argument("--hardware", type=int, nargs="+", default=[3, 6, 12, 30])
     parser.add_argument("--types", type=int, default=20)
     parser.add_argument("--plot", type=Path)
+    parser.add_argument("--seconds", type=float, default=20, help="limit of each run (default 20)")
     arguments = parser.parse_args()
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
-    print(f"{machine}; {SECONDS} s, {GIB} GiB")
+    print(f"{machine}; {arguments.seconds:g} s, {GIB} GiB")
     ulysse()
     heads = " ".join(f"{engine:>9}" for engine in ENGINES)
     print(f"{'':22} {heads} s| {' '.join(f'{engine:>8}' for engine in ENGINES)} MB")
@@ -207,11 +184,11 @@ def main() -> None:
 
     for hardware in arguments.hardware:
         missions = {n: some(n, hardware, per_section=min(4, hardware)) for n in arguments.sections}
-        points = sweep(f"{hardware} hw", missions)
+        points = sweep(f"{hardware} hw", missions, arguments.seconds)
         if arguments.plot and hardware == arguments.hardware[-1]:
             plot(points, arguments.plot)
     wide = {n: some(n, 30, per_section=12, alternatives=8, parallel=0.5) for n in arguments.sections}
-    sweep("wide", wide)
+    sweep("wide", wide, arguments.seconds)
 
 
 if __name__ == "__main__":

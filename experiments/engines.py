@@ -8,6 +8,7 @@ Python); ``pyeda`` (mcpn's reference engine). All but pyeda use the same order o
 algorithm and its implementation differ. Each run has a process and a limit of time of its own; an engine that
 gave up on a member of a family is not asked for a larger one. Engines that are not installed are left out and
 named (they come with ``mcpn[experiments]``).
+It takes up to ten minutes with its defaults.
 """
 
 from __future__ import annotations
@@ -150,7 +151,9 @@ def measure(engine: str, net: PetriNet, order: tuple[int, ...], seconds: float) 
 
 def main() -> None:
     """Prints a line for each net: seconds of each engine, and how many times longer than ours."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seconds", type=float, default=60)
     limit = parser.parse_args().seconds
     for engine, (_, package) in ENGINES.items():

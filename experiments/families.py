@@ -3,11 +3,12 @@
 Run: python experiments/families.py
 
 Prints, for each size, the markings that the symbolic engine counts, whether the closed form agrees where
-there is one, its seconds, and the nodes of the diagram at its peak and at its end.
+there is one, its seconds, and the nodes of the diagram at its peak and at its end. It takes a minute or two.
 """
 
 from __future__ import annotations
 
+import argparse
 import platform
 import sys
 import time
@@ -106,6 +107,9 @@ def ulysses(count: int) -> Mission:
 
 def main() -> None:
     """Prints the table."""
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args()
     sys.set_int_max_str_digits(0)
     print(f"{'net':22}{'places':>8}{'markings':>28}{'right':>7}{'seconds':>9}{'peak':>9}{'nodes':>8}")
     nets: list[tuple[PetriNet, int | None]] = []

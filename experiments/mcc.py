@@ -6,6 +6,7 @@ FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its 
 states, edges, deadlock and most tokens are exactly the contest's, the seconds of the clock and of the
 processors from the parsed net to all counts, the process's peak memory, the nodes of the final diagram and
 the order of places that won the race.
+It takes up to a minute for each net.
 """
 
 from __future__ import annotations
@@ -63,7 +64,9 @@ def run(path: Path, seconds: float, gigabytes: float) -> dict[str, object]:
 def main() -> None:
     """Prints the table."""
     sys.set_int_max_str_digits(0)
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path, nargs="?")
     parser.add_argument("nets", nargs="*")
     parser.add_argument("--seconds", type=float, default=60)

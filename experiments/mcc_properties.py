@@ -2,6 +2,7 @@
 
 Usage: ``python experiments/mcc_properties.py FOLDER [NET...]`` with a folder that holds ``formulas.tsv``,
 ``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and 4 GiB of its own.
+It takes up to a minute for each file of properties.
 """
 
 from __future__ import annotations
@@ -89,7 +90,9 @@ def examined(row: dict[str, str]) -> dict[str, str]:
 
 def main() -> None:
     """Prints a row for each net and each file that is not all answered, and the totals."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folder", type=Path)
     parser.add_argument("nets", nargs="*")
     parser.add_argument("--file", action="append", help="only this file, or 'examinations'; may be repeated")

@@ -1,6 +1,7 @@
 """Missions of any size, by parameters and a seed, for experiments and tests.
 
 Usage: ``python experiments/missions.py OUT.xml [--sections N] [--types N] ...`` writes one as a mission file.
+It takes seconds.
 """
 
 from __future__ import annotations
@@ -152,7 +153,9 @@ class _Generator:
 
 def main() -> None:
     """Writes a generated mission."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("output", type=Path)
     parser.add_argument("--seed", type=int, default=0)
     for name, default in vars(Parameters()).items():

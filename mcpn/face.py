@@ -25,11 +25,22 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission as _read
 from mcpn.net.compose import MissionNet, as_net
 from mcpn.net.petri import PetriNet
+from mcpn.notebook import show_with
 from mcpn.space.summary import SpaceSummary, summarise
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
     from mcpn.report.pictures.drawing import Drawing
+
+
+def _shown(what: object, kind: str) -> str | None:
+    """What a notebook shows of an object."""
+    from mcpn.report.notebook import show
+
+    return show(what, kind)
+
+
+show_with(_shown)
 
 
 def read_mission(path: str | Path) -> Mission:

@@ -17,6 +17,7 @@ WAY = [
     "errors",
     "files",
     "xmlio",
+    "notebook",
     "mission",
     "net",
     "space",

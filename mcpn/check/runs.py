@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mcpn.check.modes import Situation, situation
-from mcpn.net.compose import MissionNet
+from mcpn.check.modes import Situation
 from mcpn.net.events import Event, What
-from mcpn.net.petri import PetriNet
-from mcpn.space.graph import StateGraph
 
 
 @dataclass(frozen=True)
@@ -23,65 +19,6 @@ class Step:
 
     event: Event | str
     words: str
-
-
-def run_in_words(mission_net: MissionNet, graph: StateGraph, run: Sequence[int]) -> list[Step]:
-    """Tells a run of a graph.
-
-    Args:
-        mission_net: The mission's net.
-        graph: Its alternatives graph, or its markings graph (then only the events are told).
-        run: Indices of edges, from the initial state on.
-
-    Returns:
-        A step for each event.
-    """
-    return replay(mission_net, [graph.net.transitions[int(graph.labels[e])].name for e in run])
-
-
-def replay(mission_net: MissionNet, firings: Sequence[str]) -> list[Step]:
-    """Tells a sequence of firings; internal evolution left out of it is completed along one interleaving.
-
-    Args:
-        mission_net: The mission's net.
-        firings: Names of transitions from the initial marking on, events with or without the internal ones
-            between them.
-
-    Returns:
-        A step for each event, with the changes up to the next one.
-    """
-    net = mission_net.net
-    marking = net.initial
-    steps: list[Step] = []
-    pending: tuple[Event, Situation] | None = None
-    mission = mission_net.mission.name
-    for name in firings:
-        transition = net.transitions[net.transition_index[name]]
-        if transition.event is not None:
-            marking = stabilise(net, marking)
-            if pending:
-                steps.append(step_in_words(mission, *pending, situation(mission_net, marking)))
-            pending = transition.event, situation(mission_net, marking)
-        marking = net.fire(marking, net.transition_index[name])
-    if pending:
-        steps.append(step_in_words(mission, *pending, situation(mission_net, stabilise(net, marking))))
-    return steps
-
-
-def stabilise(net: PetriNet, marking: Sequence[int]) -> tuple[int, ...]:
-    """Fires internal transitions, the first enabled each time, until none is.
-
-    The caller knows that internal evolution ends; a marking that comes back stops it all the same.
-    """
-    at = tuple(marking)
-    seen: set[tuple[int, ...]] = set()
-    while at not in seen:
-        seen.add(at)
-        enabled = net.enabled(at)
-        if not enabled or not net.transitions[enabled[0]].internal:
-            return at
-        at = net.fire(at, enabled[0])
-    return at
 
 
 def step_in_words(mission: str, event: Event, before: Situation, after: Situation) -> Step:

@@ -24,6 +24,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
+from mcpn.notebook import Drawn
 from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
@@ -106,7 +107,7 @@ class PlacedMachine:
 
 
 @dataclass(frozen=True)
-class Controller:
+class Controller(Drawn):
     """A mission controller, flat or hierarchical.
 
     Args:
@@ -126,6 +127,9 @@ class Controller:
     sections: tuple[PlacedMachine, ...]
     types: tuple[SectionMachine, ...]
     minimised: bool = False
+
+    def __repr__(self) -> str:
+        return f"<{self.form} controller of the mission {self.mission}: {self.size}>"
 
     @property
     def states(self) -> int:

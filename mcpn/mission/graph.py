@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.model import FAIL, SUCCEED, Parameter
+from mcpn.notebook import Drawn
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -119,7 +120,7 @@ Section: TypeAlias = ElementarySection | ParallelSection
 
 
 @dataclass(frozen=True)
-class ObjectivesGraph:
+class ObjectivesGraph(Drawn):
     """The objectives graph of a mission, or of a branch of a parallel block.
 
     Args:
@@ -131,6 +132,9 @@ class ObjectivesGraph:
     sections: tuple[Section, ...]
     entry: str
     unreached: tuple[Section, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<objectives graph of {len(self.sections)} sections, from {self.entry}>"
 
     @cached_property
     def _by_name(self) -> dict[str, Section]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from mcpn.errors import Source
+from mcpn.notebook import Drawn
 
 SUCCEED = "succeed"
 """The route to the success exit of the enclosing block."""
@@ -278,7 +279,7 @@ class Protocol(Element):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Mission(Element):
+class Mission(Drawn, Element):
     """A whole mission, imports merged.
 
     Args:

@@ -15,10 +15,11 @@ from mcpn.mission.usage import Usage
 from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
+from mcpn.notebook import Drawn
 
 
 @dataclass(frozen=True)
-class MissionNet:
+class MissionNet(Drawn):
     """The net of a mission, with what its places mean.
 
     Args:
@@ -34,6 +35,10 @@ class MissionNet:
     usage: Usage
     net: PetriNet
     roles: Mapping[int, Role]
+
+    def __repr__(self) -> str:
+        sizes = f"{len(self.net.places)} places, {len(self.net.transitions)} transitions"
+        return f"<net of the mission {self.mission.name}: {sizes}>"
 
     @cached_property
     def by_role(self) -> Mapping[Role, tuple[int, ...]]:

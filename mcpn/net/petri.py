@@ -23,6 +23,7 @@ from typing import TypeAlias
 
 from mcpn.errors import InputError, Source
 from mcpn.net.events import Event
+from mcpn.notebook import Drawn
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
@@ -113,7 +114,7 @@ class SafeTransition:
 
 
 @dataclass(frozen=True)
-class PetriNet:
+class PetriNet(Drawn):
     """A place/transition net.
 
     Args:

@@ -18,11 +18,14 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lxml import etree
 
+from mcpn._kernel import Zdd
 from mcpn.check.causes.availability import Availability, LostObjectives
 from mcpn.check.causes.cutsets import CutSet
-from mcpn.check.causes.families import MAX_ELEMENTS, NEVER, Family
 from mcpn.mission.model import Hardware
 from mcpn.mission.usage import Usage
+
+MAX_OBJECTIVES = 500
+"""Objectives of a mission whose tree follows its text; that of a longer one is flat."""
 
 
 def open_psa(usage: Usage, mission: Sequence[CutSet], objectives: Mapping[str, Sequence[CutSet]]) -> bytes:
@@ -38,7 +41,7 @@ def open_psa(usage: Usage, mission: Sequence[CutSet], objectives: Mapping[str, S
         resource.
     """
     text = Availability(usage)
-    if len(objectives) <= MAX_ELEMENTS and _says(text, mission, objectives):
+    if len(objectives) <= MAX_OBJECTIVES and _says(text, mission, objectives):
         return _Structured(usage, text).document()
     return _Flat(usage, mission, objectives).document()
 
@@ -46,12 +49,12 @@ def open_psa(usage: Usage, mission: Sequence[CutSet], objectives: Mapping[str, S
 def _says(text: Availability, mission: Sequence[CutSet], objectives: Mapping[str, Sequence[CutSet]]) -> bool:
     """Whether the text of the mission has just these cut sets."""
 
-    def same(family: Family, cut_sets: Sequence[CutSet]) -> bool:
-        members = text.families.members(family)
+    def same(function: Zdd, cut_sets: Sequence[CutSet]) -> bool:
+        members = text.minimal(function)
         return {frozenset(text.hardware[h] for h in m) for m in members} == set(map(frozenset, cut_sets))
 
     return same(text.mission, mission) and all(
-        same(family, objectives[name]) for name, family in text.objectives.items()
+        same(function, objectives[name]) for name, function in text.objectives.items()
     )
 
 
@@ -98,7 +101,7 @@ class _Structured(_Tree):
     def draw(self) -> None:
         over = LostObjectives(self.usage)
         gates = [f"objective-{_identifier(name)}" for name in over.names]
-        products = ([("gate", gates[o]) for o in m] for m in over.families.members(over.mission))
+        products = ([("gate", gates[o]) for o in m] for m in over.minimal(over.mission))
         _sum(self.gate("mission-lost", f"mission {self.usage.mission.name} cannot succeed"), products)
         for section in self.usage.graph.walk():
             gate = self.gate(f"objective-{_identifier(section.name)}", f"{section.name} cannot succeed")
@@ -110,7 +113,7 @@ class _Structured(_Tree):
     def alternatives(self, gate: etree._Element, activity: str) -> None:
         """All alternatives are lost, each by one of its resources."""
         ways = self.usage.activities[activity].alternatives
-        if self.text.activity(activity) == NEVER or not ways:
+        if not self.text.activity(activity) or not ways:
             etree.SubElement(gate, "constant", value="false")
             return
         # Alternatives that the same resources defeat are one factor: a formula names each argument once.
@@ -122,7 +125,7 @@ class _Structured(_Tree):
             _sum(holder, ([reference] for reference in factor))
 
     def may_fail(self, resource: str) -> bool:
-        return self.text.resource(resource) != NEVER
+        return bool(self.text.resource(resource))
 
     def resource(self, name: str) -> tuple[str, str]:
         if name in self.usage.hardware:

@@ -11,7 +11,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +34,10 @@ if TYPE_CHECKING:
     from mcpn.check.causes.risk import Risk
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.report.local import LocalPicture
+
+
+MOST_ROWS = 2000
+"""Rows of one table of a page."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +77,13 @@ class Table:
         name: Its caption.
         heads: Of its columns.
         rows: Texts.
+        more: Rows that the page has no room for.
     """
 
     name: str
     heads: Sequence[str]
     rows: Sequence[Sequence[str]]
+    more: int = 0
 
 
 def page(findings: Findings) -> str:
@@ -236,7 +242,12 @@ def _tables(findings: Findings) -> list[Table]:
         rows = [[row[column] for column in COLUMNS] for row in fmeca_rows(findings.fmeca)]
         heads = [column.replace("_", " ") for column in COLUMNS]
         tables.append(Table("FMECA: what each failure does", heads, rows))
-    return [*tables, _sizes(findings)]
+    return [_cut(table) for table in (*tables, _sizes(findings))]
+
+
+def _cut(table: Table) -> Table:
+    """A table as far as a page has room for it."""
+    return replace(table, rows=table.rows[:MOST_ROWS], more=max(0, len(table.rows) - MOST_ROWS))
 
 
 def _cause_tables(causes: Causes) -> list[Table]:

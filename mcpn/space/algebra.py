@@ -221,6 +221,8 @@ def partition(
     Yields:
         For each combination that occurs, the places marked and the states that mark just these.
     """
-    for numbers in space.image(states, places, images):
+    family = list(space.image(states, places, images))
+    for numbers in family:
         marked = frozenset(places[number] for number in numbers)
-        yield marked, space.restricted(states, marked, [p for p in places if p not in marked])
+        unmarked = [p for p in places if p not in marked]
+        yield marked, states if len(family) == 1 else space.restricted(states, marked, unmarked)

@@ -42,7 +42,7 @@ class Torn(NamedTuple):
     error: SemanticsError
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class AlternativesGraph(StateGraph):
     """Stable markings and the event transitions between them, in breadth-first order.
 

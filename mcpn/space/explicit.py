@@ -17,6 +17,7 @@ import numpy as np
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
+from mcpn.space.firing import unsafe_at_start
 from mcpn.space.graph import Ints, StateGraph, Words
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -38,9 +39,8 @@ class KernelNet:
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
-        for place in net.places:
-            if place.initial > 1:
-                raise UnsafeError(place.name, "", net.marked(net.initial), [])
+        if error := unsafe_at_start(net):
+            raise error
         self.initial = [p for p, tokens in enumerate(net.initial) if tokens]
         self.transitions = [i for i, t in enumerate(net.safe_transitions) if not t.blocked]
 

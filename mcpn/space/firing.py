@@ -12,6 +12,14 @@ from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 
 
+def unsafe_at_start(net: PetriNet) -> UnsafeError | None:
+    """The error of an initial marking that holds several tokens in a place."""
+    for place in net.places:
+        if place.initial > 1:
+            return UnsafeError(place.name, "", net.marked(net.initial), [])
+    return None
+
+
 class MaskedNet:
     """A net prepared for firing on integers.
 
@@ -43,10 +51,8 @@ class MaskedNet:
         Raises:
             UnsafeError: It holds two tokens in a place.
         """
-        for place in self.net.places:
-            if place.initial > 1:
-                marked = self.net.marked(self.net.initial)
-                raise UnsafeError(place.name, "", marked, [])
+        if error := unsafe_at_start(self.net):
+            raise error
         return _bits(i for i, place in enumerate(self.net.places) if place.initial)
 
     def covered(self, marking: int) -> int:

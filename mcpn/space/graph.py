@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mcpn.net.petri import PetriNet
+from mcpn.notebook import Drawn
 
 Words = npt.NDArray[np.uint64]
 Ints = npt.NDArray[np.int64]
@@ -21,7 +22,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
-class StateGraph:
+class StateGraph(Drawn):
     """Reachable 1-safe markings and the firings between them; state 0 is the initial one.
 
     Args:
@@ -37,6 +38,10 @@ class StateGraph:
     offsets: Ints
     targets: Ints
     labels: Ints
+
+    def __repr__(self) -> str:
+        sizes = f"{len(self.markings):,} states, {len(self.labels):,} edges"
+        return f"<{type(self).__name__} of {self.net.name}: {sizes}>"
 
     @property
     def states(self) -> int:

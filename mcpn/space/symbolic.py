@@ -19,6 +19,7 @@ from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.encoding import Encoding, distinct
 from mcpn.space.explicit import KernelNet
+from mcpn.space.firing import unsafe_at_start
 from mcpn.space.order import Order, candidates
 from mcpn.space.race import FIRST_BUDGET, Race, cores
 
@@ -133,9 +134,8 @@ def reach(
         UnsafeError: The net is not 1-safe; the run to the unsafe firing is a shortest one.
         LimitError: The memory limit was hit.
     """
-    for place in net.places:
-        if place.initial > 1:
-            raise UnsafeError(place.name, "", net.marked(net.initial), [])
+    if error := unsafe_at_start(net):
+        raise error
     try:
         if order:
             space = _close(Encoding(net, order, memory_limit), "given", order)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from hypothesis import given, settings
+from hypothesis import given
 
+from mcpn._kernel import Zdd
 from mcpn.check.causes.availability import Availability
 from mcpn.check.causes.cutsets import CutSet, Moment
-from mcpn.check.causes.families import Families, Family
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
@@ -27,6 +27,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.space.alternatives import direct
 from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal
+from tests.draws import fewer
 from tests.shares import returns_early
 
 
@@ -34,7 +35,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
     agree(ulysse_net)
 
 
-@settings(max_examples=150)
+@fewer(0.75)
 @given(fragile_missions(max_hardware=4))
 def test_where_nothing_contends_the_text_says_what_the_graph_says(mission: Mission) -> None:
     agree(compose(mission))
@@ -48,10 +49,10 @@ def agree(found: MissionNet) -> None:
         returns_early(type(error).__name__)
         return
     hardware = asked.prospects.hardware
-    text = Availability(found.usage, Families(len(hardware)))
+    text = Availability(found.usage)
 
-    def listed(family: Family) -> list[CutSet]:
-        names = [tuple(sorted(hardware[h] for h in m)) for m in text.families.members(family)]
+    def listed(function: Zdd) -> list[CutSet]:
+        names = [tuple(sorted(hardware[h] for h in m)) for m in text.minimal(function)]
         return sorted(names, key=lambda members: (len(members), members))
 
     if not text.exact:
@@ -80,7 +81,7 @@ def test_a_block_is_not_left_while_a_branch_never_ends() -> None:
         found = compose(Mission(name="m", robots=(robot,), blocks=(block,)))
         agree(found)
         text = Availability(found.usage)
-        return text.families.members(text.mission)
+        return text.minimal(text.mission)
 
     assert lost_with("succeed") == []  # whether wanted succeeds or fails
     assert lost_with("again") == [()]
@@ -113,9 +114,9 @@ def test_a_chain_of_ten_resources_and_thirty_sensors() -> None:
     mission = redundant(10, 3)
     text = Availability(Usage(mission, flatten(mission)))
     # Closed form: each resource of the chain is lost with its three sensors, and with nothing less.
-    assert text.families.members(text.mission) == [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(10)]
-    paths = text.families.dual(text.mission)
-    assert text.families.count(paths) == 3**10
+    assert text.minimal(text.mission) == [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(10)]
+    # A set is survived where each resource of the chain keeps a sensor: one of 7 non-empty sets of three.
+    assert text.always.count() - text.mission.count() == 7**10
 
 
 def test_the_chain_is_confirmed_by_brute_force_where_that_ends() -> None:
@@ -129,5 +130,5 @@ def test_the_chain_is_confirmed_by_brute_force_where_that_ends() -> None:
             if not play.mission_survives(start, frozenset(dead)):
                 lost.append(frozenset(dead))
     text = Availability(found.usage)
-    names = [tuple(text.hardware[h] for h in members) for members in text.families.members(text.mission)]
+    names = [tuple(text.hardware[h] for h in members) for members in text.minimal(text.mission)]
     assert names == minimal(lost) == [("h0_0", "h0_1"), ("h1_0", "h1_1")]

@@ -36,6 +36,7 @@ from mcpn.space.symbolic import reach
 from mcpn.testing import missions
 from tests.check.components import ByComponents
 from tests.check.formulas import edges_of, formulas, satisfying
+from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
 
 
@@ -98,6 +99,7 @@ class InRegions(ArraySpace):
         self.regions = [part for part in parts if part]
 
 
+@fewer(0.6)
 @given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
 def test_fairness_on_every_space_agrees_with_components(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
@@ -127,6 +129,7 @@ def check_witness(mission_net: MissionNet, evaluation: Evaluation[Any], core: Co
         assert markings[witness.cycle] == markings[-1]
 
 
+@fewer(0.4)
 @given(missions(), st.data())
 def test_spaces_agree_on_both_graphs_of_missions(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
@@ -33,6 +33,7 @@ from mcpn.space.symbolic import reach
 from mcpn.testing import missions
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions, minimal
+from tests.draws import fewer
 from tests.shares import returns_early
 
 NAVIGATION: list[CutSet] = [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")]
@@ -201,7 +202,7 @@ def small(mission: Mission, max_states: int) -> MissionNet | None:
     return found
 
 
-@settings(max_examples=50)
+@fewer(0.25)
 @given(
     missions(max_objectives=2, max_sections=5, max_hardware=3, max_producers=2)
     | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3),
@@ -213,7 +214,7 @@ def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> 
         confirm(Asked(found, engine))
 
 
-@settings(max_examples=25)
+@fewer(0.15)
 @given(missions(max_hardware=3, max_sections=5) | fragile_missions(max_hardware=3))
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
     found = small(mission, 500)
@@ -243,7 +244,7 @@ def test_engines_agree_on_all_causes(mission: Mission) -> None:
         assert other == first
 
 
-@settings(max_examples=100)
+@fewer(0.5)
 @given(fragile_missions(max_hardware=4, max_alternatives=2), st.sampled_from(ENGINES))
 def test_a_cut_set_makes_success_unreachable_and_no_proper_subset_does(
     mission: Mission, engine: Engine

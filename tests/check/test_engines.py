@@ -10,6 +10,7 @@ from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.run import Run
 from mcpn.testing import missions
+from tests.draws import fewer
 from tests.shares import returns_early
 
 
@@ -75,6 +76,7 @@ def settled(mission_net: MissionNet, marking: tuple[int, ...]) -> tuple[int, ...
     return marking
 
 
+@fewer(0.6)
 @given(missions())
 def test_three_engines_on_generated_missions(mission: Mission) -> None:
     try:
@@ -84,6 +86,7 @@ def test_three_engines_on_generated_missions(mission: Mission) -> None:
         return
 
 
+@fewer(0.4)
 @given(missions(max_events=2, max_sections=8))
 def test_engines_on_missions_with_events(mission: Mission) -> None:
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.fmeca import Row, Severity, fmeca
@@ -15,6 +15,7 @@ from mcpn.net.petri import Marking
 from mcpn.space.alternatives import direct
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions
+from tests.draws import fewer
 from tests.shares import returns_early
 
 
@@ -67,7 +68,7 @@ def test_the_thruster_ends_the_mission(ulysse_rows: dict[tuple[str, str], Row]) 
     )
 
 
-@settings(max_examples=60)
+@fewer(0.3)
 @given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5), st.sampled_from(ENGINES))
 def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) -> None:
     found = compose(mission)

@@ -10,7 +10,6 @@ from hypothesis import given
 from mcpn.check.logic.formulas import EU, Const
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import resolve
-from mcpn.check.runs import stabilise
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.modes import functioning_modes
@@ -35,6 +34,7 @@ from mcpn.report.words import in_words
 from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
+from tests.net.settling import stabilise
 from tests.shares import returns_early
 
 

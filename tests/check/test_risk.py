@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes import chain, section_chains
@@ -36,6 +36,7 @@ from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
 from tests.check.oracle import Play, fragile_missions
+from tests.draws import fewer
 from tests.shares import returns_early
 
 LAMBDA, MU, D = 0.25, 0.5, 1.6
@@ -363,7 +364,7 @@ def with_numbers(draw: st.DataObject, mission: Mission) -> Mission:
     return replace(mission, robots=robots, blocks=tuple(map(timed, mission.blocks)))
 
 
-@settings(max_examples=15)
+@fewer(0.1)
 @given(fragile_missions(max_hardware=3, max_objectives=3, max_sections=5), st.data())
 def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) -> None:
     found = compose(with_numbers(data, mission))
@@ -387,7 +388,7 @@ def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) 
         assert abs(statistics.fmean(modes) - computed.degraded_modes) <= width
 
 
-@settings(max_examples=20)
+@fewer(0.1)
 @given(
     st.one_of(
         fragile_missions(max_hardware=3, max_objectives=3, max_sections=5),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.cutsets import Moment
@@ -16,6 +16,7 @@ from mcpn.space.alternatives import direct
 from mcpn.space.run import Run
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions
+from tests.draws import fewer
 from tests.shares import returns_early
 
 
@@ -49,7 +50,7 @@ def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Eng
         assert failure in ("GPS_sensor_EV_OOS", "IMU_sensor_EV_OOS")
 
 
-@settings(max_examples=80)
+@fewer(0.4)
 @given(fragile_missions(max_hardware=3, max_objectives=2, max_sections=5), st.sampled_from(ENGINES))
 def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:
     found = compose(mission)

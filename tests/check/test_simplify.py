@@ -18,6 +18,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.explicit import explore
 from mcpn.space.search.equation import place_bounds
 from tests.check.formulas import edges_of, formulas, satisfying
+from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
 
 NETS = nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0])
@@ -30,6 +31,7 @@ def drawn(data: st.DataObject, net: PetriNet, **bounds: int) -> Formula:
     return formula
 
 
+@fewer(0.5)
 @given(NETS, st.data())
 def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
@@ -48,6 +50,7 @@ def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.Dat
         assert found == satisfying(formula, net, edges)
 
 
+@fewer(0.5)
 @given(PLAIN, st.data())
 def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])

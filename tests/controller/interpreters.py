@@ -20,6 +20,11 @@ Answers = list[tuple[list[str], set[str]]]
 
 def qt(path: Path, events: list[str]) -> Answers:
     """QScxmlStateMachine of PySide6."""
+    return [(labels, set(states)) for labels, states, _ in qt_rows(path, events)]
+
+
+def qt_rows(path: Path, events: list[str]) -> list[tuple[list[str], list[str], list[str]]]:
+    """The same, and for each label what its expression says."""
     if find_spec("PySide6") is None:
         pytest.skip("needs PySide6")
     program = Path(__file__).with_name("qt_program.py")
@@ -32,7 +37,7 @@ def qt(path: Path, events: list[str]) -> Answers:
         env={**os.environ, "QT_LOGGING_RULES": "*.debug=false;*.info=false"},
     )
     assert run.returncode == 0, run.stderr
-    return [(labels, set(states)) for labels, states in map(json.loads, run.stdout.splitlines())]
+    return [(labels, states, data) for labels, states, data in map(json.loads, run.stdout.splitlines())]
 
 
 def python_statemachine(path: Path, events: list[str]) -> Answers:
@@ -52,5 +57,6 @@ def python_statemachine(path: Path, events: list[str]) -> Answers:
         if event:
             names = set(machine.configuration_values)
             leaves = {n for n in names if "." in n or n in ("before", "success", "failure")}
-            found.append((printed.getvalue().splitlines(), leaves))
+            # What an expression says stands behind its label.
+            found.append(([line.split(": ")[0] for line in printed.getvalue().splitlines()], leaves))
     return found

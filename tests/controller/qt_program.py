@@ -1,4 +1,4 @@
-"""Qt's QScxmlStateMachine as a program: events in, one a line; labels logged and configuration out, as JSON.
+"""Qt's QScxmlStateMachine as a program: events in, one a line; out what is logged, and the active states.
 
 It has a process of its own because two calls of PySide6 6.12 take a reference of ``None`` that they do not
 own (seen with CPython 3.11): each is given back here, and the process ends without the interpreter's own end.
@@ -23,7 +23,7 @@ def _give_back() -> None:
 def main(path: str) -> None:
     """Runs the machine of a file until the input ends; an empty line begins again."""
     application = QCoreApplication([])
-    labels: list[str] = []
+    logged: list[tuple[str, str]] = []
     stable: list[bool] = []
     machines: list[Any] = []
 
@@ -39,7 +39,7 @@ def main(path: str) -> None:
     def restart() -> None:
         machine: Any = QScxmlStateMachine.fromFile(path)
         assert not machine.parseErrors(), machine.parseErrors()
-        machine.log.connect(lambda label, _: labels.append(label))
+        machine.log.connect(lambda label, data: logged.append((label, data)))
         machine.reachedStableState.connect(lambda: stable.append(True))
         machine.init()
         machine.start()
@@ -53,11 +53,12 @@ def main(path: str) -> None:
             machines[-1].stop()
             restart()
             continue
-        labels.clear()
+        logged.clear()
         machines[-1].submitEvent(event)
         _give_back()
         settle()
-        sys.stdout.write(json.dumps([labels, sorted(machines[-1].activeStateNames(True))]) + "\n")
+        labels, told = [label for label, _ in logged], [data for _, data in logged]
+        sys.stdout.write(json.dumps([labels, sorted(machines[-1].activeStateNames(True)), told]) + "\n")
     sys.stdout.flush()
     os._exit(0)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import event, given, settings
+from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.controller.actions import VERBS
@@ -20,6 +20,7 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.oracle import NetRobot
+from tests.draws import fewer
 
 
 def plain(actions: tuple[Action, ...]) -> list[tuple[str, ...]]:
@@ -99,6 +100,7 @@ def either(mission_net: MissionNet) -> list[Controller]:
     return found
 
 
+@fewer(0.5)
 @given(missions(max_objectives=3, max_depth=2), st.integers(0, 2**32))
 def test_any_mission(mission: Mission, seed: int) -> None:
     mission_net = compose(mission)
@@ -137,7 +139,7 @@ def test_whether_a_producer_goes_on_is_the_same_in_every_controller(together: tu
         walk(mission_net, controllers, random.Random(seed), 30)
 
 
-@settings(max_examples=100)
+@fewer(0.5)
 @given(stacked_missions(), st.integers(0, 2**32))
 def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:
     mission_net = compose(mission)
@@ -158,6 +160,7 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
         walk(mission_net, controllers, random.Random(seed), 60)
 
 
+@fewer(0.5)
 @given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
     """An interruption is an event like any other; of a section's machine it is an exit."""

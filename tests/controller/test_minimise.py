@@ -21,6 +21,7 @@ from mcpn.net.events import Event
 from mcpn.testing import missions
 from tests.controller.test_lockstep import walk
 from tests.controller.traces import Traced, random_events
+from tests.draws import fewer
 
 
 @st.composite
@@ -109,6 +110,7 @@ def test_the_gain_on_ulysse(ulysse_net: MissionNet) -> None:
     assert sizes["hierarchical"][1] < sizes["hierarchical"][0] == 200
 
 
+@fewer(0.5)
 @given(missions(max_objectives=3, max_depth=2), st.integers(0, 2**32), st.booleans())
 def test_a_small_controller_does_the_same(mission: Mission, seed: int, flat: bool) -> None:
     mission_net = compose(mission)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import re
 from pathlib import Path
@@ -20,8 +21,9 @@ from mcpn.controller.targets.scxml import NAMESPACE, event_name
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
-from tests.controller.interpreters import Answers, python_statemachine, qt
+from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows
 from tests.controller.traces import Traced, random_events, tour
 
 INTERPRETERS = {"Qt": qt, "python-statemachine": python_statemachine}
@@ -113,7 +115,7 @@ def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: Mi
         "state": {"id", "initial"},
         "transition": {"event", "cond", "target"},
         "final": {"id"},
-        "log": {"label"},
+        "log": {"label", "expr"},
     }
     assert (root.get("version"), root.get("datamodel")) == ("1.0", "ecmascript")
     assert re.fullmatch(r"[\w.:-]+", root.get("name") or "", re.A)  # NMTOKEN
@@ -137,6 +139,26 @@ def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: Mi
             # No descriptor of an event may match another one: none has a dot, a blank or a star.
             assert not set(element.get("event") or "") & set(". *")
             assert element.get("event") or element.get("target")
+
+
+@pytest.mark.parametrize("form", ["flat", "hierarchical"])
+def test_parameters_travel_with_the_selection(form: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
+    controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
+    ((file, text),) = files(controller, ulysse_net, "scxml").items()
+    (tmp_path / file).write_text(text)
+    runtime = Runtime.from_document(document(controller, ulysse_net))
+    events = ["MISSION_EV_START", "OBJ_coral_head.manual_moving_EV_FAIL", "OBJ_transect.diving_EV_OK"]
+    carried = 0
+    for event, (labels, _, said) in zip(
+        events, qt_rows(tmp_path / file, [event_name(event) for event in events]), strict=True
+    ):
+        actions = runtime.handle(event)
+        assert labels == [str(action) for action in actions]
+        for action, told in zip(actions, said, strict=True):
+            wanted = {p.name: {"value": p.value, "unit": p.unit} for p in action.parameters}
+            assert (json.loads(told) if told else {}) == wanted
+            carried += bool(wanted)
+    assert carried
 
 
 def test_events_whose_names_begin_alike_are_told_apart() -> None:

@@ -30,6 +30,7 @@ from mcpn.mission.warnings import find_warnings
 from mcpn.mission.writer import save_mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions
+from tests.draws import fewer
 
 HEAD = '<mission name="m" xmlns="urn:mcpn:mission:1">'
 ROBOT = (
@@ -58,6 +59,7 @@ def test_generated_missions_are_valid(generated: Mission) -> None:
     assert find_errors(generated) == []
 
 
+@fewer(0.5)
 @given(missions(max_hardware=4, max_sections=5, disjoint_branches=True))
 def test_disjoint_branches_do_not_contend(generated: Mission) -> None:
     graph = flatten(generated)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
-from mcpn.check.runs import stabilise
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import LimitError
 from mcpn.mission.model import DeclaredEvent, Handler, Mission
@@ -21,6 +20,7 @@ from mcpn.net.petri import Marking
 from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
 from tests.net.interpreter import Series
+from tests.net.settling import stabilise
 
 HARDWARE = ("GPS_sensor", "IMU_sensor", "thruster_actuator")
 

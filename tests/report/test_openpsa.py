@@ -10,7 +10,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from lxml import etree
 
 from mcpn.check.causes.availability import Availability
@@ -24,6 +24,7 @@ from mcpn.space.alternatives import direct
 from mcpn.testing import missions
 from tests.check.asked import Asked
 from tests.check.oracle import fragile_missions, minimal
+from tests.draws import fewer
 from tests.shares import returns_early
 
 # The fault tree layer of the Open-PSA grammar, as far as coherent trees with the laws of rates need it.
@@ -121,7 +122,7 @@ def test_ulysse_follows_the_mission(ulysse_net: MissionNet) -> None:
     assert top.get("name") == "objective-transect-going_up"
 
 
-@settings(max_examples=60)
+@fewer(0.3)
 @given(missions(max_objectives=2, max_sections=5, numbers=True) | fragile_missions(max_hardware=3))
 def test_cut_sets_read_back_are_ours(mission: Mission) -> None:
     found = compose(mission)
@@ -131,7 +132,7 @@ def test_cut_sets_read_back_are_ours(mission: Mission) -> None:
         returns_early(type(error).__name__)
 
 
-@settings(max_examples=60)
+@fewer(0.3)
 @given(missions(max_sections=8, max_hardware=5))
 def test_the_flat_tree_says_what_it_is_given(mission: Mission) -> None:
     found = compose(mission)

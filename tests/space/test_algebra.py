@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, SemanticsError
@@ -25,6 +25,7 @@ from mcpn.space.images import ImageStore
 from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.symbolic import reach
 from mcpn.testing import missions
+from tests.draws import fewer
 
 Graph = dict[Marking, list[tuple[int, Marking]]]
 Spaces = dict[str, Space[Any]]
@@ -266,7 +267,7 @@ def s_all(space: Space[Any]) -> list[int]:
     return list(range(len(space.net.transitions)))
 
 
-@settings(max_examples=80)
+@fewer(0.4)
 @given(missions(max_hardware=2, max_producers=1, max_sections=4), st.data())
 def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     net = compose(mission).net
@@ -275,7 +276,7 @@ def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.D
     Questions(data.draw, start, graph, markings_spaces(net)).ask()
 
 
-@settings(max_examples=80)
+@fewer(0.4)
 @given(missions(max_hardware=3, max_producers=2), st.data())
 def test_spaces_of_alternatives_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
@@ -296,7 +297,7 @@ def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> N
         assert sum(space.firings(space.everything).values()) == (124078 if kind == "markings" else 1332)
 
 
-@settings(max_examples=80)
+@fewer(0.4)
 @given(missions(max_hardware=2, max_producers=2, max_sections=4), st.data())
 def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
     mission_net = compose(mission)
@@ -314,7 +315,7 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
     Questions(data.draw, start, graph, spaces).ask()
 
 
-@settings(max_examples=80)
+@fewer(0.4)
 @given(missions(max_hardware=3, max_producers=2))
 def test_the_composite_refuses_what_is_not_confluent(mission: Mission) -> None:
     mission_net = compose(mission)

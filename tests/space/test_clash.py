@@ -17,6 +17,7 @@ from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.clash import Clash, Rival, explained, find_clash
 from mcpn.space.explicit import explore
 from mcpn.testing import missions
+from tests.draws import fewer
 
 CONTENDED = missions(max_objectives=2, max_sections=4, max_hardware=2)
 
@@ -118,6 +119,7 @@ def test_a_clash_is_of_the_mission(mission: Mission) -> None:
         assert any((wanted, names) in known for wanted in clash.wanted) or clash.kind == "activity"
 
 
+@fewer(0.4)
 @given(CONTENDED)
 def test_every_engine_says_the_same(mission: Mission) -> None:
     found = compose(mission)

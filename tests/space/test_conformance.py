@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.mission.model import Mission
@@ -15,6 +15,7 @@ from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet
 from mcpn.space.summary import ENGINES, MOST_PLACES_FOR_PYEDA, SpaceSummary, summarise
 from mcpn.testing import missions
+from tests.draws import fewer
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
 from tests.space.test_explicit import ring, switches
@@ -29,7 +30,7 @@ def sizes(summary: SpaceSummary) -> SpaceSummary:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@settings(max_examples=50)
+@fewer(0.25)
 @given(net=nets(max_weight=2))
 def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> None:
     markings, edges, safe = reachable(net)
@@ -48,7 +49,7 @@ def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> No
         assert found.stable_states is None
 
 
-@settings(max_examples=50)
+@fewer(0.25)
 @given(missions())
 def test_missions_have_the_same_sizes_by_both_large_engines(mission: Mission) -> None:
     net = compose(mission).net

@@ -39,6 +39,7 @@ from mcpn.space.local.section_type import PremiseError, SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
+from tests.draws import fewer
 from tests.shares import returns_early
 
 
@@ -115,6 +116,7 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
 # --- junctions ---------------------------------------------------------------------------------------------
 
 
+@fewer(0.5)
 @given(missions())
 def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> None:
     """The argument of papers/composition.md against a proof on the net of both sections."""

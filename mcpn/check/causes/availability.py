@@ -12,151 +12,138 @@ had runs, whatever else does. The state spaces are the truth, and the tests hold
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property, reduce
+from operator import and_, or_
 
-from mcpn.check.causes.families import ALWAYS, NEVER, Families, Family
+from mcpn._kernel import Zdd
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.mission.usage import Usage
-
-Exits = Mapping[str, Family]
-"""What is lost at each of the two exits of an objectives graph."""
-
-SUCCESS_WANTED: Exits = {SUCCEED: NEVER, FAIL: ALWAYS}
-FAILURE_WANTED: Exits = {SUCCEED: ALWAYS, FAIL: NEVER}
-ANY_WANTED: Exits = {SUCCEED: NEVER, FAIL: NEVER}
-
-
-def entered(graph: ObjectivesGraph, lost: Callable[[Section], tuple[Family, Family]]) -> list[Section]:
-    """The sections of a graph that some run enters, each after one that leads to it.
-
-    Args:
-        graph: The sections.
-        lost: When a section cannot be left by its success, and by its failure.
-    """
-    names, known = [graph.entry], {section.name for section in graph.sections}
-    for name in names:  # grows while it is walked
-        section = graph.section(name)
-        for loss, after in zip(lost(section), (section.success, section.failure), strict=True):
-            if loss != ALWAYS and after in known and after not in names:
-                names.append(after)
-    return [graph.section(name) for name in names]
+from mcpn.space.images import ImageStore
 
 
 class Availability:
-    """Loss functions from the mission's text; elements are the faulty hardware in the mission's order.
+    """Loss functions from the mission's text: families of sets of hardware, with all that contain them.
 
     Args:
         usage: The mission's static facts.
-        families: Where to make the functions; a store of its own by default.
     """
 
-    def __init__(self, usage: Usage, families: Families | None = None) -> None:
+    def __init__(self, usage: Usage) -> None:
         self.usage = usage
         self.hardware = tuple(h.name for h in usage.mission.hardware if h.faulty)
-        self.families = families or Families(len(self.hardware))
-        self._resources: dict[str, Family] = {h.name: NEVER for h in usage.mission.hardware}
-        self._resources |= {h: self.families.single(number) for number, h in enumerate(self.hardware)}
-        self._activities: dict[str, Family] = {}
+        self.over(len(self.hardware))
+        self._resources: dict[str, Zdd] = {h.name: self.never for h in usage.mission.hardware}
+        self._resources |= {h: self.single(number) for number, h in enumerate(self.hardware)}
+        self._activities: dict[str, Zdd] = {}
         for name in usage.suppliers_first():
             self._activities[name] = self._activity(name)
             for product in usage.activities[name].produces:
                 self._resources[product] = self._activities[name]
+
+    def over(self, elements: int) -> None:
+        """Makes functions of so many elements from now on."""
+        self.images = ImageStore(elements)
+        self.never, self.always = self.images.nothing, self.images.everything
+
+    def single(self, element: int) -> Zdd:
+        """Lost where one element is."""
+        return self.images.upward(self.images.store.singleton([element]))
 
     @property
     def exact(self) -> bool:
         """Whether nothing contends, so that these functions are those of the state space."""
         return not self.usage.contentions
 
-    def either(self, functions: Iterable[Family]) -> Family:
+    def either(self, functions: Iterable[Zdd]) -> Zdd:
         """Lost where one is."""
-        return reduce(self.families.either, functions, NEVER)
+        return reduce(or_, functions, self.never)
 
-    def both(self, functions: Iterable[Family]) -> Family:
+    def both(self, functions: Iterable[Zdd]) -> Zdd:
         """Lost where all are."""
-        return reduce(self.families.both, functions, ALWAYS)
+        return reduce(and_, functions, self.always)
 
-    def _activity(self, name: str) -> Family:
+    def _activity(self, name: str) -> Zdd:
         return self.both(
             self.either(self._resources[k] for k in alternative.consumes)
             for alternative in self.usage.activities[name].alternatives
         )
 
-    def activity(self, name: str) -> Family:
+    def minimal(self, function: Zdd) -> list[tuple[int, ...]]:
+        """The minimal sets of elements where a function is true, smaller ones first."""
+        return sorted(self.images.minimal(function), key=lambda members: (len(members), members))
+
+    def activity(self, name: str) -> Zdd:
         """When no alternative of an activity is possible."""
         return self._activities[name]
 
-    def resource(self, name: str) -> Family:
+    def resource(self, name: str) -> Zdd:
         """When a resource, hardware or software, cannot be had."""
         return self._resources[name]
 
-    def objective(self, section: ElementarySection) -> Family:
+    def objective(self, section: ElementarySection) -> Zdd:
         """When an objective cannot succeed: one of its activities is not possible."""
         return self.either(self._activities[a] for a in section.activities)
 
     @cached_property
-    def objectives(self) -> Mapping[str, Family]:
+    def objectives(self) -> Mapping[str, Zdd]:
         """When each elementary objective cannot succeed, by its name."""
         return {section.name: self.objective(section) for section in self.usage.graph.walk()}
 
     # --- sections --------------------------------------------------------------------------------------
 
-    def sections(self, graph: ObjectivesGraph, exits: Exits) -> Mapping[str, Family]:
+    def sections(self, graph: ObjectivesGraph, *wanted: str) -> Mapping[str, Zdd]:
         """When no run from the entry of each section of a graph leads to an exit that is wanted.
 
         Args:
             graph: The mission's objectives graph, or that of a branch.
-            exits: What is lost at the graph's own exits.
+            wanted: Those of the graph's own exits that are wanted.
 
         Returns:
             By section: the greatest solution of *lost here = (success is impossible, or lost behind it) and
             (failure is impossible, or lost behind it)*.
         """
-        families = self.families
         ways = {s.name: (self.succeeding(s), self.failing(s)) for s in graph.sections}
-        lost = dict.fromkeys(ways, ALWAYS) | dict(exits)
+        lost = dict.fromkeys((*ways, SUCCEED, FAIL), self.always) | dict.fromkeys(wanted, self.never)
         changed = True
         while changed:
             changed = False
             for section in reversed(graph.sections):
                 well, badly = ways[section.name]
-                now = families.both(
-                    families.either(well, lost[section.success]),
-                    families.either(badly, lost[section.failure]),
-                )
+                now = (well | lost[section.success]) & (badly | lost[section.failure])
                 changed |= now != lost[section.name]
                 lost[section.name] = now
         return {name: lost[name] for name in ways}
 
-    def succeeding(self, section: Section) -> Family:
+    def succeeding(self, section: Section) -> Zdd:
         """When a section cannot be left by its success."""
         if isinstance(section, ElementarySection):
             return self.objective(section)
         return self.either(
-            self.branch(b, SUCCESS_WANTED if b.mandatory else ANY_WANTED) for b in section.branches
+            self.branch(b, SUCCEED) if b.mandatory else self.branch(b, SUCCEED, FAIL)
+            for b in section.branches
         )
 
-    def failing(self, section: Section) -> Family:
+    def failing(self, section: Section) -> Zdd:
         """When a section cannot be left by its failure; an elementary objective always can."""
-        return NEVER if isinstance(section, ElementarySection) else self._block_failing(section)
+        return self.never if isinstance(section, ElementarySection) else self._block_failing(section)
 
-    def _block_failing(self, block: ParallelSection) -> Family:
-        ended = self.either(self.branch(b, ANY_WANTED) for b in block.branches)
-        failed = self.both(self.branch(b, FAILURE_WANTED) for b in block.branches if b.mandatory)
-        return self.families.either(ended, failed)
+    def _block_failing(self, block: ParallelSection) -> Zdd:
+        ended = self.either(self.branch(b, SUCCEED, FAIL) for b in block.branches)
+        return ended | self.both(self.branch(b, FAIL) for b in block.branches if b.mandatory)
 
-    def branch(self, branch: Branch, exits: Exits) -> Family:
+    def branch(self, branch: Branch, *wanted: str) -> Zdd:
         """When a branch of a parallel block cannot be left by a wanted exit."""
-        return self.sections(branch.graph, exits)[branch.graph.entry]
+        return self.sections(branch.graph, *wanted)[branch.graph.entry]
 
     @cached_property
-    def mission_from(self) -> Mapping[str, Family]:
+    def mission_from(self) -> Mapping[str, Zdd]:
         """When the mission cannot succeed any more from the entry of each section of the mission's graph."""
-        return self.sections(self.usage.graph, SUCCESS_WANTED)
+        return self.sections(self.usage.graph, SUCCEED)
 
     @property
-    def mission(self) -> Family:
+    def mission(self) -> Zdd:
         """When the mission cannot succeed from its start."""
         return self.mission_from[self.usage.graph.entry]
 
@@ -172,8 +159,8 @@ class LostObjectives(Availability):
         super().__init__(usage)
         self.names = tuple(section.name for section in usage.graph.walk())
         self._numbers = {name: number for number, name in enumerate(self.names)}
-        self.families = Families(len(self.names))
+        self.over(len(self.names))
 
-    def objective(self, section: ElementarySection) -> Family:
+    def objective(self, section: ElementarySection) -> Zdd:
         """The objective itself."""
-        return self.families.single(self._numbers[section.name])
+        return self.single(self._numbers[section.name])

@@ -22,6 +22,7 @@ from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
+from mcpn.notebook import Told
 from mcpn.space.algebra import Space
 from mcpn.space.explicit import Progress
 from mcpn.space.run import Run
@@ -85,7 +86,7 @@ class Survival:
 
 
 @dataclass(frozen=True, eq=False)
-class Causes:
+class Causes(Told):
     """Failure causes of a mission.
 
     Args:
@@ -103,6 +104,10 @@ class Causes:
     objectives: Mapping[str, GoalCauses]
     survival: list[Survival]
     choice: Choice
+
+    def __repr__(self) -> str:
+        lost = "; ".join(" and ".join(cut_set) for cut_set in self.mission.cut_sets) or "no hardware"
+        return f"<causes of the mission {self.mission.name}: fails without {lost}>"
 
     def of(self, objectives: Iterable[str]) -> Causes:
         """The same with some elementary objectives alone.

@@ -251,14 +251,18 @@ class Prospects(Generic[S]):
 
     def _telling(self, event: Event, goal: Goal[S], states: S) -> list[int]:
         """Places that tell objectives, and the alternatives of the activities that an event concerns."""
-        concerned = self.concerned(event)
-        roles = self.mission_net.roles
-        return [
-            place
-            for place in self.space.varying(states)
-            if (role := roles.get(place))
-            and (role[0] == "objective" or (role[0] == "active" and role[1].split(".", 1)[0] in concerned))
-        ]
+        wanted = [self._modes[""], *(self._modes.get(name, set()) for name in self.concerned(event))]
+        return sorted(set().union(*wanted).intersection(self.space.varying(states)))
+
+    @cached_property
+    def _modes(self) -> Mapping[str, set[int]]:
+        """By activity, the places of its alternatives; by the empty name those of objectives."""
+        found: dict[str, set[int]] = {"": set()}
+        for place, (kind, name) in self.mission_net.roles.items():
+            if kind in ("objective", "active"):
+                of = name.split(".", 1)[0] if kind == "active" else ""
+                found.setdefault(of, set()).add(place)
+        return found
 
     def concerned(self, event: Event) -> frozenset[str]:
         """Activities whose choice of alternative matters to an event.

@@ -61,9 +61,14 @@ class Note:
     formula: Core
     reason: str = ""
 
-    def words(self, net: PetriNet) -> str:
-        """The note for a reader."""
-        text = f"after step {self.step}, {self.where}: {show(written(self.formula, net))}"
+    def words(self, net: PetriNet, moment: str) -> str:
+        """The note for a reader.
+
+        Args:
+            net: The net that the formula speaks of.
+            moment: The moment in the run, in words.
+        """
+        text = f"{moment}, {self.where}: {show(written(self.formula, net))}"
         return f"{text} ({self.reason})" if self.reason else text
 
 
@@ -100,7 +105,20 @@ class Witness:
     @property
     def notes(self) -> list[str]:
         """What the run shows, for a reader."""
-        return [note if isinstance(note, str) else note.words(self.space.net) for note in self.shown]
+        return [
+            note if isinstance(note, str) else note.words(self.space.net, self._moment(note.step))
+            for note in self.shown
+        ]
+
+    def _moment(self, step: int) -> str:
+        """The moment after some steps: by events, as runs are shown, where the net has events."""
+        if not self.space.net.priorities:
+            return f"after step {step}"
+        internal = [self.space.net.transitions[edge.transition].event is None for edge in self.steps[:step]]
+        events = internal.count(False)
+        later = list(reversed(internal)).index(False) if events else len(internal)
+        moment = f"after event {events}" if events else "at the start"
+        return f"{moment} and {later} internal firing{'s' * (later != 1)}" if later else moment
 
     @property
     def run(self) -> Run:

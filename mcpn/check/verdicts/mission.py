@@ -21,6 +21,7 @@ from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
+from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
 from mcpn.space.clash import explained
 from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
@@ -66,7 +67,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class MissionCheck:
+class MissionCheck(Told):
     """All that one check of a mission found.
 
     Args:
@@ -88,6 +89,10 @@ class MissionCheck:
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
     choice: Choice = field(default_factory=lambda: Choice("explicit"))
+
+    def __repr__(self) -> str:
+        verdicts = ", ".join(f"{name}: {verdict.holds}" for name, verdict in self.verdicts.items())
+        return f"<check of the mission {self.mission_net.mission.name}: {verdicts}>"
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:

@@ -3,7 +3,8 @@
 One parallel state holds the mission and a region for each hardware resource that can fail. Every section has
 a compound state: first a tree of choices by the hardware out of service, each an eventless transition with
 ``In``, then the states of its type's machine; so the size is the sum over sections. Actions are ``<log>`` in
-their order, with labels like ``select localisation gps_localisation``.
+their order, with labels like ``select localisation gps_localisation``; a selection with parameters has them
+as its expression, a string that is JSON: by name ``value`` and ``unit``.
 
 An event's name is its text with ``-`` in place of ``.``: a dot would make ``OBJ_a_EV_OK`` also match
 ``OBJ_a_EV_OK.b_EV_OK``. An event that cannot be taken is ignored, as the Recommendation wants it; a host that
@@ -12,6 +13,7 @@ must know asks first, or watches whether the configuration or the log changes.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from xml.sax.saxutils import escape, quoteattr
 
@@ -34,7 +36,7 @@ def write_scxml(controller: Controller, mission_net: MissionNet) -> dict[str, st
         mission_net: The mission's net.
     """
     name = identifiers([controller.mission])[controller.mission].lower()
-    return {f"{name}.scxml": "\n".join(_Document(controller).lines()) + "\n"}
+    return {f"{name}.scxml": "\n".join(_Document(controller, mission_net).lines()) + "\n"}
 
 
 def event_name(event: Event | str) -> str:
@@ -43,8 +45,10 @@ def event_name(event: Event | str) -> str:
 
 
 class _Document:
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: Controller, mission_net: MissionNet) -> None:
         self.controller = controller
+        self.laws = {section.name: section.parameters for section in mission_net.graph.walk()}
+        self.activities = {activity.name: activity for activity in mission_net.mission.activities}
         self.hardware = identifiers(controller.hardware, prefix="hardware_")
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
         self.out: list[str] = []
@@ -153,8 +157,27 @@ class _Document:
             return
         self.put(depth, f"<transition {attributes}>")
         for action in actions:
-            self.put(depth + 1, f"<log label={quoteattr(_label(action, section))}/>")
+            label = quoteattr(_label(action, section))
+            said = self.parameters(action, section)
+            self.put(
+                depth + 1, f"<log label={label} expr={quoteattr(said)}/>" if said else f"<log label={label}/>"
+            )
         self.put(depth, "</transition>")
+
+    def parameters(self, action: Action, section: PlacedMachine) -> str:
+        """Those in force for a selection, as a string of ECMAScript; the objective's count before others."""
+        if action.alternative is None:
+            return ""
+        names = section.names
+        pair = f"{action.activity}.{action.alternative}"
+        activity, alternative = names["alternatives"].get(pair, pair).split(".", 1)
+        of = self.activities[activity]
+        (way,) = (w for w in of.alternatives if w.name == alternative)
+        objective = action.objective and names["objectives"].get(action.objective, action.objective)
+        found = {p.name: p for p in (*of.parameters, *way.parameters, *self.laws.get(objective or "", ()))}
+        if not found:
+            return ""
+        return json.dumps(json.dumps({name: {"value": p.value, "unit": p.unit} for name, p in found.items()}))
 
 
 def _label(action: Action, section: PlacedMachine) -> str:

@@ -125,6 +125,20 @@ def alternatives_drawing(mission_net: MissionNet, graph: AlternativesGraph) -> D
     return drawing(objectives_picture(mission_net.graph, f"{name}, by section", notes))
 
 
+def graph_drawing(graph: AlternativesGraph) -> Drawing:
+    """The picture of an alternatives graph of a net alone: its states are numbers."""
+    nodes = [Node(f"s{n}", (str(n),), "node", f"state {n}") for n in range(graph.states)]
+    labels: dict[tuple[int, int], list[str]] = {}
+    for edge in range(graph.edges):
+        ends = int(graph.sources[edge]), int(graph.targets[edge])
+        labels.setdefault(ends, []).append(str(graph.event(edge)))
+    edges = [
+        Edge(f"s{source}", f"s{target}", "arc", tuple(events[:MOST_LINES]), ", ".join(events))
+        for (source, target), events in labels.items()
+    ]
+    return drawing(Graph(f"Alternatives graph of {graph.net.name}", nodes, edges))
+
+
 def sections_of(graph: ObjectivesGraph) -> dict[str, str]:
     """By objective and by branch of a parallel block, the section of the mission that it stands in."""
     found = {}

@@ -120,13 +120,11 @@ class CompositeSpace(Runs):
 
     def varying(self, states: CompositeSet) -> Collection[int]:
         """Places of the sections that these states are of, but for those of hardware and of the mission."""
-        return frozenset(
-            place
-            for name in states.parts
-            if name in self.sections
-            for place in self.sections[name].places
-            if place not in self._shared
-        )
+        return frozenset().union(*(self._own_places.get(name, ()) for name in states.parts))
+
+    @cached_property
+    def _own_places(self) -> Mapping[str, frozenset[int]]:
+        return {name: frozenset(placed.places) - self._shared for name, placed in self.sections.items()}
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
         """States whose weighted sum of tokens is at most a bound."""
@@ -239,12 +237,20 @@ class CompositeSpace(Runs):
             for name in self.layout.hardware
         }
 
+    @cached_property
+    def _bits(self) -> dict[tuple[int, ...], dict[str, tuple[Bit, ...]]]:
+        """By some places and a section: where its parts of sets say of them whether they are marked."""
+        return {}
+
     def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
         found = images.nothing
+        known = self._bits.setdefault(tuple(places), {})
         for name, part in states.parts.items():
-            placed = self.sections.get(name)
-            bits = tuple(self._bit(name, placed, place) for place in places)
+            if name not in known:
+                placed = self.sections.get(name)
+                known[name] = tuple(self._bit(name, placed, place) for place in places)
+            bits = known[name]
             if (part, bits) not in images.known:
                 told = {bit[0] for bit in bits if not isinstance(bit, bool)}
                 projected = part.onto(sorted(told))

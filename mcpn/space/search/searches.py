@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias, cast
 from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
+from mcpn.space.firing import unsafe_at_start
 from mcpn.space.search.goal import Goal, encode, holds, needs
 
 Run: TypeAlias = tuple[int, ...]
@@ -100,7 +101,13 @@ class Searches:
         return {goal: shortened(self.net, run) for goal, run in found}
 
     def walk_unsafe(self, *, steps: int, seed: int = 0) -> UnsafeError | None:
-        """Walks until a firing puts a second token in a place, if one does within so many steps."""
+        """Walks until a firing puts a second token in a place, if one does within so many steps.
+
+        Returns:
+            The error of that firing, or of an initial marking that holds several tokens in a place.
+        """
+        if error := unsafe_at_start(self.net):
+            return error
         encoded, roots = encode((), len(self.net.places))
         found = self._kernel.walk(self.net.initial, encoded, roots, steps, self._length, seed, True, [])
         if not found:

@@ -105,10 +105,10 @@ def test_references_lead_across_pages(tmp_path: Path) -> None:
 def test_long_chains_of_references_are_quick(tmp_path: Path) -> None:
     count = 20_000
     chain = "".join(f'<referencePlace id="r{n}" ref="r{n + 1}"/>' for n in range(count))
-    start = time.perf_counter()
+    start = time.process_time()  # of this process alone, whatever else runs
     net = read(body(f'{BASE}{chain}<place id="r{count}"/><arc id="a" source="r0" target="t"/>'), tmp_path)
     assert net.transitions[0].consume == ((1, 1),)
-    assert time.perf_counter() - start < 10
+    assert time.process_time() - start < 10
 
 
 def test_arcs_between_the_same_ends_add_up(tmp_path: Path) -> None:
@@ -223,9 +223,9 @@ def test_what_cannot_be_said_is_told_and_nothing_written(tmp_path: Path) -> None
 
 
 def test_large_nets_are_read_quickly(mcc: Path) -> None:
-    start = time.perf_counter()
+    start = time.process_time()  # of this process alone, whatever else runs
     net = read_net(mcc / "Dekker-PT-050" / "model.pnml")
-    assert time.perf_counter() - start < 10  # 0.3 s on an idle machine
+    assert time.process_time() - start < 10
     assert (
         len(net.units) == 101
     )  # as its NUPN section says: <structure units="102"> less a root without places

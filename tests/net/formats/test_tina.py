@@ -226,6 +226,6 @@ def test_line_breaks_in_names_are_told() -> None:
     ids=["word", "arcs", "dashes", "backslashes", "escapes", "brackets", "priorities"],
 )
 def test_long_texts_take_linear_time(text: str) -> None:
-    start = time.perf_counter()
+    start = time.process_time()  # of this process alone, whatever else runs
     problem_of(text.encode())
-    assert time.perf_counter() - start < 15
+    assert time.process_time() - start < 15

@@ -1,0 +1,172 @@
+"""Explicit, direct, symbolic, local and pyeda side by side: counts and cost over two families of missions.
+
+Usage: ``python experiments/explicit_vs_symbolic.py [-o FOLDER] [--most N] [--seconds S]``
+
+*Branches*: one parallel block of N branches, each with a sensor of its own that may fail; the markings graph
+holds every interleaving of their internal steps. *Row*: N objectives one after the other, each with a sensor
+of its own and a spare that all share. Explicit lists the markings, symbolic counts them on a diagram; direct
+lists the stable markings after a proof, local counts them type of section by type. pyeda is the small
+reference (24 places at most). Counts that differ between engines end the script. Each run has a process of
+its own; an engine that gave up is not asked for a larger mission of the family.
+
+With ``-o`` the numbers go to ``explicit_vs_symbolic.csv`` and a plot (needs ``mcpn[experiments]``) to
+``explicit_vs_symbolic.svg`` in that folder. With its defaults it takes some two minutes on two cores, ten at
+most.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from limits import Result, measured
+
+from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
+from mcpn.net.compose import compose
+from mcpn.space.confluence import direct_with_proof
+from mcpn.space.local.composing import composite_space
+from mcpn.space.summary import summarise
+
+ENGINES = ("explicit", "symbolic", "direct", "local", "pyeda")
+
+
+def branches(number: int) -> Mission:
+    """N branches side by side, each with a sensor of its own."""
+    hardware = tuple(Hardware(name=f"sensor{i}") for i in range(number))
+    activities = tuple(
+        Activity(name=f"task{i}", alternatives=(Alternative(name=f"task{i}", consumes=(f"sensor{i}",)),))
+        for i in range(number)
+    )
+    children = tuple(Objective(name=f"part{i}", activities=(f"task{i}",)) for i in range(number))
+    block = Parallel(name="together", blocks=children) if number > 1 else children[0]
+    return Mission(
+        name=f"branches{number}",
+        blocks=(block,),
+        robots=(Robot(name="robot", hardware=hardware, activities=activities),),
+    )
+
+
+def row(number: int) -> Mission:
+    """N objectives in a row, each with a sensor of its own and a spare that all share."""
+    hardware = (*(Hardware(name=f"sensor{i}") for i in range(number)), Hardware(name="spare"))
+    activities = tuple(
+        Activity(
+            name=f"task{i}",
+            alternatives=(
+                Alternative(name=f"with_sensor{i}", consumes=(f"sensor{i}",)),
+                Alternative(name=f"with_spare{i}", consumes=("spare",)),
+            ),
+        )
+        for i in range(number)
+    )
+    return Mission(
+        name=f"row{number}",
+        blocks=tuple(Objective(name=f"part{i}", activities=(f"task{i}",)) for i in range(number)),
+        robots=(Robot(name="robot", hardware=hardware, activities=activities),),
+    )
+
+
+FAMILIES = {"branches": branches, "row": row}
+
+
+def find(engine: str, family: str, number: int) -> Result:
+    """The counts of one mission by one engine; what it does not count is left out."""
+    mission_net = compose(FAMILIES[family](number))
+    if engine == "direct":
+        return {"stable": direct_with_proof(mission_net.net).states}
+    if engine == "local":
+        return {"stable": composite_space(mission_net).everything.count()}
+    found = summarise(mission_net.net, engine)
+    counts = {"markings": found.states, "stable": found.stable_states, "nodes": found.nodes}
+    return {name: value for name, value in counts.items() if value is not None}
+
+
+def measure(most: int, seconds: float) -> Iterator[dict[str, Any]]:
+    """A row for each mission: its sizes, and the seconds of each engine or why it gave up."""
+    for family, make in FAMILIES.items():
+        gone: set[str] = set()
+        for number in range(1, most + 1):
+            net = compose(make(number)).net
+            line: dict[str, Any] = {"family": family, "n": number, "places": len(net.places)}
+            counts: dict[str, set[int]] = {"markings": set(), "stable": set()}
+            for engine in ENGINES:
+                if engine in gone:
+                    continue
+                found = measured(find, engine, family, number, seconds=seconds)
+                if "gave_up" in found:
+                    gone.add(engine)
+                    continue
+                line[engine] = found["seconds"]
+                if engine == "symbolic":
+                    line["nodes"] = found["nodes"]
+                for name, values in counts.items():
+                    values |= {found[name]} if name in found else set()
+            assert all(len(values) <= 1 for values in counts.values()), (
+                f"the engines disagree: {line}, {counts}"
+            )
+            yield line | {name: values.pop() for name, values in counts.items() if values}
+
+
+COLUMNS = ("family", "n", "places", "markings", "stable", "nodes", *ENGINES)
+
+
+def table(lines: list[dict[str, Any]]) -> str:
+    """The rows as a Markdown table; seconds with two digits, ``-`` where an engine gave up."""
+
+    def cell(value: object) -> str:
+        return "-" if value is None else f"{value:.2f}" if isinstance(value, float) else f"{value}"
+
+    heads = [*COLUMNS[:6], *(f"{engine}, s" for engine in ENGINES)]
+    rows = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    rows += ["| " + " | ".join(cell(line.get(column)) for column in COLUMNS) + " |" for line in lines]
+    return "\n".join(rows)
+
+
+def save(lines: list[dict[str, Any]], folder: Path) -> None:
+    """Writes the CSV, and the plot: seconds against the number of branches or objectives."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "explicit_vs_symbolic.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        writer.writerows(lines)
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, len(FAMILIES), figsize=(5 * len(FAMILIES), 4), sharey=True)
+    for axis, family in zip(axes, FAMILIES, strict=True):
+        for engine in ENGINES:
+            points = [
+                (line["n"], line[engine]) for line in lines if line["family"] == family and engine in line
+            ]
+            if points:
+                axis.semilogy(*zip(*points, strict=True), marker="o", label=engine)
+        axis.set_xlabel(f"N ({family})")
+        axis.legend()
+    axes[0].set_ylabel("seconds")
+    figure.tight_layout()
+    figure.savefig(folder / "explicit_vs_symbolic.svg")
+    pyplot.close(figure)
+
+
+def main() -> None:
+    """Prints the table, and writes the files where they are wanted."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("-o", "--output", type=Path, help="folder for the CSV and the plot")
+    parser.add_argument("--most", type=int, default=8, help="the largest N of each family (default 8)")
+    parser.add_argument("--seconds", type=float, default=15, help="limit of each run (default 15)")
+    arguments = parser.parse_args()
+    lines = list(measure(arguments.most, arguments.seconds))
+    print(table(lines))
+    if arguments.output:
+        save(lines, arguments.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""Notebooks show pictures and tables; a repr is short."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from lxml import etree
+
+import mcpn
+from mcpn.check.verdicts.mission import check
+from mcpn.controller.generate import generate
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.net.sections import section_part
+from mcpn.space.confluence import direct_with_proof
+from mcpn.space.explicit import explore
+from tests.conftest import ULYSSE
+from tests.report.test_pictures import HOSTILE, hostile
+
+pytest.importorskip("pygraphviz", reason="needs pygraphviz: the extra pictures")
+MOST_CHARACTERS = 400
+
+
+def shown() -> dict[str, Any]:
+    net = compose(read_mission(ULYSSE))
+    part = section_part(net.usage, net.graph.sections[0]).net()
+    return {
+        "mission": net.mission,
+        "graph": net.graph,
+        "net": net,
+        "small net": part.net,
+        "small alternatives": direct_with_proof(part.net),
+        "controller": generate(net),
+    }
+
+
+def test_pictures() -> None:
+    for name, what in shown().items():
+        text = what._repr_svg_()
+        assert text is not None, name
+        assert etree.fromstring(text.encode()).tag.endswith("svg"), name
+
+
+def test_what_is_too_large_is_not_drawn() -> None:
+    net = compose(read_mission(ULYSSE))
+    assert direct_with_proof(net.net)._repr_svg_() is None
+
+
+def test_tables_are_texts() -> None:
+    found = mcpn.check(hostile())
+    table = etree.fromstring(found._repr_html_() or "")
+    assert [row[2].text for row in table.iter("tr")][1:] == [*found.verdicts]
+    causes = mcpn.causes(read_mission(ULYSSE))
+    table = etree.fromstring(causes._repr_html_() or "")
+    assert [row[1].text for row in table.iter("tr")][1] == "thruster_actuator; GPS_sensor and IMU_sensor"
+    from mcpn.report.notebook import _table
+
+    text = _table(HOSTILE, (HOSTILE,), [(HOSTILE,)])
+    assert "<script" not in text
+    assert text.count("<td>") == 1
+
+
+def test_reprs_are_short() -> None:
+    net = compose(read_mission(ULYSSE))
+    found: list[object] = [net, net.graph, generate(net), direct_with_proof(net.net), explore(net.net)]
+    found += [check(net), mcpn.causes(net), mcpn.ctl(net, "EF success"), mcpn.picture(net)]
+    for what in found:
+        assert len(repr(what)) <= MOST_CHARACTERS, type(what)
+        assert repr(what).startswith("<")

@@ -1,0 +1,88 @@
+"""The experiments: each says how long it takes; the paper's counts are those of today's code."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+
+FOLDER = ROOT / "experiments"
+LIBRARIES = {"limits"}
+"""Modules that scripts share and that are no scripts."""
+SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in LIBRARIES)
+PAPER = ROOT / "papers" / "mcpn.md"
+COUNTS = ("sizes", "controllers")
+"""Tables without seconds: the same on every machine."""
+
+
+def python(*arguments: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(FOLDER)}
+    environment.pop("PYTHONSAFEPATH", None)
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        cwd=folder or ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_the_readme_names_every_script_and_how_long_it_takes() -> None:
+    text = (FOLDER / "README.md").read_text()
+    rows = dict(re.findall(r"^\| `(\w+)\.py`[^|]*\|.*\| ([^|]+) \|$", text, re.MULTILINE))
+    assert sorted(rows) == SCRIPTS
+    assert all(re.search(r"second|minute", time) for time in rows.values())
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_a_script_says_how_long_it_takes(script: str) -> None:
+    text = (FOLDER / f"{script}.py").read_text()
+    said = text.partition('"""')[2].partition('"""')[0]
+    assert re.search(r"second|minute", said), "the first lines say how long it takes"
+    assert "ArgumentParser(" in text, "--help shows them"
+
+
+def test_help_shows_the_time() -> None:
+    found = python(FOLDER / "explicit_vs_symbolic.py", "--help")
+    assert found.returncode == 0, found.stderr
+    assert "minutes" in found.stdout
+
+
+def test_counts_of_the_paper_are_those_of_today() -> None:
+    script = (
+        "import paper, re\n"
+        "page = paper.PAGE.read_text()\n"
+        f"assert paper.renewed(page, {COUNTS!r}, 1) == page, 'run python experiments/paper.py'\n"
+        "assert set(paper.TABLES) == {name for _, name, _ in paper.BLOCK.findall(page)}\n"
+    )
+    found = python("-c", script)
+    assert found.returncode == 0, found.stderr
+
+
+def test_no_table_of_the_paper_is_empty_or_typed_by_hand() -> None:
+    page = PAPER.read_text()
+    blocks = re.findall(r"<!-- measured: \w+ -->\n(.*?)<!-- end -->", page, re.DOTALL)
+    assert all(block.strip() for block in blocks)
+    rest = re.sub(r"<!-- measured: \w+ -->\n.*?<!-- end -->", "", page, flags=re.DOTALL)
+    assert not re.search(r"^\|", rest, re.MULTILINE)
+
+
+def test_explicit_and_symbolic_side_by_side() -> None:
+    """The smallest members of both families, counted by every engine that takes them."""
+    script = (
+        "from explicit_vs_symbolic import FAMILIES, find\n"
+        "for family in FAMILIES:\n"
+        "    engines = ('explicit', 'symbolic', 'direct', 'local')\n"
+        "    by_engine = {engine: find(engine, family, 2) for engine in engines}\n"
+        "    for name in ('markings', 'stable'):\n"
+        "        assert len({found[name] for found in by_engine.values() if name in found}) == 1, by_engine\n"
+    )
+    found = python("-c", script)
+    assert found.returncode == 0, found.stderr
