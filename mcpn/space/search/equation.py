@@ -259,8 +259,11 @@ class _Program:
         count = self.first_choice + self.choices
         every = [*self.equations, *self.rows]
         cells = [(i, v, weight) for i, (row, _) in enumerate(every) for v, weight in row.items()]
+        # 32 bits: HiGHS in older releases of SciPy takes no others.
+        rows = np.array([i for i, _, _ in cells], dtype=np.int32)
+        columns = np.array([v for _, v, _ in cells], dtype=np.int32)
         matrix = csr_array(
-            ([w for _, _, w in cells], ([i for i, _, _ in cells], [v for _, v, _ in cells])),
+            ([w for _, _, w in cells], (rows, columns)),
             shape=(len(every), count),
         )
         least = np.array([value for _, value in every])
