@@ -137,17 +137,28 @@ class Evaluation(Generic[S]):
         return found
 
     def _hull_of(self, inside: S, constraints: Sequence[Justice]) -> S:
-        """The greatest set in which each constraint can be met, and the set reached again, for ever."""
-        found = inside
-        while found:
-            narrower = found
-            for constraint in constraints or [Justice(Const(True))]:
-                met = self.met(constraint, narrower)
-                narrower = narrower & self.space.before(self.space.reaching(met, inside))
+        """The greatest set in which a run can always go on, and from each state come to meet each constraint.
+
+        Of a constraint only the states that do not meet it are looked at, so that in a composite one that
+        speaks of an objective takes a step in that objective's section.
+        """
+        space, found = self.space, inside
+        while True:
+            narrower = found & space.before(found)
+            for constraint in constraints:
+                waiting = narrower & self.plain.states(negation(constraint.states))
+                if not waiting:
+                    continue
+                onward = space.after(waiting) & narrower
+                meeting = space.before(onward - waiting) & waiting
+                if constraint.transitions:
+                    meeting = meeting | (space.before(onward, constraint.transitions) & waiting)
+                stuck = waiting - space.reaching(meeting, waiting)
+                if stuck:
+                    narrower = narrower - stuck
             if not found - narrower:
-                break
+                return found
             found = narrower
-        return found
 
     def met(self, constraint: Justice, inside: S) -> S:
         """States of a set at which a constraint is met, there or by the next step inside the set."""
