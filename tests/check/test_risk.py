@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.causes import section_chains
+from mcpn.check.causes import chain, section_chains
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.spaces import stable_space
@@ -236,7 +236,9 @@ def test_three_hundred_sections_are_those_of_a_recursion() -> None:
     assert found.importance["H2"] == pytest.approx(without[0] - without[1 << 2], rel=1e-9)
 
 
-def test_a_few_sections_are_those_of_the_whole() -> None:
+@pytest.mark.parametrize("dense", [100, 0], ids=["dense", "sparse"])
+def test_a_few_sections_are_those_of_the_whole(dense: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chain, "MOST_DENSE", dense)
     of = row_of_sections(9)
     assert_same(numbers(compose(of)), sections_numbers(compose(of)))
     assert numbers(compose(of)).success == pytest.approx(recursion(of)[0][0], rel=1e-9)
@@ -391,6 +393,7 @@ def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) 
     st.one_of(
         fragile_missions(max_hardware=3, max_objectives=3, max_sections=5),
         missions(None, protocols=False, max_hardware=3, max_objectives=3, max_sections=5),
+        missions(None, protocols=False, max_hardware=3, max_sections=6, max_events=2),
     ),
     st.data(),
 )

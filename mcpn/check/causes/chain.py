@@ -26,7 +26,13 @@ from mcpn.space.graph import Ints, Mask
 Floats = npt.NDArray[np.float64]
 
 CHUNK = 64
-"""Right-hand sides that are solved at a time."""
+"""Right-hand sides of a sparse system that are solved at a time."""
+
+MOST_DENSE = 100
+"""States of a chain whose systems are dense, several solved at a time."""
+
+DENSE_NUMBERS = 1 << 21
+"""Numbers in dense systems that are solved at a time."""
 
 
 @dataclass(frozen=True)
@@ -232,12 +238,12 @@ class Chain:
         left = np.bincount(self.graph.sources, weights=self.rates, minlength=self.graph.states)
         return left.astype(np.float64)
 
-    def _jumps(self, s: float) -> csr_array:
-        """Probabilities of the next state, each times the transform of the time until then."""
+    @cached_property
+    def _jumps(self) -> csr_array:
+        """Probabilities of the next state."""
         graph, moving = self.graph, self.moving
         sources, targets = graph.sources[moving], graph.targets[moving]
-        leaving = np.where(self.hasty, self._leaving, self._leaving + s)
-        values = self.rates[moving] / leaving[sources]
+        values = self.rates[moving] / self._leaving[sources]
         return csr_array((values, (sources, targets)), shape=(graph.states, graph.states))
 
     @cached_property
@@ -256,44 +262,53 @@ class Chain:
         """
         found = np.where(self.listed.ended, values, 0.0)
         if len(self._inner):
-            step = self._jumps(0.0)[self._inner]
+            step = self._jumps[self._inner]
             found[self._inner] = _factors(step[:, self._inner])(step @ found)
         return found
 
-    def kernel(self, s: float) -> Floats:
-        """Where it ends, discounted.
+    def kernels(self, decays: Floats) -> Floats:
+        """Where it ends, discounted at several rates.
+
+        Args:
+            decays: Rates ``s``.
 
         Returns:
-            The expectation of ``exp(-s T)`` for the time ``T`` until the exit, by status at the entry and by
-            exit and status there: shape (statuses, exits * statuses).
+            By ``s``, status at the entry, and exit and status there, the expectation of ``exp(-s T)`` for the
+            time ``T`` until the exit: shape (decays, statuses, exits * statuses).
         """
-        if s not in self._kernels:
-            self._kernels[s] = self._kernel(s)
-        return self._kernels[s]
-
-    @cached_property
-    def _kernels(self) -> dict[float, Floats]:
-        return {}
-
-    def _kernel(self, s: float) -> Floats:
         listed, inner = self.listed, self._inner
         width = len(listed.exits) * listed.statuses
-        found = np.zeros((listed.statuses, width))
+        found = np.zeros((len(decays), listed.statuses, width))
         number = np.full(self.graph.states, -1, np.int64)
         number[inner] = np.arange(len(inner))
         rows = number[listed.entries]
-        met = (listed.entries >= 0) & (rows >= 0)
-        if not len(inner) or not met.any():
+        met = np.flatnonzero((listed.entries >= 0) & (rows >= 0))
+        if not len(inner) or not len(met):
             return found
-        step = self._jumps(s)[inner]
-        solve = _factors(step[:, inner])
         ends = np.flatnonzero(listed.ended)
         ones = csr_array((np.ones(len(ends)), (ends, self._column[ends])), shape=(self.graph.states, width))
-        out = csc_array(step @ ones)
+        moving = self.moving
+        ways = self.graph.sources[moving], self.graph.targets[moving]
+        rates = csr_array((self.rates[moving], ways), shape=(self.graph.states,) * 2)[inner]
+        out = csc_array(rates @ ones)
         wanted = np.flatnonzero(np.diff(out.indptr))
-        for begin in range(0, len(wanted), CHUNK):
-            columns = wanted[begin : begin + CHUNK]
-            found[np.ix_(met, columns)] = solve(out[:, columns].toarray())[rows[met]]
+        leaving, waiting = self._leaving[inner], ~self.hasty[inner]
+        if len(inner) <= MOST_DENSE:
+            dense, right = rates[:, inner].toarray(), out[:, wanted].toarray()
+            size = max(1, DENSE_NUMBERS // len(inner) ** 2)
+            for begin in range(0, len(decays), size):
+                left = leaving + np.multiply.outer(decays[begin : begin + size], waiting)
+                systems = left[:, :, None] * np.eye(len(inner)) - dense
+                solved = np.linalg.solve(systems, np.broadcast_to(right, (len(left), *right.shape)))
+                found[begin : begin + size][:, met[:, None], wanted] = solved[:, rows[met]]
+            return found
+        for part, s in zip(found, decays.tolist(), strict=True):
+            scale = 1.0 / (leaving + s * waiting)
+            solve = _factors(csr_array(rates[:, inner].multiply(scale[:, None])))
+            for begin in range(0, len(wanted), CHUNK):
+                columns = wanted[begin : begin + CHUNK]
+                right = out[:, columns].toarray() * scale[:, None]
+                part[np.ix_(met, columns)] = solve(right)[rows[met]]
         return found
 
     @cached_property
@@ -303,7 +318,7 @@ class Chain:
 
     @cached_property
     def possible(self) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
-        """Which exits are possible, shaped as :meth:`kernel`: in no time, and after some time."""
+        """By status at the entry, which exits and status there are possible: at once, and after some time."""
         listed, graph = self.listed, self.graph
         shape = listed.statuses, len(listed.exits) * listed.statuses
         at_once, later = np.zeros(shape, np.bool_), np.zeros(shape, np.bool_)
@@ -363,7 +378,7 @@ class Chain:
         inner = np.flatnonzero(gaining & ~infinite)
         found = np.zeros(graph.states)
         if len(inner):
-            found[inner] = _factors(self._jumps(0.0)[inner][:, inner])(gained[inner])
+            found[inner] = _factors(self._jumps[inner][:, inner])(gained[inner])
         return found, infinite
 
     def modes_at_entries(self) -> tuple[Floats, Mask]:

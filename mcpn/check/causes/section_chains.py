@@ -5,7 +5,7 @@ in continuous time. Both are independent but for the time ``T`` after which the 
 beside it is a chain of two states, whose functions are spanned by two that decay as ``exp(-s t)``: the
 constant with ``s = 0``, and one with ``s`` its failures and repairs per hour together. Of a product of such
 functions the rates ``s`` add up. So the expected value at the exit of a section is, for each product, the
-transform ``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernel`): exact,
+transform ``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`): exact,
 and without the product of the section's states with the status of the other hardware.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
@@ -31,6 +31,7 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.graph import Ints
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
@@ -45,6 +46,9 @@ MOST_HARDWARE = 16
 
 MOST_DENSE = 1024
 """Unknowns of a system that is solved directly; a larger one by iteration."""
+
+PRODUCTS = 1024
+"""Products of functions whose kernels are multiplied at a time."""
 
 PRECISION = 1e-13
 """Of the iteration, relative to the values at the exits."""
@@ -115,10 +119,17 @@ class SectionChains:
 
     def outlook(self, failing: Mapping[str, float], repaired: Mapping[str, float]) -> SectionsOutlook:
         """The mission under given failures and repairs per hour, by hardware."""
-        steps = {name: self._step(name, failing, repaired) for name in self.sections}
+        known: dict[tuple[Chain, bytes], Floats] = {}
+        steps = {name: self._step(name, failing, repaired, known) for name in self.sections}
         return SectionsOutlook(self, steps)
 
-    def _step(self, name: str, failing: Mapping[str, float], repaired: Mapping[str, float]) -> Step:
+    def _step(
+        self,
+        name: str,
+        failing: Mapping[str, float],
+        repaired: Mapping[str, float],
+        known: dict[tuple[Chain, bytes], Floats],
+    ) -> Step:
         placed, used = self.sections[name], self.used[name]
         own = placed.faulty
         rates = Rates.of(placed.part.graph.walk(), [failing[h] for h in own], [repaired[h] for h in own])
@@ -133,6 +144,7 @@ class SectionChains:
             used,
             tuple(used.index(h) for h in (*own, *beside)),
             tuple((failing[h], repaired[h]) for h in beside),
+            known,
         )
 
 
@@ -149,6 +161,7 @@ class Step:
         used: The hardware of the axes.
         axes: The axes, those of its own hardware first.
         beside: Failures and repairs per hour of the rest.
+        known: Kernels of this outlook's chains, by the decays of what is beside.
     """
 
     placed: PlacedSection
@@ -156,6 +169,7 @@ class Step:
     used: tuple[str, ...]
     axes: tuple[int, ...]
     beside: tuple[tuple[float, float], ...]
+    known: dict[tuple[Chain, bytes], Floats]
 
     @property
     def routes(self) -> Mapping[str, str]:
@@ -169,6 +183,15 @@ class Step:
         for fails, back in self.beside:
             found = np.add.outer(found, (0.0, fails + back)).reshape(-1)
         return found
+
+    @cached_property
+    def _kernels(self) -> tuple[Ints, Floats]:
+        """By product, the number of its kernel; and the kernels, which sections of one chain share."""
+        decays, numbers = np.unique(self._decay, return_inverse=True)
+        key = self.chain, decays.tobytes()
+        if key not in self.known:
+            self.known[key] = self.chain.kernels(decays)
+        return numbers, self.known[key]
 
     def _matrix(self, values: Sequence[Array]) -> Array:
         """Values at the exits with own status, status beside and values as axes; exits one after another."""
@@ -195,9 +218,11 @@ class Step:
             by_resource = np.stack([working, out], axis)
         matrix = by_resource.reshape(shape)
         found = np.empty((self.chain.listed.statuses, *shape[1:]))
-        for s in np.unique(self._decay):
-            chosen = self._decay == s
-            found[:, chosen] = np.tensordot(self.chain.kernel(float(s)), matrix[:, chosen], axes=1)
+        decays, kernels = self._kernels
+        for begin in range(0, len(decays), PRODUCTS):
+            chosen = slice(begin, begin + PRODUCTS)
+            products = kernels[decays[chosen]] @ matrix[:, chosen].transpose(1, 0, 2)
+            found[:, chosen] = products.transpose(1, 0, 2)
         by_resource = found.reshape(found.shape[0], *(2,) * len(self.beside), shape[-1])
         for axis, (fails, back) in enumerate(self.beside, 1):
             if fails + back:
