@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from random import Random
 
 import numpy as np
-from hypothesis import event, given
+from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
 from mcpn.check.verdicts.mission import check
-from mcpn.errors import LimitError
-from mcpn.mission.model import DeclaredEvent, Handler, Mission
+from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import FAIL, SUCCEED, DeclaredEvent, Handler, Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking
+from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
 from mcpn.testing import missions
 from tests.net.interpreter import Series
 from tests.net.settling import stabilise
+from tests.shares import returns_early
 
 HARDWARE = ("GPS_sensor", "IMU_sensor", "thruster_actuator")
 
@@ -72,14 +76,78 @@ class Walk:
             return
         objectives = self.said("objective", "pending")
         assert sorted(self.written[name] for name in objectives) == sorted(self.text.running())
-        # Nothing else runs, waits or is in error than what these objectives need.
-        sections = {s.name: s for s in self.found.graph.walk()}
-        needed = {b for o in objectives for a in sections[o].activities for b in self.found.usage.closure(a)}
-        assert {name.split(".")[0] for name in self.said("active", "wait", "refused")} <= needed
-        # No order is on its way.
-        orders = ("_Stop", "_halt", "_halted", "_halting")
-        marked = [p.name for p, tokens in zip(self.net.places, self.marking, strict=True) if tokens]
-        assert not [name for name in marked if name.endswith(orders)]
+        nothing_left(self.found, self.marking)
+
+
+def said(found: MissionNet, marking: Marking, *kinds: str) -> set[str]:
+    """Of which elements a marking says something."""
+    return {name for place, (kind, name) in found.roles.items() if kind in kinds and marking[place]}
+
+
+def nothing_left(found: MissionNet, marking: Marking) -> None:
+    """Nothing runs, waits or is in error but what running objectives need, and no order is on its way."""
+    sections = {s.name: s for s in found.graph.walk()}
+    objectives = said(found, marking, "objective", "pending")
+    needed = {b for o in objectives for a in sections[o].activities for b in found.usage.closure(a)}
+    assert {name.split(".")[0] for name in said(found, marking, "active", "wait", "refused")} <= needed
+    orders = ("_Stop", "_halt", "_halted", "_halting")
+    marked = [p.name for p, tokens in zip(found.net.places, marking, strict=True) if tokens]
+    assert not [name for name in marked if name.endswith(orders)]
+
+
+def begun(graph: ObjectivesGraph, name: str) -> set[str]:
+    """The objectives with which a section begins."""
+    section = graph.section(name)
+    if isinstance(section, ElementarySection):
+        return {name}
+    assert isinstance(section, ParallelSection)
+    return {o for branch in section.branches for o in begun(branch.graph, branch.graph.entry)}
+
+
+@given(missions(max_events=2))
+@settings(max_examples=60)
+def test_an_event_interrupts_in_every_stable_state(mission: Mission) -> None:
+    try:
+        found = compose(mission)
+        graph = direct(found.net, max_states=2000)
+    except (LimitError, ConfluenceError) as error:
+        returns_early(type(error).__name__)
+        return
+    tops = {s.name: {inner.name for inner in _inside(s)} for s in found.graph.sections}
+    met = 0
+    for state in range(graph.states):
+        before = graph.marking(state)
+        running = said(found, before, "objective", "pending", "done")
+        for label, target in graph.successors(state):
+            happens = graph.net.transitions[label].event
+            if happens is None or happens.what is not What.DECLARED:
+                continue
+            met += 1
+            after = graph.marking(target)
+            assert said(found, before, "oos") == said(found, after, "oos")
+            nothing_left(found, after)
+            if after[found.success] or after[found.failure]:
+                assert found.not_idle(after) == []
+                continue
+            (top,) = [name for name, inner in tops.items() if running & inner]
+            now = said(found, after, "objective", "pending")
+            section = found.graph.section(top)
+            if isinstance(section, ElementarySection):  # no branch can have handled it
+                (leads,) = [i.target for i in section.interruptions if i.event == happens.element]
+                assert now == begun(found.graph, leads)
+            else:  # left whole, or still in some of its branches
+                targets = [i.target for i in section.interruptions if i.event == happens.element]
+                ways = [*targets, section.success, section.failure]
+                entered = [begun(found.graph, way) for way in ways if way not in (SUCCEED, FAIL)]
+                assert now <= tops[top] or now in entered
+    event(f"interruptions: {'many' if met > 20 else 'some' if met else 'none'}")
+
+
+def _inside(section: Section) -> Iterator[Section]:
+    yield section
+    if isinstance(section, ParallelSection):
+        for branch in section.branches:
+            yield from branch.graph.walk()
 
 
 @given(missions(max_events=2), st.randoms(use_true_random=False))

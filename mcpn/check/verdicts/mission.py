@@ -19,6 +19,8 @@ from mcpn.check.spaces import Engine, alternatives_by, markings_by
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
+from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.mission.model import SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
@@ -252,11 +254,24 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
         if run is None:
+            if name == "success_reachable":
+                there_is_none += _no_way_to_success(mission_net.graph)
             found.append(Verdict(name, not good, there_is_none))
         else:
             shown = Run(space.net, transitions_of(run), settles=settles)
             found.append(Verdict(name, good, there_is, (shown,)))
     return found
+
+
+def _no_way_to_success(graph: ObjectivesGraph) -> str:
+    """Why no run succeeds, where the text alone says so."""
+    routes = {r for s in graph.sections for r in (s.success, s.failure, *(i.target for i in s.interruptions))}
+    if SUCCEED in routes:
+        return ""
+    return (
+        ': no route of the mission leads to succeed; a block after which all is done says success="succeed", '
+        "by default success leads to the next block"
+    )
 
 
 def _runs_of(mission_net: MissionNet, error: SemanticsError) -> tuple[Run, ...]:

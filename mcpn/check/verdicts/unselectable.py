@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from mcpn.errors import Problem
+from mcpn.mission.usage import Usage
 from mcpn.mission.warnings import never_entered
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
@@ -40,7 +41,8 @@ def find_unselectable(
             if name in selected:
                 used.update(alternative.consumes)
             else:
-                found.append(Problem(alternative.source, f"alternative {name} can never be selected"))
+                why = _held(usage, activity.name, alternative.consumes)
+                found.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
     for section in usage.graph.walk():
         if section.name not in entered:
             found.append(Problem(section.source, f"objective {section.name} can never be entered"))
@@ -55,3 +57,12 @@ def find_unselectable(
     return tuple(
         sorted(found, key=lambda p: (str(p.source and p.source.file), (p.source and p.source.line) or 0))
     )
+
+
+def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
+    """Why an alternative is never selected, where its activity serves one that has what it consumes."""
+    for contention in usage.contentions:
+        above = [name for name in contention.rivals if name != activity]
+        if contention.wanted in consumed and len(above) == 1 and activity in usage.closure(above[0]):
+            return f": {above[0]}, which it serves, has {contention.wanted} already"
+    return ""
