@@ -7,6 +7,7 @@ functioning modes throughout the mission with the resources state and the altern
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import compress
 from typing import TypeAlias
 
 from mcpn.net.compose import MissionNet
@@ -52,8 +53,10 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
         What it says.
     """
     said: dict[str, list[str]] = {}
-    for place, (kind, name) in mission_net.roles.items():
-        if marking[place]:
+    roles = mission_net.roles  # in the order of places
+    for place in compress(range(len(marking)), marking):
+        if place in roles:
+            kind, name = roles[place]
             said.setdefault(kind, []).append(name)
     ends = (*(kind for kind in ("success", "failure") if kind in said), *said.get("exit", ()))
     return Situation(

@@ -57,12 +57,15 @@ def report(
     """
     from mcpn.files import write_atomically
     from mcpn.report.page import page
+    from mcpn.report.progress import steps_on_terminal
 
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
-    found = findings(mission_net_of(mission, import_root), engine, max_states)
-    text = page(found)
+    with steps_on_terminal() as begins:
+        found = findings(mission_net_of(mission, import_root), engine, max_states, begins)
+        begins("the page")
+        text = page(found)
     write_atomically(output, text)
     if as_json:
         size = len(text.encode())
@@ -75,18 +78,25 @@ def report(
         sys.exit(EXIT_FAILED)
 
 
-def findings(mission_net: MissionNet, engine: Asked = "auto", max_states: int | None = None) -> Findings:
+def findings(
+    mission_net: MissionNet,
+    engine: Asked = "auto",
+    max_states: int | None = None,
+    begins: Callable[[str], object] = len,
+) -> Findings:
     """All that a report tells of a mission.
 
     Args:
         mission_net: The mission's net.
         engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
         max_states: Limit on states that are listed.
+        begins: Called with the name of each step.
 
     Raises:
         SemanticsError: A section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
+    from mcpn.check.causes.risk import risk as find_risk
     from mcpn.check.verdicts.mission import check
     from mcpn.mission.warnings import find_warnings
     from mcpn.report.local import local_pictures
@@ -97,6 +107,7 @@ def findings(mission_net: MissionNet, engine: Asked = "auto", max_states: int | 
 
     @contextmanager
     def timed(what: str) -> Iterator[None]:
+        begins(what)
         started = time.perf_counter()
         yield
         seconds[what] = time.perf_counter() - started
@@ -127,21 +138,10 @@ def findings(mission_net: MissionNet, engine: Asked = "auto", max_states: int | 
         local, missing = local_pictures(mission_net)
     notes += missing
     risk = None
-    if any(h.failure_rate for h in mission_net.mission.hardware):
-        risk = tried(
-            "numbers of risk", lambda: _risk(mission_net, min(max_states or MOST_STATES, MOST_STATES))
-        )
+    if causes is not None and any(h.failure_rate for h in mission_net.mission.hardware):
+        risk = tried("numbers of risk", lambda: find_risk(causes.prospects, MOST_STATES))
     warnings = list(dict.fromkeys(warnings))
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
-
-
-def _risk(mission_net: MissionNet, max_states: int) -> Any:
-    """Numbers of risk, on the listed states of the whole mission."""
-    from mcpn.check.causes.prospects import Prospects
-    from mcpn.check.causes.risk import risk
-    from mcpn.check.spaces import stable_space
-
-    return risk(Prospects(mission_net, stable_space(mission_net, engine="explicit", max_states=max_states)))
 
 
 def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None) -> tuple[Any, Any]:

@@ -27,7 +27,7 @@ class MissionNet(Drawn):
         graph: Its objectives graph.
         usage: Its static facts.
         net: Its Petri net.
-        roles: By place index, what the place says when it is marked.
+        roles: By place index, in ascending order, what the place says when it is marked.
     """
 
     mission: Mission
@@ -168,7 +168,7 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
         templates.activity(canvas, activity)
     templates.control(canvas, parts.graph)
     net = canvas.build()
-    roles = {net.place_index[place]: role for place, role in canvas.roles.items()}
+    roles = dict(sorted((net.place_index[place], role) for place, role in canvas.roles.items()))
     return MissionNet(usage.mission, parts.graph, usage, net, roles)
 
 

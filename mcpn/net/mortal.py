@@ -28,6 +28,10 @@ def mortal(mission_net: MissionNet) -> MissionNet:
     net = mission_net.net
     places, transitions = list(net.places), list(net.transitions)
     roles, units = dict(mission_net.roles), list(net.units)
+    leaving: dict[int, list[int]] = {}
+    for t, transition in enumerate(transitions):
+        for place, _ in transition.consume:
+            leaving.setdefault(place, []).append(t)
     for hardware in mission_net.mission.hardware:
         out = mission_net.by_role.get(("oos", hardware.name))
         if out is None:
@@ -37,9 +41,8 @@ def mortal(mission_net: MissionNet) -> MissionNet:
         places += [Place(f"{hardware.name}_alive", 1, origin), Place(f"{hardware.name}_dead", 0, origin)]
         units.append((alive, dead))
         roles[alive], roles[dead] = ("alive", hardware.name), ("dead", hardware.name)
-        for t, transition in enumerate(transitions):
-            if any(place in out for place, _ in transition.consume):
-                transitions[t] = replace(transition, read=(*transition.read, (alive, 1)))
+        for t in dict.fromkeys(t for place in out for t in leaving.get(place, ())):
+            transitions[t] = replace(transitions[t], read=(*transitions[t].read, (alive, 1)))
         reads = tuple((place, 1) for place in out)
         lost = Event(What.LOST, hardware.name)
         transitions.append(Transition(str(lost), ((alive, 1),), ((dead, 1),), reads, lost, origin))

@@ -182,7 +182,9 @@ def _answers(findings: Findings) -> Iterator[tuple[str, str]]:
     if survived and () not in cut_sets:
         yield "holds", f"It survives the loss of any one of these alone: {', '.join(survived)}."
     if findings.risk is not None:
-        yield "note", f"With the given rates it succeeds with probability {findings.risk.success:.6g}."
+        chance = findings.risk
+        told = f"it succeeds with probability {chance.success:.6g} and fails with {chance.failure:.6g}"
+        yield "note", f"With the given rates {told}."
 
 
 def _what_if(rows: Sequence[Row]) -> Table:

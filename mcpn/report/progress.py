@@ -60,6 +60,27 @@ def progress_on_terminal(
         thread.join(timeout=1)
 
 
+@contextmanager
+def steps_on_terminal() -> Iterator[Callable[[str], None]]:
+    """A line on standard error that says which step of the work is under way, where a person watches.
+
+    Yields:
+        What is called with the name of each step as it begins.
+    """
+    now = ("reading", time.monotonic())
+
+    def say(_one: int, _other: int, seconds: float) -> str:
+        name, since = now
+        return f"{name}, {duration(time.monotonic() - since)}; {duration(seconds)} in all"
+
+    def begins(step: str) -> None:
+        nonlocal now
+        now = step, time.monotonic()
+
+    with progress_on_terminal(say):
+        yield begins
+
+
 def exploring(states: int, edges: int, seconds: float) -> str:
     """How far an exploration of unknown size is."""
     if not states:

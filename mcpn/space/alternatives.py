@@ -208,7 +208,7 @@ class _Proving:
         if start in ends:
             return ends[start]
         if start in self.torn:
-            raise self.torn[start]
+            raise self.torn[start].with_traceback(None)
         if not covered & masked.internal:
             ends[start] = start
             return start
@@ -245,7 +245,7 @@ class _Proving:
             if after in on_path:
                 raise divergence_error([*self.run(marking), self.net.transitions[t].name])
             if after in self.torn:
-                raise self.torn[after]
+                raise self.torn[after].with_traceback(None)
             if after not in ends:
                 next_covered = masked.covered_after(covered, after, t)
                 if next_covered & masked.internal:

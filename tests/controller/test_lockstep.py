@@ -139,6 +139,36 @@ def test_whether_a_producer_goes_on_is_the_same_in_every_controller(together: tu
         walk(mission_net, controllers, random.Random(seed), 30)
 
 
+def test_a_section_need_not_be_confluent_where_the_mission_never_comes() -> None:
+    """``both`` asks h0 twice, so the objective after it, where two activities want h0, never begins."""
+
+    def activity(name: str, *ways: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
+        alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
+        return Activity(name=name, alternatives=alternatives, produces=produces)
+
+    robot = Robot(
+        name="robot",
+        hardware=(Hardware(name="h0"),),
+        software=(Software(name="s0"),),
+        activities=(
+            activity("producer", ("h0",), produces=("s0",)),
+            activity("plain", ("h0",)),
+            activity("both", ("s0", "h0"), ("s0", "h0"), ("h0",)),
+            activity("other", (), ("s0",), ("h0",)),
+        ),
+    )
+    blocks = (
+        Objective(name="one", activities=("other",), failure="fail"),
+        Objective(name="two", activities=("both", "other"), failure="one"),
+        Objective(name="three", activities=("both", "plain"), failure="one"),
+    )
+    mission_net = compose(Mission(name="mission", robots=(robot,), blocks=blocks))
+    controllers = either(mission_net)
+    assert len(controllers) == 2
+    for seed in range(10):
+        walk(mission_net, controllers, random.Random(seed), 30)
+
+
 @fewer(0.5)
 @given(stacked_missions(), st.integers(0, 2**32))
 def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:

@@ -12,6 +12,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.clash import find_clash
 from mcpn.space.confluence import (
     PROOF,
     PROOF_BY_JOINING,
@@ -137,6 +138,11 @@ def test_a_contended_mission_is_judged_alike_by_every_proof(mission: Mission) ->
     event(f"{expected}")
     near = nearest_fault(mission_net.net)
     assert near is None or expected is not None
+    if isinstance(near, ConfluenceError):
+        clash = find_clash(mission_net, near)
+        rivals = tuple(sorted(rival.name for rival in clash.rivals))
+        listed = {(c.wanted, c.rivals) for c in mission_net.usage.contentions}
+        assert clash.kind != "hardware" or {(wanted, rivals) for wanted in clash.wanted} <= listed
     found: SemanticsError | None = None
     for prove in (lambda: proof_by_joining(reach(mission_net.net)), lambda: composite_space(mission_net)):
         try:
