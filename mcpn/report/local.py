@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.compose import MissionNet
-from mcpn.net.sections import section_part
+from mcpn.net.sections import SectionParts
 from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
 from mcpn.report.pictures.machines import states_picture, states_within
 from mcpn.report.pictures.sections import local_graph
@@ -36,8 +36,9 @@ class LocalPicture:
 def local_pictures(mission_net: MissionNet) -> tuple[list[LocalPicture], list[str]]:
     """Local graphs as far as they can be drawn, and for each that cannot why."""
     alike: dict[Hashable, list[str]] = {}
+    alone = SectionParts(mission_net.usage).alone
     for section in mission_net.graph.sections:
-        alike.setdefault(section_part(mission_net.usage, section).type, []).append(section.name)
+        alike.setdefault(alone(section).type, []).append(section.name)
     notes, sizes = list[str](), list[int]()
     graphs: list[Graph] = []
     members: list[list[str]] = []
