@@ -36,7 +36,7 @@ from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import PremiseError, SectionType
-from mcpn.space.local.sections import PlacedSection
+from mcpn.space.local.sections import NOWHERE, PlacedSection
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.draws import fewer
@@ -111,6 +111,29 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
         reaching = composite.reaching(composite.marked(places))
         goal = np.any([whole.marked(p) for p in places], axis=0)
         assert reaching.count() == int(whole.reaching(goal).sum())
+
+
+@fewer(0.5)
+@given(missions() | stacked_missions())
+def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(mission: Mission) -> None:
+    mission_net = compose(mission)
+    try:
+        composite = composite_space(mission_net)
+    except (ConfluenceError, DivergenceError):
+        returns_early("not confluent")
+        return
+    whole = mission_net.net
+    for placed in composite.sections.values():
+        own = placed.part.net().net
+        assert placed.places == [whole.place_index.get(place.name, NOWHERE) for place in own.places]
+        assert placed.transitions == [whole.transition_index[t.name] for t in own.transitions]
+        for find, there in (
+            (placed.local_place, placed.places),
+            (placed.local_transition, placed.transitions),
+        ):
+            assert all(find(where) == local for local, where in enumerate(there) if where != NOWHERE)
+    shared = len({placed.placement for placed in composite.sections.values()}) < len(composite.sections)
+    event(f"sections that use the same: {shared}")
 
 
 # --- junctions ---------------------------------------------------------------------------------------------
