@@ -5,9 +5,8 @@ A set of states is a diagram for each section; places and transitions are those 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import chain
 
 from mcpn._kernel import Zdd
 from mcpn.mission.model import FAIL, SUCCEED
@@ -107,10 +106,14 @@ class CompositeSpace(Runs):
     def _holding(self, place: int) -> Iterator[str]:
         """The sections whose local nets have a place of the whole net, if it is not the mission's."""
         if place in self._place_owners:
-            return iter([self._place_owners[place]])
-        return chain.from_iterable(
-            names for placement, names in self._users.items() if place in placement.places.locals
-        )
+            yield self._place_owners[place]
+        for placement in self._place_users.get(place, ()):
+            yield from self._users[placement]
+
+    @cached_property
+    def _place_users(self) -> Mapping[int, list[Placement]]:
+        """By place that is of no section, the placements whose local nets have it."""
+        return _reversed((placement, placement.places.locals) for placement in self._users)
 
     @cached_property
     def _place_owners(self) -> Mapping[int, str]:
@@ -227,9 +230,13 @@ class CompositeSpace(Runs):
             yield BEGIN
         if transition in self._transition_owners:
             yield self._transition_owners[transition]
-        for placement, names in self._users.items():
-            if transition in placement.transitions.locals:
-                yield from names
+        for placement in self._transition_users.get(transition, ()):
+            yield from self._users[placement]
+
+    @cached_property
+    def _transition_users(self) -> Mapping[int, list[Placement]]:
+        """By transition that is of no section, the placements whose local nets have it."""
+        return _reversed((placement, placement.transitions.locals) for placement in self._users)
 
     @cached_property
     def _transition_owners(self) -> Mapping[int, str]:
@@ -299,6 +306,14 @@ class CompositeSpace(Runs):
                 images.known[part, bits] = images.known[projected, bits]
             found |= images.known[part, bits]
         return found
+
+
+def _reversed(having: Iterable[tuple[Placement, Iterable[int]]]) -> dict[int, list[Placement]]:
+    found: dict[int, list[Placement]] = {}
+    for placement, indices in having:
+        for index in indices:
+            found.setdefault(index, []).append(placement)
+    return found
 
 
 def _is_of(provenance: Provenance | None, name: str) -> bool:

@@ -320,9 +320,9 @@ class Glued:
                 part = part & (ways | onward | dead)
             if part != found.get(name, empty):
                 found[name] = part
-                for before, _ in self.into.get(name, ()):
-                    if before in found:
-                        waiting.again(before)
+                for earlier, _ in self.into.get(name, ()):
+                    if earlier in found:
+                        waiting.again(earlier)
         return self.of(found)
 
     @cached_property
