@@ -27,7 +27,7 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
     for place, name in active.items():
         by_activity.setdefault(name.split(".", 1)[0], []).append(place)
     places_of: dict[tuple[str, ...], tuple[int, ...]] = {}
-    images: dict[tuple[int, ...], ImageStore] = {}
+    images: dict[int, ImageStore] = {}
     listed: dict[tuple[tuple[str, ...], Zdd], list[Mode]] = {}
     for section in mission_net.graph.walk():
         activities = section.activities
@@ -35,15 +35,17 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
             closure = frozenset[str]().union(*(mission_net.usage.closure(a) for a in activities))
             ours = sorted(place for activity in closure for place in by_activity.get(activity, ()))
             places_of[activities] = tuple(ours)
-            images.setdefault(tuple(ours), ImageStore(len(ours)))
+            if len(ours) not in images:
+                images[len(ours)] = ImageStore(len(ours))
         places = places_of[activities]
         running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
-        family = space.image(running, places, images[places])
-        if (activities, family) not in listed:
+        family = space.image(running, places, images[len(places)])
+        key = activities, family
+        if key not in listed:
             rows = sorted(([i in row for i in range(len(places))] for row in map(set, family)), reverse=True)
             modes = [
                 dict(active[p].split(".", 1) for p, on in zip(places, row, strict=True) if on) for row in rows
             ]
-            listed[activities, family] = [mode for mode in modes if all(a in mode for a in activities)]
-        found[section.name] = [*listed[activities, family]]
+            listed[key] = [mode for mode in modes if all(a in mode for a in activities)]
+        found[section.name] = [*listed[key]]
     return found

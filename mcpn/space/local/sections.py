@@ -127,13 +127,15 @@ class Placement:
     @cached_property
     def places(self) -> Overlay:
         """Where places lie."""
-        local = _by_element(place.provenance for place in self.type.net.net.places)
+        drawn = self.type.net.net.places
+        local = self.type.remembered("places", lambda: _by_element(place.provenance for place in drawn))
         return Overlay(local, self.elements.places, self.names, lambda: self.places_by_name(self.part))
 
     @cached_property
     def transitions(self) -> Overlay:
         """Where transitions lie."""
-        local = _by_element(transition.provenance for transition in self.type.net.net.transitions)
+        drawn = self.type.net.net.transitions
+        local = self.type.remembered("transitions", lambda: _by_element(t.provenance for t in drawn))
         by_name = partial(self.transitions_by_name, self.part)
         return Overlay(local, self.elements.transitions, self.names, by_name)
 
