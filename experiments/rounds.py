@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import platform
 import time
+from itertools import pairwise
 
 from mcpn import __version__
 from mcpn.check.verdicts.mission import check
@@ -57,8 +58,9 @@ def main() -> None:
         times.append(time.process_time())
         controller = generate(mission_net)
         times.append(time.process_time())
-        composed, checked, generated = (b - a for a, b in zip(times, times[1:], strict=False))
-        assert found.passed and found.stable_sizes is not None
+        composed, checked, generated = (b - a for a, b in pairwise(times))
+        assert found.passed
+        assert found.stable_sizes is not None
         sections = len(controller.sections)
         print(
             f"{sections:8,} {composed:6.1f} s {checked:6.1f} s {generated:9.1f} s "
