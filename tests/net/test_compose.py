@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -36,6 +37,7 @@ from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.explicit import explore
 from mcpn.space.graph import StateGraph
 from mcpn.testing import Shape, missions
+from tests.draws import fewer
 from tests.net.promises import check_promises
 
 LIMIT = 40_000
@@ -217,6 +219,24 @@ def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> N
         return
     check_promises(found, markings)
     by_reduction(markings)
+
+
+@fewer(0.5)
+@given(missions(disjoint_branches=True))
+def test_sharing_adds_nothing_where_no_two_want_the_same(mission: Mission) -> None:
+    """There the net is the paper's, place for place, whether software and hardware are shared or reserved."""
+
+    def said(shared: bool) -> MissionNet:
+        (robot,) = mission.robots
+        software = tuple(replace(s, exclusive=not shared) for s in robot.software)
+        hardware = tuple(replace(h, shared=shared) for h in robot.hardware)
+        robots = (replace(robot, software=software, hardware=hardware),)
+        return compose(replace(mission, robots=robots))
+
+    shared, reserved = said(True), said(False)
+    assert not shared.usage.wanted_together
+    event(f"software: {bool(mission.software)}")
+    assert shared.net == reserved.net
 
 
 def new_elements(mission: Mission) -> dict[str, bool]:
