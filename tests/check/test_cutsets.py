@@ -218,7 +218,7 @@ def small(mission: Mission, max_states: int) -> MissionNet | None:
     return found
 
 
-@fewer(0.25)
+@fewer(0.4)
 @given(
     missions(max_objectives=2, max_sections=5, max_hardware=3, max_producers=2)
     | missions(max_objectives=2, max_sections=5, max_hardware=3, max_producers=2, events=2)

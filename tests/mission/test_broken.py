@@ -30,6 +30,7 @@ from mcpn.mission.warnings import find_warnings
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission
 from tests.conftest import ULYSSE
+from tests.draws import fewer
 
 NS = 'xmlns="urn:mcpn:mission:1"'
 ROBOT = """<robot name="r">
@@ -842,6 +843,7 @@ def reads_or_tells(path: Path) -> None:
     assert read_mission(path) == mission
 
 
+@fewer(0.5)
 @given(st.lists(trees(), max_size=3), st.booleans())
 def test_any_tree_is_read_or_told(
     tmp_path_factory: pytest.TempPathFactory, parts: list[str], sound: bool
