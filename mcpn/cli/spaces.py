@@ -180,7 +180,7 @@ def alternatives(
     mission_net = mission_net_of(mission, import_root)
     started = time.perf_counter()
     if section is not None:
-        from mcpn.report.pictures.sections import part_of
+        from mcpn.net.sections import part_of
 
         mission_net, engine = part_of(mission_net, section).net(), "explicit"
 
