@@ -15,7 +15,7 @@ from mcpn.net.petri import PetriNet, Place, Provenance, Transition
 from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
-from mcpn.report.pictures.sections import local_graph
+from mcpn.space.local.alone import local_graph
 
 MOST_LISTED = 20_000
 """Stable markings that are listed at most to tell which places are temporary."""

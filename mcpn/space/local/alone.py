@@ -1,4 +1,4 @@
-"""The local net and the local graph of a section that a picture is of."""
+"""A section alone: its local net and its alternatives graph, listed."""
 
 from __future__ import annotations
 
