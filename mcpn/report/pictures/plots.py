@@ -119,23 +119,26 @@ def _matplotlib() -> Any:
 
 
 def _draw_curves(axes: Any, plot: Curves) -> None:
-    drawn = {name: points for name, points in plot.curves.items() if points}
-    for number, (name, points) in enumerate(drawn.items()):
+    for number, (name, points) in enumerate(plot.curves.items()):  # of the same look in each plot
+        if not points:
+            continue
         axes.plot(
             *zip(*points, strict=True),
             marker=_MARKERS[number % len(_MARKERS)],
             color=_COLOURS[number % len(_COLOURS)],
             label=plain(name),
         )
-    every = [point for points in drawn.values() for point in points]
+    every = [point for points in plot.curves.values() for point in points]
     if _far_apart(x for x, _ in every):
         axes.set_xscale("log")
+    elif all(isinstance(x, int) for x, _ in every):
+        axes.xaxis.get_major_locator().set_params(integer=True)
     if _far_apart(y for _, y in every):
         axes.set_yscale("log")
     axes.set_xlabel(plain(plot.across), parse_math=False)
     axes.set_ylabel(plain(plot.up), parse_math=False)
     axes.grid(alpha=0.3)
-    if drawn:
+    if every:
         axes.legend()
 
 
