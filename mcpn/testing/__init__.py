@@ -40,6 +40,9 @@ from mcpn.mission.model import (
 )
 from mcpn.testing.names import awkwardly_named
 from mcpn.testing.shape import Shape as Shape
+from mcpn.testing.shown import register
+
+register()
 
 TEXTS = st.text(
     st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co")) | st.sampled_from("\t\n\r"),

@@ -201,6 +201,8 @@ def test_the_stub_says_what_the_kernel_has() -> None:
         "mcpn._kernel",
         "--allowlist",
         str(KERNEL / "stubtest.txt"),
+        "--mypy-config-file",
+        str(KERNEL.parent / "pyproject.toml"),
     ]
     run = subprocess.run(command, capture_output=True, text=True, cwd=KERNEL.parent, check=False)
     assert run.returncode == 0, run.stdout
