@@ -2,6 +2,9 @@
 
 python experiments/causes.py            cut sets and FMECA of Ulysse (seconds)
 python experiments/causes.py --growth   seconds for missions with more and more hardware (some minutes)
+
+With ``--growth -o FOLDER`` the numbers go to ``causes.csv`` and a plot (needs ``mcpn[experiments]``) to
+``causes.svg`` in that folder.
 """
 
 from __future__ import annotations
@@ -11,6 +14,9 @@ import time
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from typing import Any
+
+import plots
 
 from mcpn.check.causes.conditions import enumeration
 from mcpn.check.causes.find import Causes, find_causes
@@ -23,6 +29,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.report.causes import fmeca_rows
+from mcpn.report.pictures.plots import Curves
 from mcpn.space.diagrams import DiagramMarkings
 from mcpn.space.symbolic import reach
 
@@ -107,8 +114,9 @@ def in_a_chain(resources: int, ways: int) -> Mission:
     return Mission(name="in_a_chain", robots=(robot,), blocks=(Objective(name="go", activities=("use",)),))
 
 
-def growth() -> None:
-    """Prints seconds by the graph of the whole mission, where that ends, and by composition."""
+def growth() -> list[dict[str, Any]]:
+    """Prints seconds by the graph of the whole mission, where that ends, and by composition; as rows too."""
+    lines: list[dict[str, Any]] = []
     print(
         "| mission | hardware | cut sets | path sets | whole, s | composition, s |\n|---|---|---|---|---|---|"
     )
@@ -120,14 +128,39 @@ def growth() -> None:
             seconds = time.perf_counter() - started
             # Closed form: any of the parts with its three ways.
             assert len(local.mission.cut_sets) == parts
+            line: dict[str, Any] = {"mission": shape.__name__, "hardware": 3 * parts, "composition": seconds}
             whole = "-"
             if parts <= 3:
                 started = time.perf_counter()
                 whole_causes = find_causes(found, engine="explicit")
                 assert whole_causes.mission.moments == local.mission.moments
-                whole = f"{time.perf_counter() - started:.2f}"
+                line["whole"] = time.perf_counter() - started
+                whole = f"{line['whole']:.2f}"
+            lines.append(line)
             sizes = f"{3 * parts} | {parts} | {3**parts}"
-            print(f"| {shape.__name__} of {parts} | {sizes} | {whole} | {seconds:.2f} |")
+            print(f"| {shape.__name__} of {parts} | {sizes} | {whole} | {seconds:.2f} |", flush=True)
+    return lines
+
+
+def save(lines: list[dict[str, Any]], folder: Path) -> None:
+    """Writes the CSV, and the plot: seconds against hardware, each shape of missions on its own."""
+    curves = [
+        Curves(
+            shape,
+            "hardware resources",
+            "seconds",
+            {
+                way: [
+                    (line["hardware"], line[way])
+                    for line in lines
+                    if line["mission"] == shape and way in line
+                ]
+                for way in ("whole", "composition")
+            },
+        )
+        for shape in dict.fromkeys(line["mission"] for line in lines)
+    ]
+    plots.save(folder, "causes", lines, curves)
 
 
 def main() -> None:
@@ -136,7 +169,15 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--growth", action="store_true", help="missions with more and more hardware")
-    growth() if parser.parse_args().growth else ulysse()
+    arguments = plots.parsed(parser, "causes")
+    if arguments.output and not arguments.growth:
+        parser.error("-o is for --growth")
+    if not arguments.growth:
+        ulysse()
+        return
+    lines = growth()
+    if arguments.output:
+        save(lines, arguments.output)
 
 
 if __name__ == "__main__":

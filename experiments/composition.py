@@ -1,14 +1,14 @@
 """Explicit, symbolic and local side by side on growing missions, each until it gives up.
 
-Usage: ``python experiments/composition.py [--sections N...] [--hardware N...] [--plot FILE.svg]``
+Usage: ``python experiments/composition.py [--sections N...] [--hardware N...] [-o FOLDER]``
 
 Ulysse first, every way in one process. Then the sweep: each run has a process, 20 s and 4 GiB of its own.
 Explicit builds the markings graph and reduces it, direct runs to completion with the symbolic proof, symbolic
 reaches the markings as a diagram, local explores each type of section on its own; local gives every verdict
 and the exact sizes of the whole. An engine that has given up on a mission is not asked for a longer one.
 Sections of the last part use much hardware each, up to 24 resources, so that their interface states are
-diagrams. It takes some eight minutes on two cores with its defaults. The plot needs matplotlib
-(``mcpn[experiments]``).
+diagrams. It takes some eight minutes on two cores with its defaults. With ``-o`` the numbers go to
+``composition.csv`` and a plot (needs ``mcpn[experiments]``) to ``composition.svg`` in that folder.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import plots
 from limits import Result, measured
 from missions import Parameters, generate
 
@@ -31,6 +32,7 @@ from mcpn.controller.hierarchy import flat_controller
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
+from mcpn.report.pictures.plots import Curves
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.explicit import explore
@@ -122,21 +124,16 @@ def ulysse() -> None:
         print(f"ulysse, {controller.form} controller: {controller.size}")
 
 
-def plot(points: dict[str, list[tuple[int, float]]], path: Path) -> None:
-    """Draws seconds against sections."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    for engine, values in points.items():
-        if values:
-            pyplot.loglog(*zip(*values, strict=True), marker="o", label=engine)
-    pyplot.xlabel("sections")
-    pyplot.ylabel("seconds")
-    pyplot.legend()
-    pyplot.savefig(path)
-    pyplot.close()
+def save(sweeps: dict[str, dict[str, list[tuple[int, float]]]], folder: Path) -> None:
+    """Writes the CSV, and the plot: seconds against sections, each sweep on its own."""
+    lines = [
+        {"sweep": sweep, "engine": engine, "sections": sections, "seconds": seconds}
+        for sweep, engines in sweeps.items()
+        for engine, points in engines.items()
+        for sections, seconds in points
+    ]
+    curves = [Curves(name, "sections", "seconds", engines) for name, engines in sweeps.items()]
+    plots.save(folder, "composition", lines, curves)
 
 
 def overtakes(points: dict[str, list[tuple[int, float]]]) -> None:
@@ -170,9 +167,8 @@ def main() -> None:
     parser.add_argument("--sections", type=int, nargs="+", default=[5, 10, 50, 100, 500, 1000])
     parser.add_argument("--hardware", type=int, nargs="+", default=[3, 6, 12, 30])
     parser.add_argument("--types", type=int, default=20)
-    parser.add_argument("--plot", type=Path)
     parser.add_argument("--seconds", type=float, default=20, help="limit of each run (default 20)")
-    arguments = parser.parse_args()
+    arguments = plots.parsed(parser, "composition")
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
     print(f"{machine}; {arguments.seconds:g} s, {GIB} GiB")
     ulysse()
@@ -182,13 +178,14 @@ def main() -> None:
     def some(sections: int, hardware: int, **more: int | float) -> Mission:
         return generate(Parameters(sections, min(arguments.types, sections), hardware, **more))  # type: ignore[arg-type]
 
+    sweeps: dict[str, dict[str, list[tuple[int, float]]]] = {}
     for hardware in arguments.hardware:
         missions = {n: some(n, hardware, per_section=min(4, hardware)) for n in arguments.sections}
-        points = sweep(f"{hardware} hw", missions, arguments.seconds)
-        if arguments.plot and hardware == arguments.hardware[-1]:
-            plot(points, arguments.plot)
+        sweeps[f"{hardware} hardware resources"] = sweep(f"{hardware} hw", missions, arguments.seconds)
     wide = {n: some(n, 30, per_section=12, alternatives=8, parallel=0.5) for n in arguments.sections}
-    sweep("wide", wide, arguments.seconds)
+    sweeps["wide sections"] = sweep("wide", wide, arguments.seconds)
+    if arguments.output:
+        save(sweeps, arguments.output)
 
 
 if __name__ == "__main__":

@@ -17,15 +17,16 @@ most.
 from __future__ import annotations
 
 import argparse
-import csv
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import plots
 from limits import Result, measured
 
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import compose
+from mcpn.report.pictures.plots import Curves
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import composite_space
 from mcpn.space.summary import summarise
@@ -127,30 +128,21 @@ def table(lines: list[dict[str, Any]]) -> str:
 
 def save(lines: list[dict[str, Any]], folder: Path) -> None:
     """Writes the CSV, and the plot: seconds against the number of branches or objectives."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "explicit_vs_symbolic.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        writer.writerows(lines)
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(1, len(FAMILIES), figsize=(5 * len(FAMILIES), 4), sharey=True)
-    for axis, family in zip(axes, FAMILIES, strict=True):
-        for engine in ENGINES:
-            points = [
-                (line["n"], line[engine]) for line in lines if line["family"] == family and engine in line
-            ]
-            if points:
-                axis.semilogy(*zip(*points, strict=True), marker="o", label=engine)
-        axis.set_xlabel(f"N ({family})")
-        axis.legend()
-    axes[0].set_ylabel("seconds")
-    figure.tight_layout()
-    figure.savefig(folder / "explicit_vs_symbolic.svg")
-    pyplot.close(figure)
+    curves = [
+        Curves(
+            family,
+            f"N ({family})",
+            "seconds",
+            {
+                engine: [
+                    (line["n"], line[engine]) for line in lines if line["family"] == family and engine in line
+                ]
+                for engine in ENGINES
+            },
+        )
+        for family in FAMILIES
+    ]
+    plots.save(folder, "explicit_vs_symbolic", lines, curves)
 
 
 def main() -> None:
@@ -158,10 +150,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("-o", "--output", type=Path, help="folder for the CSV and the plot")
     parser.add_argument("--most", type=int, default=8, help="the largest N of each family (default 8)")
     parser.add_argument("--seconds", type=float, default=15, help="limit of each run (default 15)")
-    arguments = parser.parse_args()
+    arguments = plots.parsed(parser, "explicit_vs_symbolic")
     lines = list(measure(arguments.most, arguments.seconds))
     print(table(lines))
     if arguments.output:

@@ -1,9 +1,11 @@
 """Nets and missions that grow: N dining philosophers, a ring of N 8-state components, N missions in a row.
 
-Run: python experiments/families.py
+Usage: ``python experiments/families.py [-o FOLDER]``
 
 Prints, for each size, the markings that the symbolic engine counts, whether the closed form agrees where
 there is one, its seconds, and the nodes of the diagram at its peak and at its end. It takes a minute or two.
+With ``-o`` the numbers go to ``families.csv`` and a plot (needs ``mcpn[experiments]``) to ``families.svg`` in
+that folder.
 """
 
 from __future__ import annotations
@@ -15,12 +17,16 @@ import time
 from dataclasses import replace
 from math import comb
 from pathlib import Path
+from typing import Any
+
+import plots
 
 import mcpn
 from mcpn.mission.model import Mission, Use
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.report.pictures.plots import Curves
 from mcpn.space.symbolic import reach
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
@@ -105,13 +111,30 @@ def ulysses(count: int) -> Mission:
     return replace(mission, name=f"ulysse-{count}", blocks=tuple(blocks))
 
 
+def save(lines: list[dict[str, Any]], folder: Path) -> None:
+    """Writes the CSV, and the plot: seconds and nodes at the peak against places."""
+    families = dict.fromkeys(line["family"] for line in lines)
+    curves = [
+        Curves(
+            told,
+            "places",
+            told,
+            {f: [(line["places"], line[column]) for line in lines if line["family"] == f] for f in families},
+        )
+        for told, column in (("seconds of CPU", "seconds"), ("nodes at the peak", "peak_nodes"))
+    ]
+    plots.save(folder, "families", lines, curves)
+
+
 def main() -> None:
     """Prints the table."""
-    argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    ).parse_args()
+    )
+    arguments = plots.parsed(parser, "families")
     sys.set_int_max_str_digits(0)
     print(f"{'net':22}{'places':>8}{'markings':>28}{'right':>7}{'seconds':>9}{'peak':>9}{'nodes':>8}")
+    lines: list[dict[str, Any]] = []
     nets: list[tuple[PetriNet, int | None]] = []
     nets += [(philosophers(n), None) for n in (20, 100, 500)]
     nets += [(ring(n), comb(n, n // 2) * 4**n) for n in (16, 32, 64)]
@@ -126,7 +149,14 @@ def main() -> None:
         )
         right = "" if expected is None else "yes" if states == expected else "NO"
         row = f"{net.name:22}{len(net.places):8}{shown:>28}{right:>7}{seconds:9.2f}"
-        print(f"{row}{space.peak_nodes:9}{space.reachable.nodes():8}", flush=True)
+        nodes = space.reachable.nodes()
+        print(f"{row}{space.peak_nodes:9}{nodes:8}", flush=True)
+        sizes = {"places": len(net.places), "markings": states}
+        family, _, number = net.name.rpartition("-")
+        took = {"seconds": seconds, "peak_nodes": space.peak_nodes, "nodes": nodes}
+        lines.append({"family": family, "n": int(number), **sizes, **took})
+    if arguments.output:
+        save(lines, arguments.output)
     versions = f"mcpn {mcpn.__version__}, Python {platform.python_version()}"
     print(f"seconds of CPU, orders raced; {versions}, {platform.system()} {platform.machine()}")
 

@@ -1,12 +1,14 @@
 """Ulysse with a parallel block of branches on disjoint resources: what interleaving costs each way.
 
-Usage: ``python experiments/five_branches.py [--branches 5]``
+Usage: ``python experiments/five_branches.py [--branches 5] [-o FOLDER]``
 
 After Ulysse's own blocks comes a parallel one, each child with a sensor of its own that may fail. The
 markings graph holds every interleaving of their internal steps; the direct way, with its proof on diagrams,
 does not. The reduction is left out where there are more markings than ``--most`` (five branches have
-253,598,916).
-With its defaults it takes under a minute.
+253,598,916). With its defaults it takes under a minute.
+
+With ``-o`` blocks of fewer branches are measured first; the numbers go to ``five_branches.csv`` and a plot
+(needs ``mcpn[experiments]``) to ``five_branches.svg`` in that folder. That takes a minute or two.
 """
 
 from __future__ import annotations
@@ -16,6 +18,9 @@ import platform
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
+
+import plots
 
 from mcpn import __version__
 from mcpn.mission.model import (
@@ -32,6 +37,7 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
+from mcpn.report.pictures.plots import Curves
 from mcpn.space.alternatives import by_reduction
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.explicit import explore
@@ -60,15 +66,9 @@ def with_branches(mission: Mission, count: int) -> Mission:
     )
 
 
-def main() -> None:
-    """Both ways in one run, from the net to the same alternatives graph."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--branches", type=int, default=5)
-    parser.add_argument("--most", type=int, default=20_000_000)
-    arguments = parser.parse_args()
-    net = compose(with_branches(read_mission(ULYSSE), arguments.branches)).net
+def measure(branches: int, most: int) -> dict[str, Any]:
+    """Both ways in one run, from the net to the same alternatives graph; printed, and as a row."""
+    net = compose(with_branches(read_mission(ULYSSE), branches)).net
     started = time.process_time()
     direct = direct_with_proof(net)
     direct_seconds = time.process_time() - started
@@ -76,9 +76,10 @@ def main() -> None:
     print(f"directly, proof included: {direct_seconds:.2f} s ({direct.proof})", flush=True)
     markings = reach(net).states
     print(f"markings: {markings}", flush=True)
-    if markings > arguments.most:
-        print(f"by reduction: left out, more than {arguments.most} markings")
-        return
+    line = {"branches": branches, "markings": markings, "stable": direct.states, "directly": direct_seconds}
+    if markings > most:
+        print(f"by reduction: left out, more than {most} markings")
+        return line
     started = time.process_time()
     reduced = by_reduction(explore(net))
     seconds = time.process_time() - started
@@ -86,6 +87,29 @@ def main() -> None:
     print(
         f"by reduction of the markings graph: {seconds:.2f} s, {seconds / direct_seconds:.1f} times as long"
     )
+    return line | {"by reduction": seconds}
+
+
+def save(lines: list[dict[str, Any]], folder: Path) -> None:
+    """Writes the CSV, and the plot: seconds against branches."""
+    ways = ("directly", "by reduction")
+    points = {way: [(line["branches"], line[way]) for line in lines if way in line] for way in ways}
+    curves = Curves("the alternatives graph", "branches side by side", "seconds of CPU", points)
+    plots.save(folder, "five_branches", lines, [curves])
+
+
+def main() -> None:
+    """One block, or with ``-o`` a block of each number of branches up to it."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--branches", type=int, default=5)
+    parser.add_argument("--most", type=int, default=20_000_000)
+    arguments = plots.parsed(parser, "five_branches")
+    first = 1 if arguments.output else arguments.branches
+    lines = [measure(number, arguments.most) for number in range(first, arguments.branches + 1)]
+    if arguments.output:
+        save(lines, arguments.output)
     print(f"seconds of CPU; mcpn {__version__}, Python {platform.python_version()}, {platform.machine()}")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 import subprocess
@@ -13,7 +14,7 @@ import pytest
 from tests.conftest import ROOT
 
 FOLDER = ROOT / "experiments"
-LIBRARIES = {"limits"}
+LIBRARIES = {"limits", "plots"}
 """Modules that scripts share and that are no scripts."""
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in LIBRARIES)
 PAPER = ROOT / "papers" / "mcpn.md"
@@ -86,3 +87,19 @@ def test_explicit_and_symbolic_side_by_side() -> None:
     )
     found = python("-c", script)
     assert found.returncode == 0, found.stderr
+
+
+def test_what_grows_is_plotted(tmp_path: Path) -> None:
+    """The smallest member of each family, in the files of ``-o``."""
+    pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")
+    folder = tmp_path / "new" / "folder"
+    found = python(FOLDER / "explicit_vs_symbolic.py", "--most", 1, "-o", folder)
+    assert found.returncode == 0, found.stderr
+    with (folder / "explicit_vs_symbolic.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["family"], row["n"]) for row in rows] == [("branches", "1"), ("row", "1")]
+    assert (folder / "explicit_vs_symbolic.svg").read_text().count(">seconds<") == 2
+    (tmp_path / "file").touch()
+    found = python(FOLDER / "families.py", "-o", tmp_path / "file" / "below")
+    assert (found.returncode, found.stdout) == (2, "")
+    assert "Traceback" not in found.stderr

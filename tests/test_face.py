@@ -8,9 +8,11 @@ import sys
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import assert_type
+from typing import Any, assert_type
 
 import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
 
 import mcpn
 from mcpn.check.causes.find import Causes
@@ -20,7 +22,9 @@ from mcpn.controller.hierarchy import Controller
 from mcpn.mission.model import Mission
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.space.summary import SpaceSummary
+from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
+from tests.net.nets import pt_nets
 
 
 @pytest.mark.parametrize("name", ["mcpn", "mcpn.face", "mcpn.check", "mcpn.controller"])
@@ -73,3 +77,25 @@ def test_the_package_itself_loads_nothing() -> None:
     script = "import sys, mcpn\nprint(*sorted(m for m in sys.modules if m[:4] == 'mcpn' or m == 'numpy'))"
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["mcpn"]
+
+
+@pytest.mark.parametrize(("drawn", "parts"), [(missions(), ("blocks", "robots")), (pt_nets(), ("places",))])
+def test_a_failing_property_shows_its_example_whole(
+    drawn: st.SearchStrategy[object], parts: tuple[str, ...]
+) -> None:
+    """The repr is short, what hypothesis prints of a failure is not."""
+    seen: list[Any] = []
+
+    @settings(max_examples=1, database=None, phases=[Phase.generate])
+    @given(drawn)
+    def fails(example: object) -> None:
+        seen.append(example)
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError) as failed:
+        fails()
+    told = "\n".join(failed.value.__notes__)
+    for part in parts:
+        assert f"{part}=" in told
+        assert all(f"name={each.name!r}" in told for each in getattr(seen[-1], part))
+    assert repr(seen[-1]) not in told

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from mcpn.check.spaces import Engine
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
+    from mcpn.report.progress import Steps
+
+    Told = Callable[[int, int, float], str]
 
 MOST_ROWS = 50
 """Objectives up to which a page has the FMECA table."""
@@ -62,9 +65,9 @@ def report(
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
-    with steps_on_terminal() as begins:
-        found = findings(mission_net_of(mission, import_root), engine, max_states, begins)
-        begins("the page")
+    with steps_on_terminal() as steps:
+        found = findings(mission_net_of(mission, import_root), engine, max_states, steps)
+        steps.begin("the page")
         text = page(found)
     write_atomically(output, text)
     if as_json:
@@ -82,7 +85,7 @@ def findings(
     mission_net: MissionNet,
     engine: Asked = "auto",
     max_states: int | None = None,
-    begins: Callable[[str], object] = len,
+    steps: Steps | None = None,
 ) -> Findings:
     """All that a report tells of a mission.
 
@@ -90,7 +93,7 @@ def findings(
         mission_net: The mission's net.
         engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
         max_states: Limit on states that are listed.
-        begins: Called with the name of each step.
+        steps: Told of each step and how far it is.
 
     Raises:
         SemanticsError: A section hands on more than the state of its hardware.
@@ -101,28 +104,31 @@ def findings(
     from mcpn.mission.warnings import find_warnings
     from mcpn.report.local import local_pictures
     from mcpn.report.page import Findings
+    from mcpn.report.progress import Steps, counted, exploring
 
+    steps = steps or Steps()
     seconds: dict[str, float] = {}
     notes: list[str] = []
 
     @contextmanager
-    def timed(what: str) -> Iterator[None]:
-        begins(what)
+    def timed(what: str, told: Told | None = None) -> Iterator[None]:
+        steps.begin(what, told)
         started = time.perf_counter()
         yield
         seconds[what] = time.perf_counter() - started
 
-    def tried(what: str, find: Callable[[], Any]) -> Any:
+    def tried(what: str, find: Callable[[], Any], told: Told | None = None) -> Any:
         try:
-            with timed(what):
+            with timed(what, told):
                 return find()
         except McpnError as error:
             notes.append(f"No {what}: {error}")
             return None
 
-    with timed("verdicts"):
-        checked = check(mission_net, engine=engine, max_states=max_states)
+    with timed("verdicts", counted if engine in ("auto", "local") else exploring):
+        checked = check(mission_net, engine=engine, max_states=max_states, progress=steps.at)
     chosen = checked.choice.engine
+    told = counted if chosen == "local" else exploring
     warnings = [*map(str, (*find_warnings(mission_net.mission), *checked.unselectable))]
     warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
@@ -130,12 +136,15 @@ def findings(
         return Findings(
             checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=chosen, seconds=seconds
         )
-    causes, rows = tried("causes", lambda: _causes(mission_net, chosen, max_states)) or (None, None)
+    causes, rows = tried("causes", lambda: _causes(mission_net, chosen, max_states, steps), told) or (
+        None,
+        None,
+    )
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
-    controller = tried("controller", lambda: _controller(mission_net, chosen, max_states))
-    with timed("local graphs"):
-        local, missing = local_pictures(mission_net)
+    controller = tried("controller", lambda: _controller(mission_net, chosen, max_states, steps), counted)
+    with timed("local graphs", counted):
+        local, missing = local_pictures(mission_net, steps.at)
     notes += missing
     risk = None
     if causes is not None and any(h.failure_rate for h in mission_net.mission.hardware):
@@ -144,24 +153,31 @@ def findings(
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
 
 
-def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None) -> tuple[Any, Any]:
+def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
     from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca
 
-    causes = find_causes(mission_net, engine=engine, max_states=max_states)
-    return causes, fmeca(causes.prospects) if len(causes.objectives) <= MOST_ROWS else None
+    causes = find_causes(mission_net, engine=engine, max_states=max_states, progress=steps.at)
+    if len(causes.objectives) > MOST_ROWS:
+        return causes, None
+    steps.begin("the FMECA table")
+    return causes, fmeca(causes.prospects)
 
 
-def _controller(mission_net: MissionNet, engine: Engine, max_states: int | None) -> dict[str, Any]:
+def _controller(
+    mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps
+) -> dict[str, Any]:
     """The controller, in one piece where sections cannot be taken apart and the mission is small."""
     from mcpn.controller.generate import generate
     from mcpn.controller.targets.json import document
+    from mcpn.report.progress import exploring
 
     try:
-        made = generate(mission_net, max_states=max_states)
+        made = generate(mission_net, max_states=max_states, progress=steps.at)
     except McpnError:
         if engine == "local":
             raise
-        made = generate(mission_net, "flat", max_states=max_states)
+        steps.begin("controller in one piece", exploring)
+        made = generate(mission_net, "flat", max_states=max_states, progress=steps.at)
     return document(made, mission_net)

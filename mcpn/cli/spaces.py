@@ -180,7 +180,7 @@ def alternatives(
     mission_net = mission_net_of(mission, import_root)
     started = time.perf_counter()
     if section is not None:
-        from mcpn.report.pictures.sections import part_of
+        from mcpn.net.sections import part_of
 
         mission_net, engine = part_of(mission_net, section).net(), "explicit"
 
@@ -216,17 +216,33 @@ def alternatives(
 
 @click.command()
 @click.argument("file", type=FILE)
+@click.option(
+    "--plot", type=FILE, help="Write a plot of seconds and memory: .svg or .png (needs mcpn[experiments])."
+)
 @limit_option
 @import_option
 @json_option
-def compare(file: Path, max_states: int | None, import_root: Path | None, as_json: bool) -> None:
+def compare(
+    file: Path, plot: Path | None, max_states: int | None, import_root: Path | None, as_json: bool
+) -> None:
     """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree."""
     from dataclasses import asdict
 
     from mcpn.space.compare import disagreement, measure
 
     subject = net_of(file, import_root) if is_net(file) else mission_net_of(file, import_root).mission
+    if plot is not None:
+        from mcpn.report.pictures.plots import ready
+
+        ready(plot)
     found = measure(subject, max_states=max_states)
+    if plot is not None:
+        from mcpn.report.pictures.plots import Bars, save_plot
+
+        ran = [m for m in found if m.sizes is not None]
+        seconds = Bars("seconds", {m.engine: m.seconds for m in ran})
+        memory = Bars("megabytes", {m.engine: m.megabytes for m in ran})
+        save_plot(plot, [seconds, memory], f"Engines on {subject.name}")
     error = disagreement(found)
     if as_json:
         emit_json(

@@ -294,6 +294,15 @@ class Mission(Drawn, Element):
     protocols: tuple[Protocol, ...] = ()
     handlers: tuple[Handler, ...] = ()
 
+    def __repr__(self) -> str:
+        sizes = {
+            "blocks": sum(1 for _ in walk(self.blocks)),
+            "protocols": len(self.protocols),
+            "activities": len(self.activities),
+            "hardware": len(self.hardware),
+        }
+        return f"<mission {self.name}: {', '.join(f'{n} {what}' for what, n in sizes.items())}>"
+
     @property
     def hardware(self) -> tuple[Hardware, ...]:
         """All hardware resources, in document order."""

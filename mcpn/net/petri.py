@@ -132,6 +132,9 @@ class PetriNet(Drawn):
     priorities: bool = False
     units: tuple[tuple[int, ...], ...] = field(default=(), compare=False)
 
+    def __repr__(self) -> str:
+        return f"<net {self.name}: {len(self.places)} places, {len(self.transitions)} transitions>"
+
     @cached_property
     def initial(self) -> Marking:
         """The initial marking."""

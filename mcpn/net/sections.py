@@ -13,11 +13,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
+from mcpn.errors import InputError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Activity, Hardware, Software
 from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
+
+MOST_NAMED = 12
+"""Sections that an error lists at most."""
 
 
 class Used:
@@ -198,6 +202,19 @@ class SectionParts:
 def section_part(usage: Usage, section: Section) -> LocalPart:
     """A section alone."""
     return SectionParts(usage).alone(section)
+
+
+def part_of(mission_net: MissionNet, name: str) -> LocalPart:
+    """A section of a mission, by its name, alone.
+
+    Raises:
+        InputError: There is no such section.
+    """
+    sections = {section.name: section for section in mission_net.graph.sections}
+    if name not in sections:
+        some = ", ".join([*sections][:MOST_NAMED]) + (", …" if len(sections) > MOST_NAMED else "")
+        raise InputError.at(None, f"found the section {name!r}, expected one of {some}")
+    return section_part(mission_net.usage, sections[name])
 
 
 def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:

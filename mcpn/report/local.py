@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 
 from mcpn.errors import LimitError, SemanticsError
@@ -10,7 +10,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.sections import SectionParts
 from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
 from mcpn.report.pictures.machines import states_picture, states_within
-from mcpn.report.pictures.sections import local_graph
+from mcpn.space.local.alone import local_graph
 
 MOST_LOCAL_STATES, MOST_DRAWN, MOST_BOXES = 20_000, 24, 60
 """States of a section that are listed for its drawing, drawings of a report, and boxes of each."""
@@ -33,8 +33,15 @@ class LocalPicture:
     picture: Placed
 
 
-def local_pictures(mission_net: MissionNet) -> tuple[list[LocalPicture], list[str]]:
-    """Local graphs as far as they can be drawn, and for each that cannot why."""
+def local_pictures(
+    mission_net: MissionNet, progress: Callable[[int, int], None] | None = None
+) -> tuple[list[LocalPicture], list[str]]:
+    """Local graphs as far as they can be drawn, and for each that cannot why.
+
+    Args:
+        mission_net: The mission's net.
+        progress: Called before each type of section with how many are done, and how many when the last is.
+    """
     alike: dict[Hashable, list[str]] = {}
     alone = SectionParts(mission_net.usage).alone
     for section in mission_net.graph.sections:
@@ -42,7 +49,9 @@ def local_pictures(mission_net: MissionNet) -> tuple[list[LocalPicture], list[st
     notes, sizes = list[str](), list[int]()
     graphs: list[Graph] = []
     members: list[list[str]] = []
-    for names in alike.values():
+    for number, names in enumerate(alike.values()):
+        if progress:
+            progress(number, number + min(len(alike) - number, MOST_DRAWN - len(graphs)))
         if len(graphs) == MOST_DRAWN:
             notes.append(
                 f"No more than {MOST_DRAWN} local graphs are drawn, of {len(alike)} types of sections."

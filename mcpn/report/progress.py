@@ -60,25 +60,48 @@ def progress_on_terminal(
         thread.join(timeout=1)
 
 
+class Steps:
+    """Which step of some work is under way, and how far it is where it has a count."""
+
+    def __init__(self) -> None:
+        self._name, self._since = "reading", time.monotonic()
+        self._told: Callable[[int, int, float], str] | None = None
+        self._at = (0, 0)
+
+    def begin(self, name: str, told: Callable[[int, int, float], str] | None = None) -> None:
+        """Begins a step.
+
+        Args:
+            name: What it finds.
+            told: Says what the two numbers of :meth:`at` mean: :func:`counted` or :func:`exploring`; ``None``
+                where the step has no count.
+        """
+        self._name, self._since, self._told, self._at = name, time.monotonic(), told, (0, 0)
+
+    def at(self, one: int, other: int) -> None:
+        """Says how far the step is: a progress callback."""
+        self._at = one, other
+
+    def line(self, seconds: float) -> str:
+        """The step and how far it is, after so many seconds of the whole work."""
+        spent = time.monotonic() - self._since
+        if self._told is None or self._at == (0, 0):
+            how_far = f"{self._name}, {duration(spent)}"
+        else:
+            how_far = f"{self._name}: {self._told(*self._at, spent)}"
+        return f"{how_far}; {duration(seconds)} in all"
+
+
 @contextmanager
-def steps_on_terminal() -> Iterator[Callable[[str], None]]:
+def steps_on_terminal() -> Iterator[Steps]:
     """A line on standard error that says which step of the work is under way, where a person watches.
 
     Yields:
-        What is called with the name of each step as it begins.
+        What is told of each step as it begins, and how far it is.
     """
-    now = ("reading", time.monotonic())
-
-    def say(_one: int, _other: int, seconds: float) -> str:
-        name, since = now
-        return f"{name}, {duration(time.monotonic() - since)}; {duration(seconds)} in all"
-
-    def begins(step: str) -> None:
-        nonlocal now
-        now = step, time.monotonic()
-
-    with progress_on_terminal(say):
-        yield begins
+    steps = Steps()
+    with progress_on_terminal(lambda _one, _other, seconds: steps.line(seconds)):
+        yield steps
 
 
 def exploring(states: int, edges: int, seconds: float) -> str:
@@ -89,12 +112,17 @@ def exploring(states: int, edges: int, seconds: float) -> str:
     return f"exploring: {states:,} states, {edges:,} edges, {rate}, {duration(seconds)}"
 
 
+def counted(done: int, total: int, seconds: float) -> str:
+    """How far work in equal parts is, and how long the rest may take at this pace."""
+    left = f", about {duration(seconds * (total - done) / done)} left" if 0 < done < total else ""
+    return f"{done:,} of {total:,}, {duration(seconds)}{left}"
+
+
 def sections(done: int, total: int, seconds: float) -> str:
-    """How far work on sections is, and how long the rest may take at this pace."""
+    """How far work on sections is, and how long the rest may take."""
     if not total:
         return f"sections on their own, {duration(seconds)}"
-    left = f", about {duration(seconds * (total - done) / done)} left" if done else ""
-    return f"sections on their own, and junctions: {done:,} of {total:,}, {duration(seconds)}{left}"
+    return f"sections on their own, and junctions: {counted(done, total, seconds)}"
 
 
 def duration(seconds: float) -> str:

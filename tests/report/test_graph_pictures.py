@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from lxml import etree
 
 import mcpn
@@ -15,6 +17,7 @@ from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.formats import save_net
 from mcpn.net.petri import NetBuilder
 from mcpn.report.pictures import drawing as drawing_module
 from mcpn.report.pictures import graph as graphs
@@ -27,6 +30,7 @@ from mcpn.testing import missions
 from tests.commands import mcpn as command
 from tests.commands import output
 from tests.conftest import ULYSSE
+from tests.net.nets import pt_nets
 from tests.report.test_pictures import hostile
 
 pytest.importorskip("pygraphviz", reason="needs pygraphviz: the extra pictures")
@@ -92,6 +96,45 @@ def test_a_net_is_drawn_with_its_interface(mission: Mission) -> None:
     )
     assert joined <= {place.name for place in net.places}
     assert {net.places[p].name for p in interface(net)} == joined - {""}
+
+
+@given(st.data())
+def test_units_from_elsewhere_are_framed(data: st.DataObject) -> None:
+    """A place stands in its unit's frame; it is internal where each of its transitions stands there too."""
+    drawn_net = data.draw(pt_nets())
+    keys = data.draw(
+        st.lists(st.integers(0, 2), min_size=len(drawn_net.places), max_size=len(drawn_net.places))
+    )
+    units = tuple(tuple(p for p, key in enumerate(keys) if key == k) for k in (1, 2))
+    net = replace(drawn_net, units=units)
+    picture = net_picture(net, "x")
+    names = {cluster.key: cluster.name for cluster in picture.clusters}
+    framed = {node.key: names.get(node.cluster or "") for node in picture.nodes}
+    sizes = [len(unit) for unit in units]
+    for place, key in enumerate(keys):
+        assert framed[f"p{place}"] == (f"unit {key}" if key and sizes[key - 1] > 1 else None)
+    joined = [(e.source, e.target) if e.source[0] == "p" else (e.target, e.source) for e in picture.edges]
+    for node in picture.nodes:
+        if node.key[0] == "p":
+            outside = any(framed[t] != framed[p] for p, t in joined if p == node.key)
+            assert ("interface" in node.kind) == outside
+        elif around := {framed[p] for p, t in joined if t == node.key}:
+            assert framed[node.key] == (around.pop() if len(around) == 1 else None)
+
+
+def test_units_of_a_file_are_drawn(tmp_path: Path) -> None:
+    builder = NetBuilder("two")
+    for name in "abcd":
+        builder.place(name, initial=int(name in "ac"))
+    builder.transition("t", consume=["a"], produce=["b"])
+    builder.transition("u", consume=["b", "c"], produce=["a", "d"])
+    builder.unit(["a", "b"])
+    builder.unit(["c", "d"])
+    source, target = tmp_path / "n.json", tmp_path / "n.svg"
+    save_net(builder.build(), source)
+    assert command("convert", source, target, "--draw", "net").returncode == 0
+    text = target.read_text()
+    assert all(f">{unit}</text>" in text for unit in ("unit 1", "unit 2"))
 
 
 def test_places_of_a_resource_have_the_colours_of_the_paper(ulysse: MissionNet) -> None:

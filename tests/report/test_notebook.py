@@ -63,7 +63,15 @@ def test_tables_are_texts() -> None:
 
 def test_reprs_are_short() -> None:
     net = compose(read_mission(ULYSSE))
-    found: list[object] = [net, net.graph, generate(net), direct_with_proof(net.net), explore(net.net)]
+    found: list[object] = [
+        net.mission,
+        net.net,
+        net,
+        net.graph,
+        generate(net),
+        direct_with_proof(net.net),
+        explore(net.net),
+    ]
     found += [check(net), mcpn.causes(net), mcpn.ctl(net, "EF success"), mcpn.picture(net)]
     for what in found:
         assert len(repr(what)) <= MOST_CHARACTERS, type(what)

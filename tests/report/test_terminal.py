@@ -15,7 +15,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mcpn.report.progress import exploring, sections
+from mcpn.cli.report import findings
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.report.progress import Steps, counted, exploring, sections
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
@@ -102,3 +105,33 @@ def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
 def test_progress_estimates_what_is_left() -> None:
     assert sections(1, 4, 10.0) == "sections on their own, and junctions: 1 of 4, 10 s, about 30 s left"
     assert exploring(1000, 5000, 2.0) == "exploring: 1,000 states, 5,000 edges, 500 states a second, 2 s"
+
+
+def test_steps_tell_how_far_they_are() -> None:
+    assert counted(1, 4, 10.0) == "1 of 4, 10 s, about 30 s left"
+    assert counted(4, 4, 10.0) == "4 of 4, 10 s"  # what follows has no count
+    steps = Steps()
+    assert steps.line(0.0) == "reading, 0 s; 0 s in all"
+    steps.begin("verdicts", counted)
+    assert steps.line(7.0) == "verdicts, 0 s; 7 s in all"
+    steps.at(2, 4)
+    assert steps.line(7.0) == "verdicts: 2 of 4, 0 s, about 0 s left; 7 s in all"
+    steps.begin("the page")
+    assert steps.line(9.0) == "the page, 0 s; 9 s in all"
+
+
+def test_a_report_tells_how_far_each_step_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps that have a count give it, and none goes past its end."""
+    steps, told = Steps(), list[tuple[str, int, int]]()
+    now = ""
+
+    def begin(name: str, how: object = None) -> None:
+        nonlocal now
+        now = name
+        Steps.begin(steps, name, how)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(steps, "begin", begin)
+    monkeypatch.setattr(steps, "at", lambda done, total: told.append((now, done, total)))
+    findings(compose(read_mission(ULYSSE)), "local", None, steps)
+    assert {name for name, _, _ in told} == {"verdicts", "causes", "controller", "local graphs"}
+    assert all(0 <= done <= total for _, done, total in told)

@@ -91,7 +91,7 @@ def test_rounds_and_tries_are_of_one_type() -> None:
     assert len(generate(nets[1]).types) == 1
 
 
-@given(missions() | stacked_missions())
+@given(missions() | missions(events=2, sections=8) | stacked_missions())
 def test_the_composite_is_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:

@@ -17,11 +17,9 @@ KNOWN = (".svg", ".png")
 MOST_PIXELS = 40_000_000
 """Pixels of a PNG file: where a picture would have more at twice its size, it is made smaller."""
 
-_EXTRA = "pip install 'mcpn[pictures]'"
 
-
-def needed(module: str, purpose: str) -> Any:
-    """A module of the extra ``pictures``.
+def needed(module: str, purpose: str, extra: str = "pictures") -> Any:
+    """A module of an extra.
 
     Raises:
         LimitError: It is not installed.
@@ -29,7 +27,7 @@ def needed(module: str, purpose: str) -> Any:
     try:
         return import_module(module)
     except ImportError as error:
-        raise LimitError(f"{purpose} needs {module}: {_EXTRA}") from error
+        raise LimitError(f"{purpose} needs {module.split('.')[0]}: pip install 'mcpn[{extra}]'") from error
 
 
 class Drawing:

@@ -17,11 +17,12 @@ from mcpn.controller.hierarchy import Controller, SectionMachine, section_machin
 from mcpn.mission.graph import ObjectivesGraph, ParallelSection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
+from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
-from mcpn.report.pictures.sections import local_graph, part_of
 from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.local.alone import local_graph
 
 MOST_STATES = 16
 """States of a section up to which each has a box of its own."""

@@ -11,10 +11,11 @@ from collections.abc import Collection, Iterator
 
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import PetriNet, Place, Provenance, Transition
+from mcpn.net.petri import PetriNet, Provenance
+from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
-from mcpn.report.pictures.sections import local_graph, part_of
+from mcpn.space.local.alone import local_graph
 
 MOST_LISTED = 20_000
 """Stable markings that are listed at most to tell which places are temporary."""
@@ -73,13 +74,32 @@ def _arcs(net: PetriNet) -> Iterator[tuple[int, int, str, int]]:
                 yield place, number, way, weight
 
 
+def _owners(net: PetriNet) -> tuple[list[_Unit | None], list[_Unit | None]]:
+    """The unit of each place and of each transition.
+
+    Of a mission's net they know it. In a net from elsewhere a transition is of the declared unit that holds
+    all of its places; a unit of one place is none, since it groups nothing.
+    """
+    places = [_unit(place.provenance) for place in net.places]
+    transitions = [_unit(transition.provenance) for transition in net.transitions]
+    if any(places) or any(transitions):
+        return places, transitions
+    for number, unit in enumerate(net.units, 1):
+        for place in unit if len(unit) > 1 else ():
+            places[place] = places[place] or ("unit", str(number))
+    touched: dict[int, set[_Unit | None]] = {}
+    for place, transition, _, _ in _arcs(net):
+        touched.setdefault(transition, set()).add(places[place])
+    for transition, units in touched.items():
+        if len(units) == 1:
+            transitions[transition] = units.pop()
+    return places, transitions
+
+
 def interface(net: PetriNet) -> set[int]:
     """Places that join units: a transition of another unit has an arc with it."""
-    return {
-        place
-        for place, transition, _, _ in _arcs(net)
-        if _unit(net.places[place].provenance) != _unit(net.transitions[transition].provenance)
-    }
+    places, transitions = _owners(net)
+    return {place for place, transition, _, _ in _arcs(net) if places[place] != transitions[transition]}
 
 
 def units_picture(net: PetriNet, name: str) -> Graph:
@@ -125,10 +145,10 @@ def net_picture(net: PetriNet, name: str, stable: Collection[int] | None = None)
         stable: Places that some stable marking marks, where they are known.
     """
     joining = interface(net)
+    of_places, of_transitions = _owners(net)
     clusters: dict[_Unit, Cluster] = {}
 
-    def cluster_of(item: Place | Transition) -> str | None:
-        unit = _unit(item.provenance)
+    def cluster_of(unit: _Unit | None) -> str | None:
         if unit is None:
             return None
         known = clusters.setdefault(unit, Cluster(f"c{len(clusters)}", " ".join(unit)))
@@ -145,21 +165,25 @@ def net_picture(net: PetriNet, name: str, stable: Collection[int] | None = None)
         tokens = {0: "", 1: "● "}.get(place.initial, f"{place.initial} ")
         title = f"place {place.name} ({kind})" + (f", {place.initial} tokens at first" if marked else "")
         text = tokens + _short(place.name, place.provenance)
-        nodes.append(Node(f"p{number}", (text,), f"place {kind}{marked}", title, cluster_of(place)))
+        nodes.append(
+            Node(f"p{number}", (text,), f"place {kind}{marked}", title, cluster_of(of_places[number]))
+        )
     for number, transition in enumerate(net.transitions):
         if transition.event is None:
             line, kind = "", "transition"
         else:
             line, kind = str(transition.event), "transition happens"
         title = f"transition {transition.name}"
-        nodes.append(Node(f"t{number}", (line,), kind, title, cluster_of(transition)))
+        nodes.append(Node(f"t{number}", (line,), kind, title, cluster_of(of_transitions[number])))
     edges = []
     for p, t, way, weight in _arcs(net):
         ends = (f"p{p}", f"t{t}") if way != "produce" else (f"t{t}", f"p{p}")
         told = (str(weight),) if weight > 1 else ()
         kind = "read" if way == "read" else "arc"
         edges.append(Edge(*ends, kind, told, arrow=way != "read"))
-    return Graph(name, nodes, edges, list(clusters.values()), nested=bool(clusters))
+    # Units of a mission are laid out one by one; those from elsewhere may be small and many.
+    nested = any(place.provenance for place in net.places)
+    return Graph(name, nodes, edges, list(clusters.values()), nested=nested)
 
 
 def _short(name: str, provenance: Provenance | None) -> str:

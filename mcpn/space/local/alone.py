@@ -1,30 +1,13 @@
-"""Which section of a mission a picture is of, its local net and its local graph."""
+"""A section alone: its local net and its alternatives graph, listed."""
 
 from __future__ import annotations
 
-from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
-from mcpn.net.sections import LocalPart, section_part
+from mcpn.net.sections import part_of
 from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 from mcpn.space.clash import in_mission_words
 from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import in_section
-
-MOST_NAMED = 12
-"""Sections that an error lists at most."""
-
-
-def part_of(mission_net: MissionNet, name: str) -> LocalPart:
-    """A section of a mission, by its name, alone.
-
-    Raises:
-        InputError: There is no such section.
-    """
-    sections = {section.name: section for section in mission_net.graph.sections}
-    if name not in sections:
-        some = ", ".join([*sections][:MOST_NAMED]) + (", …" if len(sections) > MOST_NAMED else "")
-        raise InputError.at(None, f"found the section {name!r}, expected one of {some}")
-    return section_part(mission_net.usage, sections[name])
 
 
 def local_graph(

@@ -1,0 +1,157 @@
+"""Plots of measurements, drawn by matplotlib: curves that grow, bars side by side.
+
+Curves differ by marker as well as by colour; a scale with far-apart numbers is logarithmic. Texts stay texts:
+a name is neither markup nor a formula, and a reader of the file finds it.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from mcpn.errors import InputError, Source
+from mcpn.files import write_atomically
+from mcpn.report.pictures.drawing import KNOWN, needed
+from mcpn.report.terminal import plain
+
+FAR_APART = 20
+"""Ratio of the largest to the smallest number from which on a scale is logarithmic."""
+
+_WIDTH, _HEIGHT = 4.8, 3.8
+_PER_ROW = 3
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")  # Okabe and Ito
+_MARKERS = "osD^vPX"
+_STYLE = {"svg.fonttype": "none", "svg.hashsalt": "mcpn"}
+
+
+@dataclass(frozen=True)
+class Curves:
+    """A plot of curves.
+
+    Args:
+        title: What it shows.
+        across: What its horizontal axis says, with the unit.
+        up: The same of its vertical axis.
+        curves: Points by the name of the curve; one without points is left out.
+    """
+
+    title: str
+    across: str
+    up: str
+    curves: Mapping[str, Sequence[tuple[float, float]]]
+
+
+@dataclass(frozen=True)
+class Bars:
+    """A plot of bars, each with its number beside it.
+
+    Args:
+        title: What it shows, with the unit.
+        bars: Numbers by the name of the bar, from the top down.
+    """
+
+    title: str
+    bars: Mapping[str, float]
+
+
+def ready(path: Path) -> None:
+    """Sees that a plot can be drawn, before long work for it begins.
+
+    Raises:
+        InputError: The suffix is neither ``.svg`` nor ``.png``.
+        LimitError: matplotlib is not installed.
+    """
+    if path.suffix.lower() not in KNOWN:
+        expected = " or ".join(KNOWN)
+        raise InputError.at(Source(str(path)), f"found the suffix {path.suffix!r}, expected {expected}")
+    _matplotlib()
+
+
+def save_plot(path: Path, plots: Sequence[Curves | Bars], title: str = "") -> None:
+    """Writes plots to one file, whole or not at all.
+
+    Args:
+        path: Where, ``.svg`` or ``.png``.
+        plots: At least one.
+        title: Stands above them.
+
+    Raises:
+        InputError: The suffix is another, or the file cannot be written.
+        LimitError: matplotlib is not installed.
+    """
+    ready(path)
+    write_atomically(path, plotted(plots, title, path.suffix.lower().removeprefix(".")))
+
+
+def plotted(plots: Sequence[Curves | Bars], title: str = "", form: str = "svg") -> bytes:
+    """Plots as the bytes of a file, the same for the same numbers.
+
+    Raises:
+        LimitError: matplotlib is not installed.
+    """
+    matplotlib = _matplotlib()
+    columns = min(len(plots), _PER_ROW)
+    rows = -(-len(plots) // columns)
+    file = BytesIO()
+    with matplotlib.rc_context(_STYLE), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a letter that its font lacks: the reader's has it
+        figure = matplotlib.figure.Figure(figsize=(_WIDTH * columns, _HEIGHT * rows), layout="constrained")
+        if title:
+            figure.suptitle(plain(title), parse_math=False)
+        for number, plot in enumerate(plots):
+            axes = figure.add_subplot(rows, columns, number + 1)
+            axes.set_title(plain(plot.title), parse_math=False, fontsize="medium")
+            if isinstance(plot, Curves):
+                _draw_curves(axes, plot)
+            else:
+                _draw_bars(axes, plot)
+        figure.savefig(file, format=form, metadata={"Date": None} if form == "svg" else None)
+    return file.getvalue()
+
+
+def _matplotlib() -> Any:
+    needed("matplotlib.figure", "a plot", "experiments")
+    return needed("matplotlib", "a plot", "experiments")
+
+
+def _draw_curves(axes: Any, plot: Curves) -> None:
+    for number, (name, points) in enumerate(plot.curves.items()):  # of the same look in each plot
+        if not points:
+            continue
+        axes.plot(
+            *zip(*points, strict=True),
+            marker=_MARKERS[number % len(_MARKERS)],
+            color=_COLOURS[number % len(_COLOURS)],
+            label=plain(name),
+        )
+    every = [point for points in plot.curves.values() for point in points]
+    if _far_apart(x for x, _ in every):
+        axes.set_xscale("log")
+    elif all(isinstance(x, int) for x, _ in every):
+        axes.xaxis.get_major_locator().set_params(integer=True)
+    if _far_apart(y for _, y in every):
+        axes.set_yscale("log")
+    axes.set_xlabel(plain(plot.across), parse_math=False)
+    axes.set_ylabel(plain(plot.up), parse_math=False)
+    axes.grid(alpha=0.3)
+    if every:
+        axes.legend()
+
+
+def _draw_bars(axes: Any, plot: Bars) -> None:
+    values = list(plot.bars.values())
+    bars = axes.barh([plain(name) for name in plot.bars], values, color=_COLOURS[0])
+    axes.bar_label(bars, [f"{value:.3g}" if value < 100 else f"{value:,.0f}" for value in values], padding=3)
+    if _far_apart(values):
+        axes.set_xscale("log")
+    axes.margins(x=0.2)
+    axes.invert_yaxis()
+
+
+def _far_apart(values: Iterable[float]) -> bool:
+    found = list(values)
+    return bool(found) and min(found) > 0 and max(found) > FAR_APART * min(found)

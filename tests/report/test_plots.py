@@ -1,0 +1,74 @@
+"""Plots: every point and bar is drawn, texts are texts, nothing is measured for a plot that cannot be."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from mcpn.cli.line import run
+from mcpn.errors import InputError, LimitError
+from mcpn.report.pictures.plots import Bars, Curves, plotted, save_plot
+from tests.commands import mcpn
+
+NET = "net n\npl p (1)\ntr t p -> q\ntr u q -> p\n"
+SVG = "{http://www.w3.org/2000/svg}"
+HOSTILE = "<script>$x^2$ & \x1b[31m\u202e"
+
+
+def texts(picture: etree._Element) -> list[str]:
+    return ["".join(map(str, text.itertext())) for text in picture.iter(f"{SVG}text")]
+
+
+def test_every_point_and_every_bar_is_drawn() -> None:
+    pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")
+    curves = {"one": [(1, 0.5), (2, 0.7), (5, 0.2)], "other": [(1, 30.0)], "none": []}
+    plots: list[Curves | Bars] = [
+        Curves(HOSTILE, "sizes", "seconds", curves),
+        Bars("megabytes", {"first": 12.5, "second": 1234}),
+    ]
+    found = plotted(plots, HOSTILE)
+    assert found == plotted(plots, HOSTILE)
+    picture = etree.fromstring(found)
+    inside = [use for use in picture.iter(f"{SVG}use") if use.getparent().get("clip-path")]  # type: ignore[union-attr]
+    assert len(inside) == 4
+    told = texts(picture)
+    assert {"sizes", "seconds", "megabytes", "one", "other", "first", "second", "12.5", "1,234"} <= {*told}
+    assert "none" not in told
+    assert told.count("<script>$x^2$ & \\x1b[31m\\u202e") == 2
+    assert not [*picture.iter(f"{SVG}script")]
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png"])
+def test_engines_are_plotted(suffix: str, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")
+    (tmp_path / "n.net").write_text(NET)
+    plot = tmp_path / f"n{suffix}"
+    assert mcpn("compare", tmp_path / "n.net", "--plot", plot).returncode == 0
+    if suffix == ".png":
+        assert plot.read_bytes().startswith(b"\x89PNG")
+        return
+    told = texts(etree.parse(plot).getroot())
+    assert {"explicit", "symbolic", "pyeda", "seconds", "megabytes", "Engines on n"} <= {*told}
+
+
+def test_without_matplotlib_nothing_is_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.delitem(sys.modules, "matplotlib.figure", raising=False)
+    with pytest.raises(LimitError, match=r"a plot needs matplotlib: pip install 'mcpn\[experiments\]'"):
+        save_plot(tmp_path / "p.svg", [Bars("seconds", {"one": 1})])
+    (tmp_path / "n.net").write_text(NET)
+    monkeypatch.setattr("mcpn.space.compare.measure", lambda *_, **__: pytest.fail("measured"))
+    assert run(["compare", str(tmp_path / "n.net"), "--plot", str(tmp_path / "n.svg")]) == 2
+    assert "a plot needs matplotlib" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["n.net"]
+
+
+def test_other_suffixes_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"found the suffix '.pdf', expected .svg or .png"):
+        save_plot(tmp_path / "p.pdf", [Bars("seconds", {"one": 1})])
+    assert [*tmp_path.iterdir()] == []
