@@ -42,7 +42,7 @@ def ended(arguments: list[str], number: signal.Signals, after: float) -> tuple[i
 @pytest.mark.parametrize("number", ENDS)
 def test_a_signal_ends_an_exploration_cleanly(number: signal.Signals, big: Path) -> None:
     code, said = ENDS[number]
-    assert ended([*COMMAND, "states", str(big)], number, 3) == (code, "", said)
+    assert ended([*COMMAND, "states", str(big), "--engine", "explicit"], number, 3) == (code, "", said)
 
 
 def test_an_interruption_does_not_wait_for_other_processes() -> None:

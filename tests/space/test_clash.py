@@ -121,7 +121,7 @@ def test_a_clash_is_of_the_mission(mission: Mission) -> None:
 
 @fewer(0.4)
 @given(CONTENDED)
-def test_every_engine_says_the_same(mission: Mission) -> None:
+def test_every_engine_names_a_real_clash(mission: Mission) -> None:
     found = compose(mission)
     errors = errors_of(found)
     assume(errors)
@@ -129,12 +129,11 @@ def test_every_engine_says_the_same(mission: Mission) -> None:
     engines: tuple[Engine, ...] = ("explicit", "symbolic", "local")
     told = [check(found, engine=engine).verdicts["confluent"] for engine in engines]
     assert [verdict.holds for verdict in told] == [False] * 3
-    assert told[0].explanation == told[1].explanation == words
-    assert told[0].runs == told[1].runs
     torn = direct(found.net, tear=True).torn
     each = {str(explained(found, t.error)) for t in torn if isinstance(t.error, ConfluenceError)}
-    event(f"local names the nearest: {told[2].explanation == words}")
-    assert told[2].explanation in each
+    for engine, verdict in zip(engines, told, strict=True):
+        event(f"{engine} names the nearest: {verdict.explanation == words}")
+        assert verdict.explanation in each | {words}
 
 
 def robot(*activities: Activity) -> tuple[Robot, ...]:
