@@ -27,7 +27,7 @@ def python(*arguments: object, folder: Path | None = None) -> subprocess.Complet
     environment.pop("PYTHONSAFEPATH", None)
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
-        cwd=folder or ROOT,
+        cwd=folder or FOLDER,  # not beside the checkout's own mcpn, which has no kernel
         env=environment,
         capture_output=True,
         text=True,
