@@ -23,6 +23,7 @@ from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 
+LIMIT = ("--max-states", "4000000")
 WORDS = st.lists(st.text(st.characters(codec="utf-8"), max_size=30), max_size=20).map(" ".join)
 
 
@@ -96,7 +97,7 @@ def test_colours_are_for_terminals_that_want_them() -> None:
 def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
     lines = ["net big", *(f"pl a{i} (1)\ntr t{i} a{i} -> b{i}\ntr u{i} b{i} -> a{i}" for i in range(40))]
     (tmp_path / "big.net").write_text("\n".join(lines) + "\n")
-    told = on_a_terminal({}, "states", str(tmp_path / "big.net"), "--max-states", "4000000")
+    told = on_a_terminal({}, "states", str(tmp_path / "big.net"), "--engine", "explicit", *LIMIT)
     assert "states a second" in told
     assert "\r\x1b[K" in told
     assert "\x1b[K" not in on_a_terminal({"TERM": "dumb"}, "states", str(ULYSSE))
