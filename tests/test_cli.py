@@ -239,7 +239,7 @@ def test_an_unsafe_net_names_the_firing(tmp_path: Path) -> None:
     assert "run 1: t t" in run.stderr
 
 
-@pytest.mark.parametrize("name", [*list(BROKEN)[::4], "nested 100,000 deep", "entity bomb"])
+@pytest.mark.parametrize("name", list(BROKEN))
 def test_bad_input_exits_with_2_and_writes_nothing(name: str, tmp_path: Path) -> None:
     text, line, _ = BROKEN[name]
     path = tmp_path / "m.xml"

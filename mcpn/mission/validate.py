@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from itertools import islice, product
+from itertools import chain, islice, product
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.flatten import MAX_OBJECTIVES
@@ -65,7 +65,7 @@ class _Checks:
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
         self.events = {e.name: e for e in mission.events}
         self.parameters: dict[str, frozenset[str]] = {}
-        self.hints: dict[str, str] = {}
+        self.hints: dict[tuple[str, int], tuple[Iterable[str], str]] = {}
         self.producers: dict[str, list[Activity]] = {}
         for activity in mission.activities:
             for resource in dict.fromkeys(activity.produces):
@@ -156,12 +156,13 @@ class _Checks:
     def unknown(self, source: Source | None, who: str, name: str, known: Iterable[str]) -> Problem:
         return Problem(source, f"{who} {name}, which is not declared{self.hint(name, known)}")
 
-    def hint(self, name: str, known: Iterable[str]) -> str:
-        """A near name among the known ones, as long as looking for it costs little."""
-        if name not in self.hints and len(self.hints) < MAX_HINTS:
-            near = get_close_matches(name, sorted(islice(known, MAX_COMPARED)), n=1)
-            self.hints[name] = f" (did you mean {near[0]}?)" if near else ""
-        return self.hints.get(name, "")
+    def hint(self, name: str, known: Iterable[str], *others: str) -> str:
+        """A near name among the others and the known ones, as long as looking for it costs little."""
+        key = name, id(known)  # what is kept keeps its identity
+        if key not in self.hints and len(self.hints) < MAX_HINTS:
+            near = get_close_matches(name, sorted(islice(chain(others, known), MAX_COMPARED)), n=1)
+            self.hints[key] = known, f" (did you mean {near[0]}?)" if near else ""
+        return self.hints[key][1] if key in self.hints else ""
 
     def cycles(
         self, what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
@@ -234,7 +235,9 @@ class _Checks:
         if route not in (SUCCEED, FAIL) and route not in names:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
             expected = f"expected one of {', '.join([*shown, SUCCEED, FAIL])}"
-            yield Problem(source, f"{what} leads to {route}; {expected}{self.hint(route, names)}")
+            yield Problem(
+                source, f"{what} leads to {route}; {expected}{self.hint(route, names, SUCCEED, FAIL)}"
+            )
 
     def handlers(
         self, owner: str, handlers: tuple[Handler, ...], names: Mapping[str, None]

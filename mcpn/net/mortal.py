@@ -32,10 +32,9 @@ def mortal(mission_net: MissionNet) -> MissionNet:
     for t, transition in enumerate(transitions):
         for place, _ in transition.consume:
             leaving.setdefault(place, []).append(t)
-    for hardware in mission_net.mission.hardware:
-        out = mission_net.by_role.get(("oos", hardware.name))
-        if out is None:
-            continue
+    # In the order in which they are drawn, which in the net of a section is not the mission's.
+    for name in dict.fromkeys(mission_net.saying("oos").values()):
+        hardware, out = mission_net.usage.hardware[name], mission_net.by_role["oos", name]
         origin = Provenance("hardware", hardware.name, hardware.source)
         alive, dead = len(places), len(places) + 1
         places += [Place(f"{hardware.name}_alive", 1, origin), Place(f"{hardware.name}_dead", 0, origin)]

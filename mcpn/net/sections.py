@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeAlias
 
 from mcpn.errors import InputError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
@@ -23,55 +24,54 @@ MOST_NAMED = 12
 """Sections that an error lists at most."""
 
 
-@dataclass(frozen=True)
-class LocalPart:
-    """Some sections of a mission, glued by routes of their own, with all that they use.
+class Used:
+    """What some activities use, with the facts about it that templates look at.
 
     Args:
         usage: Static facts of the whole mission.
-        graph: The sections; a route that leaves them is ``succeed`` or ``fail``.
+        activities: The activities that objectives run, in the order in which the objectives stand.
+
+    Attributes:
+        hardware: Hardware, in the order in which the activities come upon it.
+        software: The same.
+        activities: The activities, with those that produce what they consume.
+        number: The place of each resource among those of its kind.
+        task: The place of each activity.
     """
 
-    usage: Usage
-    graph: ObjectivesGraph
-
-    @cached_property
-    def parts(self) -> Parts:
-        """What the sections use, in the order in which they come upon it."""
+    def __init__(self, usage: Usage, activities: Sequence[str]) -> None:
+        self.usage = usage
         hardware, software = dict[str, Hardware](), dict[str, Software]()
-        activities = dict[str, Activity]()
-        declared = {s.name: s for s in self.usage.mission.software}
-        stack = [a for section in self.graph.walk() for a in section.activities][::-1]
+        found = dict[str, Activity]()
+        declared = {s.name: s for s in usage.mission.software}
+        stack = [*activities][::-1]
         while stack:
             name = stack.pop()
-            if name in activities:
+            if name in found:
                 continue
-            activity = activities[name] = self.usage.activities[name]
+            activity = found[name] = usage.activities[name]
             for s in activity.produces:
                 software.setdefault(s, declared[s])
             consumed = [k for alternative in activity.alternatives for k in alternative.consumes]
             for k in consumed:
-                if k in self.usage.hardware:
-                    hardware.setdefault(k, self.usage.hardware[k])
-            stack.extend(self.usage.producer[k] for k in reversed(consumed) if k in self.usage.producer)
-        in_order = tuple(tuple(found.values()) for found in (hardware, software, activities))
-        return Parts(self.graph, *in_order)  # type: ignore[arg-type]
+                if k in usage.hardware:
+                    hardware.setdefault(k, usage.hardware[k])
+            stack.extend(usage.producer[k] for k in reversed(consumed) if k in usage.producer)
+        self.hardware = tuple(hardware.values())
+        self.software = tuple(software.values())
+        self.activities = tuple(found.values())
+        self.number = {e.name: i for kind in (self.hardware, self.software) for i, e in enumerate(kind)}
+        self.task = {activity.name: i for i, activity in enumerate(self.activities)}
 
-    @property
+    @cached_property
     def faulty(self) -> tuple[str, ...]:
-        """Hardware of the sections that can fail, in the order of :attr:`parts`."""
-        return tuple(h.name for h in self.parts.hardware if h.faulty)
-
-    def net(self, templates: TemplateSet | None = None) -> MissionNet:
-        """The local net."""
-        return compose_parts(self.usage, self.parts, templates)
+        """Hardware that can fail, in the order of :attr:`hardware`."""
+        return tuple(h.name for h in self.hardware if h.faulty)
 
     @cached_property
     def type(self) -> Hashable:
-        """Equal for sections of one type: what the paper's templates look at, names replaced by numbers."""
-        usage, parts = self.usage, self.parts
-        number = {e.name: i for kind in (parts.hardware, parts.software) for i, e in enumerate(kind)}
-        task = {activity.name: i for i, activity in enumerate(parts.activities)}
+        """Equal for what differs in names only: what templates look at, names replaced by numbers."""
+        usage, number, task = self.usage, self.number, self.task
         activities = tuple(
             (
                 tuple(number[s] for s in activity.produces),
@@ -88,7 +88,7 @@ class LocalPart:
                 usage.sharing.order_matters(activity.name),
                 usage.switching.switches_back(activity.name),
             )
-            for activity in parts.activities
+            for activity in self.activities
         )
 
         def shared(resource: str) -> tuple[int, ...] | None:
@@ -96,13 +96,48 @@ class LocalPart:
                 return None
             return tuple(task[a] for a in usage.sharing.consumers[resource] if a in task)
 
-        software = tuple((usage.released_unasked(s.name), shared(s.name)) for s in parts.software)
         return (
-            tuple((h.faulty, shared(h.name), h.name in usage.switching.watched) for h in parts.hardware),
-            software,
+            tuple((h.faulty, shared(h.name), h.name in usage.switching.watched) for h in self.hardware),
+            tuple((usage.released_unasked(s.name), shared(s.name)) for s in self.software),
             activities,
-            self._shape(self.graph, number, task),
         )
+
+
+@dataclass(frozen=True)
+class LocalPart:
+    """Some sections of a mission, glued by routes of their own, with all that they use.
+
+    Args:
+        used: What they use.
+        graph: The sections; a route that leaves them is ``succeed`` or ``fail``.
+    """
+
+    used: Used
+    graph: ObjectivesGraph
+
+    @property
+    def usage(self) -> Usage:
+        """Static facts of the whole mission."""
+        return self.used.usage
+
+    @property
+    def parts(self) -> Parts:
+        """What the sections use, in the order in which they come upon it."""
+        return Parts(self.graph, self.used.hardware, self.used.software, self.used.activities)
+
+    @property
+    def faulty(self) -> tuple[str, ...]:
+        """Hardware of the sections that can fail, in the order of :attr:`parts`."""
+        return self.used.faulty
+
+    def net(self, templates: TemplateSet | None = None) -> MissionNet:
+        """The local net."""
+        return compose_parts(self.usage, self.parts, templates)
+
+    @cached_property
+    def type(self) -> Hashable:
+        """Equal for sections of one type: what the paper's templates look at, names replaced by numbers."""
+        return self.used.type, self._shape(self.graph, self.used.number, self.used.task)
 
     def _shape(self, graph: ObjectivesGraph, number: dict[str, int], task: dict[str, int]) -> Hashable:
         places = {section.name: i for i, section in enumerate(graph.sections)}
@@ -135,10 +170,38 @@ def exit_on(event: str) -> str:
     return f"on {event}"
 
 
+class SectionParts:
+    """Sections of a mission as parts of it; what those that run the same activities use is found once.
+
+    Args:
+        usage: Static facts of the whole mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self.usage = usage
+        self._known: dict[tuple[str, ...], Used] = {}
+
+    def alone(self, section: Section) -> LocalPart:
+        """A section alone."""
+        return self._part([_routed(section, set())])
+
+    def junction(self, first: Section, second: Section) -> LocalPart:
+        """Two sections of which the first leads to the second; or one that leads to itself."""
+        if first.name == second.name:
+            return self._part([_routed(first, {first.name})])
+        return self._part([_routed(first, {second.name}), _routed(second, set())])
+
+    def _part(self, sections: Sequence[Section]) -> LocalPart:
+        graph = ObjectivesGraph(tuple(sections), sections[0].name)
+        activities = tuple(a for section in graph.walk() for a in section.activities)
+        if activities not in self._known:
+            self._known[activities] = Used(self.usage, activities)
+        return LocalPart(self._known[activities], graph)
+
+
 def section_part(usage: Usage, section: Section) -> LocalPart:
     """A section alone."""
-    alone = _routed(section, set())
-    return LocalPart(usage, ObjectivesGraph((alone,), section.name))
+    return SectionParts(usage).alone(section)
 
 
 def part_of(mission_net: MissionNet, name: str) -> LocalPart:
@@ -156,11 +219,7 @@ def part_of(mission_net: MissionNet, name: str) -> LocalPart:
 
 def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
     """Two sections of which the first leads to the second; or one that leads to itself."""
-    if first.name == second.name:
-        sections: Sequence[Section] = (_routed(first, {first.name}),)
-    else:
-        sections = (_routed(first, {second.name}), _routed(second, set()))
-    return LocalPart(usage, ObjectivesGraph(tuple(sections), first.name))
+    return SectionParts(usage).junction(first, second)
 
 
 def _routed(section: Section, kept: set[str]) -> Section:
@@ -172,44 +231,74 @@ def _routed(section: Section, kept: set[str]) -> Section:
     return replace(section, success=success, failure=failure, interruptions=interruptions)
 
 
-class Renaming:
-    """From the names in one section to those in another of the same type.
+Element: TypeAlias = tuple[str, str]
+"""The kind and the name that the provenances of an element's places have."""
+
+
+class UsedRenaming:
+    """From the names of what one section uses to what another of the same type uses.
 
     Args:
-        old: The section that the names are of.
-        new: The other section.
+        old: What is used where the names are of.
+        new: What the other section uses.
 
     Attributes:
-        objectives: By name in the old section.
-        activities: The same.
+        activities: By name in the old section.
         alternatives: As ``activity.alternative``.
         hardware: By name.
-        elements: By the kind and the name that provenances in the old section have, the name in the new one.
+        elements: The same, with the kind of each.
     """
 
-    def __init__(self, old: LocalPart, new: LocalPart) -> None:
-        both = list(zip(old.parts.activities, new.parts.activities, strict=True))
-        walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
-        self.objectives = {theirs.name: mine.name for theirs, mine in walks}
+    def __init__(self, old: Used, new: Used) -> None:
+        both = list(zip(old.activities, new.activities, strict=True))
         self.activities = {theirs.name: mine.name for theirs, mine in both}
         self.alternatives = {
             f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
             for theirs, mine in both
             for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
         }
-        resources = zip(old.parts.hardware, new.parts.hardware, strict=True)
-        self.hardware = {theirs.name: mine.name for theirs, mine in resources}
-        software = zip(old.parts.software, new.parts.software, strict=True)
-        sections = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
-        self.elements = {
-            **{("hardware", name): mine for name, mine in self.hardware.items()},
-            **{("software", theirs.name): mine.name for theirs, mine in software},
-            **{("activity", name): mine for name, mine in self.activities.items()},
-            **{("alternative", name): mine for name, mine in self.alternatives.items()},
-            **{(kind_of(theirs), theirs.name): mine.name for theirs, mine in sections},
+        self.hardware = {a.name: b.name for a, b in zip(old.hardware, new.hardware, strict=True)}
+        by_kind = {
+            "hardware": self.hardware,
+            "software": {a.name: b.name for a, b in zip(old.software, new.software, strict=True)},
+            "activity": self.activities,
+            "alternative": self.alternatives,
         }
+        self.elements: dict[Element, Element] = {
+            (kind, name): (kind, mine) for kind, names in by_kind.items() for name, mine in names.items()
+        }
+
+
+class Renaming:
+    """From the names in one section to those in another of the same type.
+
+    Args:
+        old: The section that the names are of.
+        new: The other section.
+        used: The same of what they use.
+
+    Attributes:
+        activities: By name in the old section.
+        alternatives: As ``activity.alternative``.
+        hardware: By name.
+        objectives: The same.
+        sections: Objectives and parallel blocks, each with its kind.
+    """
+
+    def __init__(self, old: LocalPart, new: LocalPart, used: UsedRenaming) -> None:
+        self.activities, self.alternatives, self.hardware = used.activities, used.alternatives, used.hardware
+        walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
+        self.objectives = {theirs.name: mine.name for theirs, mine in walks}
+        sections = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
+        self.sections: dict[Element, Element] = {
+            (kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in sections
+        }
+
+
+KINDS_OF_SECTIONS = ("objective", "parallel")
+"""What the provenances of places and transitions of sections call these."""
 
 
 def kind_of(section: Section) -> str:
     """What the provenances of a section's places call it."""
-    return "objective" if isinstance(section, ElementarySection) else "parallel"
+    return KINDS_OF_SECTIONS[not isinstance(section, ElementarySection)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.compose import MissionNet
-from mcpn.net.sections import section_part
+from mcpn.net.sections import SectionParts
 from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
 from mcpn.report.pictures.machines import states_picture, states_within
 from mcpn.space.local.alone import local_graph
@@ -43,8 +43,9 @@ def local_pictures(
         progress: Called before each type of section with how many are done, and how many when the last is.
     """
     alike: dict[Hashable, list[str]] = {}
+    alone = SectionParts(mission_net.usage).alone
     for section in mission_net.graph.sections:
-        alike.setdefault(section_part(mission_net.usage, section).type, []).append(section.name)
+        alike.setdefault(alone(section).type, []).append(section.name)
     notes, sizes = list[str](), list[int]()
     graphs: list[Graph] = []
     members: list[list[str]] = []

@@ -281,7 +281,9 @@ class _Drawing:
         return replace(block, success=success, failure=failure, handlers=handlers)
 
     def block(self, depth: int, islands: list[_Island], budget: int) -> tuple[Block, int]:
-        if not self.shape.rounds or not self.shape.shared_activities or self.number(0, 3):
+        # The rounds of a block follow one another: where nothing contends they do not either.
+        apart = self.shape.own_hardware or self.shape.shared_activities
+        if not self.shape.rounds or not apart or self.number(0, 3):
             return self.once(depth, islands, budget)
         if depth and self.chance():
             values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]

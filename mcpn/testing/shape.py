@@ -22,7 +22,7 @@ class Shape:
         protocols: Whether protocols are drawn and used.
         loops: Whether routes may go back.
         rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
-            may be shared.
+            may be shared, or hardware of one activity alone.
         events: Most declared events; with some, blocks and the mission handle them.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
@@ -30,7 +30,7 @@ class Shape:
             contends.
         own_hardware: Whether hardware that one activity consumes is consumed by no other unless it is shared,
             as half of it is then, and all software is shared; with ``shared_activities`` off as well nothing
-            contends, whatever runs together.
+            contends, whatever runs together: an activity is then shared by the rounds of one block alone.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and

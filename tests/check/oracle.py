@@ -24,22 +24,33 @@ class Play:
         self.place = found.net.place_index
         self.hardware = [h.name for h in found.mission.hardware if h.faulty]
         self._edges: dict[Marking, list[Edge]] = {}
+        self._left: dict[tuple[Marking, Marking, str], frozenset[int]] = {}
         self.initial = self.settle(self.net.initial)
 
-    def settle(self, marking: Marking) -> Marking:
+    def settle(self, marking: Marking, left: set[int] | None = None) -> Marking:
+        """The stable marking after internal transitions; adds the places that they consume from."""
         while True:
             enabled = self.net.enabled(marking)
             if not enabled or self.net.transitions[enabled[0]].event is not None:
                 return marking
+            if left is not None:
+                left |= {p for p, _ in self.net.transitions[enabled[0]].consume}
             marking = self.net.fire(marking, enabled[0])
 
     def edges(self, marking: Marking) -> list[Edge]:
         if marking not in self._edges:
-            self._edges[marking] = [
-                (str(self.net.transitions[t].event), self.settle(self.net.fire(marking, t)))
-                for t in self.net.enabled(marking)
-            ]
+            self._edges[marking] = []
+            for t in self.net.enabled(marking):
+                event, left = str(self.net.transitions[t].event), set[int]()
+                after = self.settle(self.net.fire(marking, t), left)
+                left |= {p for p, _ in self.net.transitions[t].consume}
+                self._left[marking, after, event] = frozenset(left)
+                self._edges[marking].append((event, after))
         return self._edges[marking]
+
+    def leaves(self, before: Marking, event: str, after: Marking, place: str) -> bool:
+        """Whether an event takes the token of a place, be it that another comes before all is stable."""
+        return self.place[place] in self._left[before, after, event]
 
     def after(self, marking: Marking, events: Iterable[str]) -> Marking:
         for event in events:
@@ -50,14 +61,16 @@ class Play:
         self,
         starts: Iterable[Marking],
         without: Collection[str] = (),
-        within: Callable[[Marking], bool] | None = None,
+        keeping: str | None = None,
     ) -> set[Marking]:
-        """Every marking that runs without some events, and inside a set of markings, lead to."""
-        seen = {m for m in starts if within is None or within(m)}
+        """Every marking that runs without some events lead to; a place, if given, keeps its token."""
+        seen = {m for m in starts if keeping is None or m[self.place[keeping]]}
         stack = list(seen)
         while stack:
-            for event, m in self.edges(stack.pop()):
-                if event not in without and m not in seen and (within is None or within(m)):
+            before = stack.pop()
+            for event, m in self.edges(before):
+                left = keeping is not None and self.leaves(before, event, m, keeping)
+                if event not in without and m not in seen and not left:
                     seen.add(m)
                     stack.append(m)
         return seen
@@ -80,10 +93,9 @@ class Play:
         return any(success(m) for m in self.reach([marking], [f"{h}_EV_RD" for h in dead]))
 
     def objective_survives(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
-        ends = [f"OBJ_{name}_EV_OK", f"OBJ_{name}_EV_FAIL"]
-        repairs = [f"{h}_EV_RD" for h in dead]
-        run = self.reach([marking], [*ends, *repairs], self.marks(f"OBJ_{name}"))
-        return any(event == ends[0] for m in run for event, _ in self.edges(m))
+        """Whether the present run may end in success: its end, or an interruption, is no part of it."""
+        run = self.reach([marking], [f"{h}_EV_RD" for h in dead], f"OBJ_{name}")
+        return any(event == f"OBJ_{name}_EV_OK" for m in run for event, _ in self.edges(m))
 
     def forced(self, stop: Callable[[Marking], bool] | None = None) -> set[Marking]:
         """Markings after runs without repairs in which objectives fail only where they are lost."""

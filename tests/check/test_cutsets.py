@@ -21,7 +21,16 @@ from mcpn.check.logic.resolve import resolve
 from mcpn.check.spaces import Engine
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    DeclaredEvent,
+    Handler,
+    Hardware,
+    Mission,
+    Objective,
+    Robot,
+)
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import What
 from mcpn.net.mortal import mortal
@@ -130,10 +139,17 @@ def confirm(asked: Asked) -> None:
             )
         ],
     )
+    # Losing regions: as many states as plain search finds, with repairs and without.
+    for dead in (frozenset[str](), frozenset(play.hardware)):
+        lost = asked.prospects.losing(asked.goal(), repairs=not dead)
+        assert lost.count() == sum(not play.mission_survives(m, dead) for m in everything)
     for section in found.graph.walk():
         name = section.name
         runs = play.marks(f"OBJ_{name}")
         running = [m for m in everything if runs(m)]
+        for dead in (frozenset[str](), frozenset(play.hardware)):
+            lost = asked.prospects.losing(asked.goal(name), repairs=not dead)
+            assert lost.count() == sum(not play.objective_survives(m, name, dead) for m in running)
         check(
             asked.cut_sets(name, Moment.WHENEVER),
             [
@@ -160,7 +176,7 @@ def confirm(asked: Asked) -> None:
             m
             for before in everything
             for event, m in play.edges(before)
-            if runs(m) and (not runs(before) or event in (f"OBJ_{name}_EV_OK", f"OBJ_{name}_EV_FAIL"))
+            if runs(m) and (not runs(before) or play.leaves(before, event, m, f"OBJ_{name}"))
         }
         if entered and isinstance(section, ElementarySection) and not pending(found, name):
             events = {str(t.event) for t in found.net.transitions if t.event is not None}
@@ -202,10 +218,12 @@ def small(mission: Mission, max_states: int) -> MissionNet | None:
     return found
 
 
-@fewer(0.25)
+@fewer(0.4)
 @given(
     missions(max_objectives=2, max_sections=5, max_hardware=3, max_producers=2)
-    | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3),
+    | missions(max_objectives=2, max_sections=5, max_hardware=3, max_producers=2, events=2)
+    | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3)
+    | fragile_missions(max_objectives=2, max_sections=5, max_hardware=3, events=2),
     st.sampled_from(ENGINES),
 )
 def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> None:
@@ -215,7 +233,12 @@ def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> 
 
 
 @fewer(0.15)
-@given(missions(max_hardware=3, max_sections=5) | fragile_missions(max_hardware=3))
+@given(
+    missions(max_hardware=3, max_sections=5)
+    | missions(max_hardware=3, max_sections=5, events=2)
+    | fragile_missions(max_hardware=3)
+    | fragile_missions(max_hardware=3, max_sections=5, events=2)
+)
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
     found = small(mission, 500)
     if found is None:
@@ -298,10 +321,23 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
     assert found.larger == ("GPS_sensor", "thruster_actuator")
 
 
-def test_a_retry_is_another_run() -> None:
+@pytest.mark.parametrize(
+    "again",
+    [
+        Objective(name="x", activities=("use",), failure="x"),
+        Objective(
+            name="x",
+            activities=("use",),
+            failure="x",
+            handlers=(Handler(event="leak", goto="x"),),
+        ),
+    ],
+    ids=["retry", "interruption"],
+)
+def test_what_begins_again_is_another_run(again: Objective) -> None:
     use = Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),))
-    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use,))
-    again = Objective(name="x", activities=("use",), failure="x")
+    events = (DeclaredEvent(name="leak"),)
+    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use,), events=events)
     found = compose(Mission(name="m", robots=(robot,), blocks=(again,)))
     prospects = Asked(found).prospects
     (goal,) = prospects.objectives.values()

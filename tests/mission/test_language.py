@@ -8,7 +8,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from hypothesis import find, given
+from hypothesis import Phase, find, given, settings
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError
@@ -75,7 +75,8 @@ def test_disjoint_missions_still_run_things_together() -> None:
             alternative.consumes for activity in mission.activities for alternative in activity.alternatives
         )
 
-    assert together(find(missions(disjoint_branches=True), together))
+    unshrunk = settings(phases=[Phase.generate], database=None)
+    assert together(find(missions(disjoint_branches=True), together, settings=unshrunk))
 
 
 @given(missions(allow_shared_activities=False))

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from random import Random
 
 import networkx as nx
 import numpy as np
 import pytest
-from hypothesis import assume, event, given
+from hypothesis import Phase, assume, event, find, given, settings
 
 from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
     Activity,
     Alternative,
+    Each,
     Hardware,
     Mission,
     Objective,
@@ -21,6 +24,7 @@ from mcpn.mission.model import (
     Recursive,
     Robot,
     Software,
+    walk,
 )
 from mcpn.mission.usage import Usage
 from mcpn.mission.xml import read_mission
@@ -32,7 +36,8 @@ from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.explicit import explore
 from mcpn.space.graph import StateGraph
-from mcpn.testing import missions
+from mcpn.testing import Shape, missions
+from tests.draws import fewer
 from tests.net.promises import check_promises
 
 LIMIT = 40_000
@@ -194,7 +199,10 @@ def test_every_mission_keeps_its_promises(mission: Mission) -> None:
         assert np.array_equal(graph.labels, reduced.labels)
 
 
-@given(missions(own_hardware=True, shared_activities=False, hardware=4, alternatives=2, activities=3))
+UNCONTENDED = Shape(own_hardware=True, shared_activities=False, hardware=4, alternatives=2, activities=3)
+
+
+@given(missions(UNCONTENDED) | missions(UNCONTENDED, events=2))
 def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> None:
     """The theorem of papers/templates.md: what runs together may share software and hardware in any chain."""
     found = compose(mission)
@@ -202,6 +210,8 @@ def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> N
     event(f"shared: {bool(found.usage.sharing.consumers)}")
     matters = any(found.usage.sharing.order_matters(a.name) for a in mission.activities)
     event(f"order matters: {matters}")
+    for element, drawn in new_elements(mission).items():
+        event(f"{element}: {drawn}")
     try:
         markings = explore(found.net, max_states=LIMIT)
     except LimitError:
@@ -209,6 +219,50 @@ def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> N
         return
     check_promises(found, markings)
     by_reduction(markings)
+
+
+@fewer(0.5)
+@given(missions(disjoint_branches=True))
+def test_sharing_adds_nothing_where_no_two_want_the_same(mission: Mission) -> None:
+    """There the net is the paper's, place for place, whether software and hardware are shared or reserved."""
+
+    def said(shared: bool) -> MissionNet:
+        (robot,) = mission.robots
+        software = tuple(replace(s, exclusive=not shared) for s in robot.software)
+        hardware = tuple(replace(h, shared=shared) for h in robot.hardware)
+        robots = (replace(robot, software=software, hardware=hardware),)
+        return compose(replace(mission, robots=robots))
+
+    shared, reserved = said(True), said(False)
+    assert not shared.usage.wanted_together
+    event(f"software: {bool(mission.software)}")
+    assert shared.net == reserved.net
+
+
+def new_elements(mission: Mission) -> dict[str, bool]:
+    """Which of the elements that the paper's missions do not have are in a mission."""
+    blocks = list(walk((*mission.blocks, *(b for p in mission.protocols for b in p.blocks))))
+    handlers = (*mission.handlers, *(h for b in blocks for h in b.handlers))
+    return {
+        "rounds": any(b.repeat is not None or isinstance(b, Each) for b in blocks),
+        "retries": any(b.retries for b in blocks),
+        "handlers": bool(handlers),
+        "handlers once": any(h.once for h in handlers),
+        "switch back": any(a.switch_back for a in mission.activities),
+        "shared hardware": any(h.shared for h in mission.hardware),
+    }
+
+
+def test_each_new_element_is_drawn_where_nothing_contends() -> None:
+    strategy = missions(UNCONTENDED, events=2)
+    unshrunk = settings(phases=[Phase.generate], max_examples=500, database=None)
+    for element in new_elements(Mission(name="m", blocks=())):
+
+        def has(mission: Mission, element: str = element) -> bool:
+            return new_elements(mission)[element]
+
+        found = find(strategy, has, settings=unshrunk, random=Random(1))
+        assert compose(found).usage.contentions == ()
 
 
 def hw(*names: str, faulty: bool = True) -> tuple[Hardware, ...]:

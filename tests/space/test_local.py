@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import event, given, reject
+from hypothesis.strategies import booleans
 
 from mcpn.controller.generate import generate
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
@@ -26,6 +27,7 @@ from mcpn.mission.model import (
 )
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
+from mcpn.net.mortal import mortal
 from mcpn.net.sections import junction_part
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
@@ -36,7 +38,7 @@ from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import PremiseError, SectionType
-from mcpn.space.local.sections import PlacedSection
+from mcpn.space.local.sections import NOWHERE, PlacedSection
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.draws import fewer
@@ -89,7 +91,7 @@ def test_rounds_and_tries_are_of_one_type() -> None:
     assert len(generate(nets[1]).types) == 1
 
 
-@given(missions() | stacked_missions())
+@given(missions() | missions(events=2, sections=8) | stacked_missions())
 def test_the_composite_is_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:
@@ -111,6 +113,31 @@ def test_the_composite_is_the_whole(mission: Mission) -> None:
         reaching = composite.reaching(composite.marked(places))
         goal = np.any([whole.marked(p) for p in places], axis=0)
         assert reaching.count() == int(whole.reaching(goal).sum())
+
+
+@fewer(0.3)
+@given(missions() | stacked_missions(), booleans())
+def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
+    mission: Mission, may_die: bool
+) -> None:
+    try:
+        composite = composite_space(compose(mission), Options(mortal=may_die))
+    except (ConfluenceError, DivergenceError):
+        returns_early("not confluent")
+        return
+    whole = composite.net
+    for placed in composite.sections.values():
+        local = placed.part.net()
+        own = (mortal(local) if may_die else local).net
+        assert placed.places == [whole.place_index.get(place.name, NOWHERE) for place in own.places]
+        assert placed.transitions == [whole.transition_index[t.name] for t in own.transitions]
+        for find, there in (
+            (placed.local_place, placed.places),
+            (placed.local_transition, placed.transitions),
+        ):
+            assert all(find(where) == i for i, where in enumerate(there) if where != NOWHERE)
+    shared = len({placed.placement for placed in composite.sections.values()}) < len(composite.sections)
+    event(f"sections that use the same: {shared}")
 
 
 # --- junctions ---------------------------------------------------------------------------------------------

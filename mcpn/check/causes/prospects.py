@@ -3,7 +3,7 @@
 Source: the paper, 7.2 ("studying the resource events that force the mission into a branch leading to
 failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
 event ``EV_RD`` does. The goal of the mission is its success; the goal of an objective is that its present run
-ends in success, so that a later retry is another run.
+ends in success, so that a later retry is another run, and one after an interruption too.
 """
 
 from __future__ import annotations
@@ -141,7 +141,41 @@ class Prospects(Generic[S]):
         running = self.space.marked(self.places("objective", [name]))
         succeeds = self.carrying(What.SUCCESS, name)
         won = self.space.enabling(succeeds) & running if running else running
-        return Goal("objective", name, running, won, running, succeeds | self.carrying(What.FAILURE, name))
+        ends = succeeds | self.carrying(What.FAILURE, name) | self._interrupting(name)
+        return Goal("objective", name, running, won, running, ends)
+
+    def _interrupting(self, name: str) -> frozenset[int]:
+        """Declared events that stop an objective: they take its place, or that of a block around it."""
+        if not self._taking:
+            return frozenset()
+        return frozenset[int]().union(*(self._taking.get(key, ()) for key in self._around[name]))
+
+    @cached_property
+    def _taking(self) -> Mapping[tuple[str, str], set[int]]:
+        """By objective or parallel block, the transitions of declared events that take a place of it."""
+        found: dict[tuple[str, str], set[int]] = {}
+        net = self.mission_net.net
+        for t in self._by_what[What.DECLARED]:
+            for place, _ in net.transitions[t].consume:
+                origin = net.places[place].provenance
+                if origin is not None:
+                    found.setdefault((origin.kind, origin.name), set()).add(t)
+        return found
+
+    @cached_property
+    def _around(self) -> Mapping[str, tuple[tuple[str, str], ...]]:
+        """By objective, itself and the parallel blocks around it."""
+        found: dict[str, tuple[tuple[str, str], ...]] = {}
+        stack: list[tuple[Section, tuple[tuple[str, str], ...]]]
+        stack = [(section, ()) for section in self.mission_net.graph.sections]
+        while stack:
+            section, blocks = stack.pop()
+            if isinstance(section, ElementarySection):
+                found[section.name] = (("objective", section.name), *blocks)
+                continue
+            blocks = (("parallel", section.name), *blocks)
+            stack.extend((inner, blocks) for branch in section.branches for inner in branch.graph.sections)
+        return found
 
     @cached_property
     def begun(self) -> S:
@@ -156,7 +190,7 @@ class Prospects(Generic[S]):
         running, again = inside, frozenset[int]()
         if isinstance(section, ElementarySection):
             # A retry ends one run and begins the next with one event.
-            again = self.carrying(What.SUCCESS, section.name) | self.carrying(What.FAILURE, section.name)
+            again = self.objectives[section.name].ends
         else:
             names = [n for b in section.branches for n in (b.name, *(s.name for s in b.graph.walk()))]
             kinds: tuple[Kind, ...] = ("objective", "pending", "done")
@@ -275,6 +309,8 @@ class Prospects(Generic[S]):
                 (frozenset(s.activities) for s in self.mission_net.graph.walk() if s.name == event.element),
                 frozenset(),
             )
+        if event.what is What.DECLARED:  # it may bear the name of hardware
+            return frozenset()
         return self._choosing.get(event.element, frozenset())
 
     @cached_property

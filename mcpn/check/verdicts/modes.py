@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mcpn._kernel import Zdd
 from mcpn.check.modes import Mode
 from mcpn.net.compose import MissionNet
 from mcpn.space.algebra import S, Space
@@ -25,14 +26,26 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
     active = mission_net.saying("active")
     for place, name in active.items():
         by_activity.setdefault(name.split(".", 1)[0], []).append(place)
+    places_of: dict[tuple[str, ...], tuple[int, ...]] = {}
+    images: dict[int, ImageStore] = {}
+    listed: dict[tuple[tuple[str, ...], Zdd], list[Mode]] = {}
     for section in mission_net.graph.walk():
-        closure = frozenset[str]().union(*(mission_net.usage.closure(a) for a in section.activities))
-        places = sorted(place for activity in closure for place in by_activity.get(activity, ()))
+        activities = section.activities
+        if activities not in places_of:  # many objectives may run the same
+            closure = frozenset[str]().union(*(mission_net.usage.closure(a) for a in activities))
+            ours = sorted(place for activity in closure for place in by_activity.get(activity, ()))
+            places_of[activities] = tuple(ours)
+            if len(ours) not in images:
+                images[len(ours)] = ImageStore(len(ours))
+        places = places_of[activities]
         running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
-        family = space.image(running, places, ImageStore(len(places)))
-        rows = sorted(([i in row for i in range(len(places))] for row in map(set, family)), reverse=True)
-        modes = [
-            dict(active[p].split(".", 1) for p, on in zip(places, row, strict=True) if on) for row in rows
-        ]
-        found[section.name] = [mode for mode in modes if all(a in mode for a in section.activities)]
+        family = space.image(running, places, images[len(places)])
+        key = activities, family
+        if key not in listed:
+            rows = sorted(([i in row for i in range(len(places))] for row in map(set, family)), reverse=True)
+            modes = [
+                dict(active[p].split(".", 1) for p, on in zip(places, row, strict=True) if on) for row in rows
+            ]
+            listed[key] = [mode for mode in modes if all(a in mode for a in activities)]
+        found[section.name] = [*listed[key]]
     return found

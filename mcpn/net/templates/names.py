@@ -47,19 +47,17 @@ class Names:
         """
         stem = _stem(kind, element)
         plain = "_".join((stem, *part))
-        longer = (plain[:end] for end in _boundaries(plain) if end > len(stem))
+        longer = _boundaries(plain, len(stem) + 1) if part else ()
         if (
             self._owners.get(stem, (kind, element)) != (kind, element)
-            or any(text in self._owners for text in longer)
-            or self._ways_to_read(part[1:]) > 1
+            or any(plain[:end] in self._owners for end in longer)
+            or (len(part) > 1 and self._ways_to_read(part[1:]) > 1)
         ):
             return ":".join((kind, element, *part))
         return plain
 
     def _ways_to_read(self, names: tuple[str, ...]) -> int:
         """In how many ways a text is a series of names."""
-        if not names:
-            return 1
         text, known = "_".join(names), self._resources.union(names)
         ways = {0: 1}  # by where the next name begins
         for end in _boundaries(text):
@@ -71,9 +69,12 @@ def _stem(kind: str, element: str) -> str:
     return "MISSION" if kind == "mission" else f"{_PREFIXES.get(kind, '')}{element}"
 
 
-def _boundaries(text: str) -> Iterator[int]:
-    """Where words of a text end."""
-    yield from (at for at, letter in enumerate(text) if letter == "_")
+def _boundaries(text: str, begin: int = 0) -> Iterator[int]:
+    """Where words of a text end, from a letter on."""
+    at = text.find("_", begin)
+    while at >= 0:
+        yield at
+        at = text.find("_", at + 1)
     yield len(text)
 
 

@@ -19,13 +19,13 @@ from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
-from mcpn.net.sections import section_part
+from mcpn.net.sections import SectionParts, Used
 from mcpn.net.templates import TemplateSet
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.local.sections import Elements, PlacedSection
+from mcpn.space.local.sections import Elements, PlacedSection, Placement
 from mcpn.space.nearest import nearest_fault
 from mcpn.space.symbolic import SymbolicSpace, reach
 
@@ -82,7 +82,8 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         error = nearest_fault(mission_net.net)  # a clash near the start is found at once
         if error is not None:
             raise error
-    parts = {section.name: section_part(usage, section) for section in graph.sections}
+    alone = SectionParts(usage).alone
+    parts = {section.name: alone(section) for section in graph.sections}
     kinds = {name: part.type if templates is None else name for name, part in parts.items()}
     first: dict[Hashable, str] = {}
     for name in parts:
@@ -103,10 +104,14 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         types[kind].check_premise(name, explored[kind])
     whole = mortal(mission_net) if options.mortal else mission_net
     elements = Elements(whole)
-    placed = [
-        PlacedSection(section, parts[section.name], types[kinds[section.name]], layout, elements, templates)
-        for section in graph.sections
-    ]
+    placements: dict[tuple[SectionType, Used], Placement] = {}
+    placed = []
+    for section in graph.sections:
+        part, type_ = parts[section.name], types[kinds[section.name]]
+        key = type_, part.used
+        if key not in placements:
+            placements[key] = Placement(type_, part, elements, templates)
+        placed.append(PlacedSection(section, part, placements[key]))
     composite = CompositeSpace(whole, layout, placed)
     if not options.mortal:  # what may die behaves as what may not
         if templates is not None:

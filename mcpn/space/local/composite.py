@@ -5,15 +5,15 @@ A set of states is a diagram for each section; places and transitions are those 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 from mcpn._kernel import Zdd
-from mcpn.mission.model import SUCCEED
+from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.petri import Marking, Provenance, Transition
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.runs import Runs
-from mcpn.space.local.sections import BEGIN, ENDS, PlacedSection
+from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, PlacedSection, Placement
 from mcpn.space.local.sets import CompositeSet, Member
 
 FARTHEST = 2**62
@@ -72,51 +72,75 @@ class CompositeSpace(Runs):
 
     def marked(self, places: Collection[int]) -> CompositeSet:
         """States that mark at least one of some places."""
-        found = self.nothing
+        found, parts = dict[str, Zdd](), self.everything.parts
+        marking: Mapping[str, Zdd | None]
         for place in places:
-            if place in self._shared or self.net.initial[place]:
-                found |= self.everything - self.at_most({place: 1}, 0)
-                continue
-            for name in self._holding.get(place, ()):
-                part = self.everything.parts.get(name)
-                if part is not None:
-                    found |= self.restricted(CompositeSet(self, {name: part}), [place], ())
-        return found
+            if place in self._of_mission:
+                name = self._of_mission[place]
+                marking = {name: parts.get(name)}
+            elif place in self._slot_of_place or self.net.initial[place]:
+                marking = (self.everything - self.at_most({place: 1}, 0)).parts
+            else:
+                marking = {
+                    name: self._those(name, parts.get(name), [place], ()) for name in self._holding(place)
+                }
+            for name, part in marking.items():
+                if part:
+                    found[name] = found[name] | part if name in found else part
+        return CompositeSet(self, found)
 
     @cached_property
-    def _shared(self) -> frozenset[int]:
-        """Places that every section knows: of hardware, and of the mission itself."""
+    def _of_mission(self) -> Mapping[int, str]:
+        """The places of the mission itself, each with what stands for a section while it is marked."""
         mission = self.mission_net
-        return frozenset({*self._slot_of_place, mission.beginning, mission.success, mission.failure})
+        return {mission.beginning: BEGIN, mission.success: SUCCEED, mission.failure: FAIL}
 
     @cached_property
-    def _holding(self) -> Mapping[int, list[str]]:
-        """By place of the whole net, the sections whose local nets have it."""
-        found: dict[int, list[str]] = {}
+    def _users(self) -> Mapping[Placement, list[str]]:
+        """Sections by placement."""
+        found: dict[Placement, list[str]] = {}
         for name, placed in self.sections.items():
-            for place in placed.places:
-                found.setdefault(place, []).append(name)
+            found.setdefault(placed.placement, []).append(name)
         return found
+
+    def _holding(self, place: int) -> Iterator[str]:
+        """The sections whose local nets have a place of the whole net, if it is not the mission's."""
+        if place in self._place_owners:
+            yield self._place_owners[place]
+        for placement in self._place_users.get(place, ()):
+            yield from self._users[placement]
+
+    @cached_property
+    def _place_users(self) -> Mapping[int, list[Placement]]:
+        """By place that is of no section, the placements whose local nets have it."""
+        return _reversed((placement, placement.places.locals) for placement in self._users)
+
+    @cached_property
+    def _place_owners(self) -> Mapping[int, str]:
+        """By place that is of a section's objectives and blocks, the section."""
+        return {place: name for name, placed in self.sections.items() for place in placed.own_places}
 
     def restricted(
         self, states: CompositeSet, marked: Collection[int], unmarked: Collection[int]
     ) -> CompositeSet:
         """Those of some states that mark all of some places, and none of others."""
-        found = {}
-        for name, part in states.parts.items():
-            placed = self.sections.get(name)
-            yes, no = set[int](), set[int]()
-            possible = True
-            for wanted, places in ((True, marked), (False, unmarked)):
-                for place in places:
-                    bit = self._bit(name, placed, place)
-                    if isinstance(bit, bool):
-                        possible = possible and bit == wanted
-                    else:
-                        (yes if bit[1] != wanted else no).add(bit[0])
-            if possible and not yes & no:
-                found[name] = part.subset(sorted(yes), sorted(no))
-        return self.of(found)
+        found = {name: self._those(name, part, marked, unmarked) for name, part in states.parts.items()}
+        return CompositeSet(self, {name: part for name, part in found.items() if part})
+
+    def _those(
+        self, name: str, part: Zdd | None, marked: Collection[int], unmarked: Collection[int]
+    ) -> Zdd | None:
+        """The same of one section's states; ``None`` where there are none."""
+        placed = self.sections.get(name)
+        yes, no = set[int](), set[int]()
+        for wanted, places in ((True, marked), (False, unmarked)):
+            for place in places:
+                bit = self._bit(name, placed, place)
+                if not isinstance(bit, bool):
+                    (yes if bit[1] != wanted else no).add(bit[0])
+                elif bit != wanted:
+                    return None
+        return None if part is None or yes & no else part.subset(sorted(yes), sorted(no))
 
     def varying(self, states: CompositeSet) -> Collection[int]:
         """Places of the sections that these states are of, but for those of hardware and of the mission."""
@@ -124,7 +148,8 @@ class CompositeSpace(Runs):
 
     @cached_property
     def _own_places(self) -> Mapping[str, frozenset[int]]:
-        return {name: frozenset(placed.places) - self._shared for name, placed in self.sections.items()}
+        shared = {NOWHERE, *self._slot_of_place, *self._of_mission}
+        return {name: frozenset(placed.places) - shared for name, placed in self.sections.items()}
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
         """States whose weighted sum of tokens is at most a bound."""
@@ -154,6 +179,8 @@ class CompositeSpace(Runs):
 
     def _bit(self, name: str, placed: PlacedSection | None, place: int) -> Bit:
         """Where a part of a set says whether a place of the whole net is marked."""
+        if place in self._of_mission:
+            return name == self._of_mission[place]
         if placed is not None and (local := placed.local_place(place)) is not None:
             return placed.type.encoding.bit(local)
         if place in self._slot_of_place:
@@ -163,10 +190,6 @@ class CompositeSpace(Runs):
             # An interface of the section's own hardware that the section does not use follows its state.
             level, opposite = placed.bit_of(slot)
             return level, reverse != opposite
-        if place == self.mission_net.beginning:
-            return name == BEGIN
-        if place in (self.mission_net.success, self.mission_net.failure):
-            return name in ENDS and place == self._end_place(name)
         return bool(self.net.initial[place])
 
     @cached_property
@@ -187,7 +210,7 @@ class CompositeSpace(Runs):
         wanted, found = frozenset(transitions), dict[str, Zdd]()
         allowed_in = self.filtered(wanted)
         beside_all = any(t in wanted for kinds in self.toggles.values() for t in kinds.values())
-        names = self.everything.parts if beside_all else {n for t in wanted for n in self._firing.get(t, ())}
+        names = self.everything.parts if beside_all else {n for t in wanted for n in self._firing(t)}
         for name in names:
             part, placed = self.everything.parts.get(name), self.sections.get(name)
             if part is None:
@@ -201,29 +224,53 @@ class CompositeSpace(Runs):
             found[name] = states
         return self.of(found)
 
+    def _firing(self, transition: int) -> Iterator[str]:
+        """The sections whose local nets have a transition of the whole net."""
+        if transition == self.mission_net.start:
+            yield BEGIN
+        if transition in self._transition_owners:
+            yield self._transition_owners[transition]
+        for placement in self._transition_users.get(transition, ()):
+            yield from self._users[placement]
+
     @cached_property
-    def _firing(self) -> Mapping[int, list[str]]:
-        """By transition of the whole net, the sections whose local nets have it."""
-        found: dict[int, list[str]] = {self.mission_net.start: [BEGIN]}
-        for name, placed in self.sections.items():
-            for t in placed.transitions:
-                found.setdefault(t, []).append(name)
-        return found
+    def _transition_users(self) -> Mapping[int, list[Placement]]:
+        """By transition that is of no section, the placements whose local nets have it."""
+        return _reversed((placement, placement.transitions.locals) for placement in self._users)
+
+    @cached_property
+    def _transition_owners(self) -> Mapping[int, str]:
+        """By transition that is of a section's objectives and blocks, the section."""
+        return {t: name for name, placed in self.sections.items() for t in placed.own_transitions}
 
     def firings(self, states: CompositeSet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         counts: dict[int, int] = {}
+
+        def add(transition: int, number: int) -> None:
+            counts[transition] = counts.get(transition, 0) + number
+
+        alike: dict[tuple[Placement | None, Zdd], list[str]] = {}
         for name, part in states.parts.items():
-            placed, once = self.sections.get(name), self.closed(name, part)
-            own: Collection[str] = () if placed is None else placed.faulty
-            found = {self.mission_net.start: once.count()} if name == BEGIN else {}
-            if placed is not None:
-                found = {placed.transitions[t]: n for t, n in placed.type.firings(once).items()}
+            placed = self.sections.get(name)
+            placement = None if placed is None else placed.placement
+            alike.setdefault((placement, part), []).append(name)
+        for (placement, part), names in alike.items():
+            once, own = self.closed(names[0], part), () if placement is None else placement.part.faulty
+            if placement is None:
+                add(self.mission_net.start, once.count() * names.count(BEGIN))
+            else:
+                shared, inside = placement.transitions.shared, placement.type.firings(once)
+                for local, number in inside.items():
+                    if shared[local] != NOWHERE:
+                        add(shared[local], number * len(names))
+                for name in names:
+                    for t, local in self.sections[name].own_transitions.items():
+                        add(t, inside.get(local, 0))
             beside_it = [(t, c) for h in self.layout.hardware if h not in own for t, c in self._needing[h]]
             numbers = once.counts([condition for _, condition in beside_it])
-            found.update(zip([t for t, _ in beside_it], numbers, strict=True))
-            for t, number in found.items():
-                counts[t] = counts.get(t, 0) + number
+            for (t, _), number in zip(beside_it, numbers, strict=True):
+                add(t, number * len(names))
         return {t: number for t, number in counts.items() if number}
 
     @cached_property
@@ -259,6 +306,14 @@ class CompositeSpace(Runs):
                 images.known[part, bits] = images.known[projected, bits]
             found |= images.known[part, bits]
         return found
+
+
+def _reversed(having: Iterable[tuple[Placement, Iterable[int]]]) -> dict[int, list[Placement]]:
+    found: dict[int, list[Placement]] = {}
+    for placement, indices in having:
+        for index in indices:
+            found.setdefault(index, []).append(placement)
+    return found
 
 
 def _is_of(provenance: Provenance | None, name: str) -> bool:

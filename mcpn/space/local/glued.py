@@ -304,10 +304,8 @@ class Glued:
         found = dict((along & self.everything).parts)
         ends = self.dead.parts
         empty = self.layout.store.empty()
-        waiting = set(found)
-        while waiting:
-            name = max(waiting, key=self._order.__getitem__)
-            waiting.discard(name)
+        waiting = Waiting(found, lambda name: -self._order[name])
+        for name in waiting:
             part, placed = found.get(name, empty), self.sections.get(name)
             onward = empty
             for route, exit_ in self.exits(name):
@@ -322,7 +320,9 @@ class Glued:
                 part = part & (ways | onward | dead)
             if part != found.get(name, empty):
                 found[name] = part
-                waiting |= {before for before, _ in self.into.get(name, ()) if before in found}
+                for earlier, _ in self.into.get(name, ()):
+                    if earlier in found:
+                        waiting.again(earlier)
         return self.of(found)
 
     @cached_property

@@ -91,19 +91,17 @@ class Runs(Glued):
         if hops is None:
             return None
         run, state = list[Edge](), begin
-        while True:
-            hop = next(
-                i for i, found in enumerate(hops) if state[0] in found and self._in(state, found[state[0]][0])
-            )
+        for hop in reversed(range(len(hops))):  # each edge out of a section leads one section nearer
             target = hops[hop][state[0]][1]
             inside = None if along is None else along.parts.get(state[0])
             legs = self._run_inside(state, target, inside, allowed(state[0]))
             run += legs
             state = legs[-1].target if legs else state
-            if hop == 0:
-                return run
-            run.append(next(e for e in self.edges(state) if self._leads_on(e, state, hops[hop - 1], allowed)))
-            state = run[-1].target
+            if hop:
+                onward = hops[hop - 1]
+                run.append(next(e for e in self.edges(state) if self._leads_on(e, state, onward, allowed)))
+                state = run[-1].target
+        return run
 
     def _in(self, state: Member, part: Zdd) -> bool:
         return bool(self.single(state).parts[state[0]] & part)
@@ -124,7 +122,7 @@ class Runs(Glued):
 
     def _ends_section(self, state: Member, transition: int) -> bool:
         placed = self.sections.get(state[0])
-        return placed is not None and transition in placed.own_transitions
+        return placed is not None and placed.local_transition(transition) is not None
 
     def _hops(
         self,

@@ -69,7 +69,7 @@ class CompositeSet:
 
 
 class Waiting:
-    """Parts of a growing set that are to be worked on, again each time that one has grown.
+    """Parts of a set that are to be worked on, again each time that one has changed.
 
     Args:
         found: The parts by name; they are changed in place.
@@ -94,6 +94,10 @@ class Waiting:
         wider = part if known is None else known | part
         if wider and wider != known:
             self.found[name] = wider
-            if name not in self._queued:
-                self._queued.add(name)
-                heappush(self._heap, (self.rank(name), name))
+            self.again(name)
+
+    def again(self, name: str) -> None:
+        """Has a part worked on once more, if it does not wait already."""
+        if name not in self._queued:
+            self._queued.add(name)
+            heappush(self._heap, (self.rank(name), name))
