@@ -10,8 +10,8 @@ reference (24 places at most). Counts that differ between engines end the script
 its own; an engine that gave up is not asked for a larger mission of the family.
 
 With ``-o`` the numbers go to ``explicit_vs_symbolic.csv`` and a plot (needs ``mcpn[experiments]``) to
-``explicit_vs_symbolic.svg`` in that folder. With its defaults it takes some two minutes on two cores, ten at
-most.
+``explicit_vs_symbolic.svg`` in that folder. With its defaults it takes some 20 seconds, and up to a few
+minutes where engines are stopped by their limit.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Usage: ``python experiments/families.py [-o FOLDER]``
 
 Prints, for each size, the markings that the symbolic engine counts, whether the closed form agrees where
-there is one, its seconds, and the nodes of the diagram at its peak and at its end. It takes a minute or two.
+there is one, its seconds, and the nodes of the diagram at its peak and at its end. It takes some 20 seconds.
 With ``-o`` the numbers go to ``families.csv`` and a plot (needs ``mcpn[experiments]``) to ``families.svg`` in
 that folder.
 """

@@ -5,7 +5,7 @@ Usage: ``python experiments/five_branches.py [--branches 5] [-o FOLDER]``
 After Ulysse's own blocks comes a parallel one, each child with a sensor of its own that may fail. The
 markings graph holds every interleaving of their internal steps; the direct way, with its proof on diagrams,
 does not. The reduction is left out where there are more markings than ``--most`` (five branches have
-253,598,916). With its defaults it takes under a minute.
+253,598,916). With its defaults it takes two seconds.
 
 With ``-o`` blocks of fewer branches are measured first; the numbers go to ``five_branches.csv`` and a plot
 (needs ``mcpn[experiments]``) to ``five_branches.svg`` in that folder. That takes a minute or two.

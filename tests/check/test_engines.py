@@ -76,7 +76,7 @@ def settled(mission_net: MissionNet, marking: tuple[int, ...]) -> tuple[int, ...
     return marking
 
 
-@fewer(0.6)
+@fewer(0.3)
 @given(missions())
 def test_three_engines_on_generated_missions(mission: Mission) -> None:
     try:
@@ -86,7 +86,7 @@ def test_three_engines_on_generated_missions(mission: Mission) -> None:
         return
 
 
-@fewer(0.4)
+@fewer(0.25)
 @given(missions(max_events=2, max_sections=8))
 def test_engines_on_missions_with_events(mission: Mission) -> None:
     try:
