@@ -110,12 +110,13 @@ def test_any_mission(mission: Mission, seed: int) -> None:
         walk(mission_net, controllers, random.Random(seed), 60)
 
 
+def activity(name: str, *ways: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
+    alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
+    return Activity(name=name, alternatives=alternatives, produces=produces)
+
+
 def one_goes_as_another_comes(together: tuple[str, ...]) -> Mission:
     """The failure of h0 ends ``first``, which releases s0, and makes ``beside`` want s0."""
-
-    def activity(name: str, *ways: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
-        alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
-        return Activity(name=name, alternatives=alternatives, produces=produces)
 
     robot = Robot(
         name="robot",
@@ -141,10 +142,6 @@ def test_whether_a_producer_goes_on_is_the_same_in_every_controller(together: tu
 
 def test_a_section_need_not_be_confluent_where_the_mission_never_comes() -> None:
     """``both`` asks h0 twice, so the objective after it, where two activities want h0, never begins."""
-
-    def activity(name: str, *ways: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
-        alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
-        return Activity(name=name, alternatives=alternatives, produces=produces)
 
     robot = Robot(
         name="robot",
