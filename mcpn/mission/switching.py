@@ -53,13 +53,19 @@ class Switching:
         alternatives = range(len(self.usage.activities[activity].alternatives))
         return frozenset[str]().union(*(way for i in alternatives for way in self.higher(activity, i)))
 
-    def better(self, activity: str, alternative: int) -> Ways:
+    def better(self, activity: str, alternative: int) -> list[tuple[str, ...]]:
         """Sets of hardware for which an activity leaves this alternative for one of higher priority.
+
+        They come in the order in which the mission lists its hardware, not in the order of its names.
 
         Raises:
             LimitError: There are too many.
         """
-        return self.higher(activity, alternative) if self.switches_back(activity) else frozenset()
+        if not self.switches_back(activity):
+            return []
+        place = {h: i for i, h in enumerate(self.usage.hardware)}
+        ways = (tuple(sorted(way, key=place.__getitem__)) for way in self.higher(activity, alternative))
+        return sorted(ways, key=lambda way: [place[h] for h in way])
 
     def switches_back(self, activity: str) -> bool:
         """Whether an activity returns to a better alternative.

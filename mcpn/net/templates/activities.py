@@ -239,7 +239,7 @@ class _AlternativeDrawing:
 
     def switch_back(self) -> None:
         """An alternative of higher priority is possible again: evaluate every alternative again."""
-        for way in sorted(map(sorted, self.usage.switching.better(self.activity.name, self.index))):
+        for way in self.usage.switching.better(self.activity.name, self.index):
             self._draw(
                 "back",
                 [*self.runs, *self._answers(())],
