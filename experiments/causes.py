@@ -30,8 +30,8 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.report.causes import fmeca_rows
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.diagrams import DiagramMarkings
-from mcpn.space.symbolic import reach
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 

@@ -33,12 +33,12 @@ from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.space.confluence import direct_with_proof
-from mcpn.space.explicit import explore
+from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.symbolic import reach
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
+from mcpn.space.stable.confluence import direct_with_proof
 
 GIB = 4
 ENGINES = ("explicit", "direct", "symbolic", "local")

@@ -25,7 +25,7 @@ from typing import Any
 from families import philosophers, ring, slotted_ring
 
 from mcpn.net.petri import PetriNet
-from mcpn.space.order import cuthill_mckee, force
+from mcpn.space.diagrams.order import cuthill_mckee, force
 
 FAMILIES: dict[str, tuple[Callable[[int], PetriNet], tuple[int, ...]]] = {
     "philosophers": (philosophers, (4, 10, 20, 40, 80)),
@@ -37,7 +37,7 @@ Engine = Callable[[PetriNet, tuple[int, ...]], int]
 
 def ours(net: PetriNet, order: tuple[int, ...]) -> int:
     """Saturation in the kernel."""
-    from mcpn.space.symbolic import reach
+    from mcpn.space.diagrams.symbolic import reach
 
     return reach(net, order=order).states
 
@@ -110,7 +110,7 @@ def oxidd(net: PetriNet, order: tuple[int, ...]) -> int:
 
 def pyeda(net: PetriNet, order: tuple[int, ...]) -> int:
     """The reference engine of mcpn on pyeda."""
-    from mcpn.space.pyeda_reference import count
+    from mcpn.space.diagrams.pyeda_reference import count
 
     return count(net).states
 

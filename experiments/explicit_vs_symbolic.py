@@ -27,8 +27,8 @@ from limits import Result, measured
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import composite_space
+from mcpn.space.stable.confluence import direct_with_proof
 from mcpn.space.summary import summarise
 
 ENGINES = ("explicit", "symbolic", "direct", "local", "pyeda")

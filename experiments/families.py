@@ -27,7 +27,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.report.pictures.plots import Curves
-from mcpn.space.symbolic import reach
+from mcpn.space.diagrams.symbolic import reach
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 

@@ -30,7 +30,7 @@ def solve(path: Path, gigabytes: float) -> None:
     import time
 
     from mcpn.net.formats import read_net
-    from mcpn.space.symbolic import reach
+    from mcpn.space.diagrams.symbolic import reach
 
     net = read_net(path)
     started, working = time.perf_counter(), time.process_time()

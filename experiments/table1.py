@@ -24,9 +24,9 @@ from rich.table import Table
 import mcpn
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
-from mcpn.space.alternatives import by_reduction, direct
-from mcpn.space.confluence import direct_with_proof
-from mcpn.space.explicit import explore
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import by_reduction, direct
+from mcpn.space.stable.confluence import direct_with_proof
 
 MISSION = Path(__file__).parent / "ulysse" / "mission.xml"
 T = TypeVar("T")

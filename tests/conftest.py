@@ -17,8 +17,8 @@ from hypothesis import HealthCheck, settings
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
-from mcpn.space.explicit import explore
-from mcpn.space.graph import StateGraph
+from mcpn.space.markings.explicit import explore
+from mcpn.space.markings.graph import StateGraph
 from tests import shares
 
 ROOT = Path(__file__).resolve().parents[1]

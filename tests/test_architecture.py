@@ -64,6 +64,12 @@ def test_modules_are_of_a_size_to_be_read(path: Path) -> None:
     assert len(path.read_text().splitlines()) <= 420
 
 
+def test_rooms_are_of_a_size_to_be_seen() -> None:
+    """No folder has more than a dozen modules side by side."""
+    for room in {path.parent for path in MODULES}:
+        assert len([path for path in room.glob("*.py") if path.name != "__init__.py"]) <= 12, room
+
+
 def test_help_loads_nothing_heavy() -> None:
     heavy = {"numpy", "networkx", "lxml", "rich", "hypothesis", "scipy"}
     script = (

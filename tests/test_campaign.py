@@ -27,12 +27,12 @@ from mcpn.mission.model import Mission
 from mcpn.mission.writer import write_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
-from mcpn.space.alternatives import AlternativesGraph, by_reduction
-from mcpn.space.confluence import prove_confluent
-from mcpn.space.explicit import explore
-from mcpn.space.listing import written_out
+from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
-from mcpn.space.symbolic import reach
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.stable.confluence import prove_confluent
+from mcpn.space.stable.listing import written_out
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.test_lockstep import walk

@@ -20,8 +20,8 @@ from mcpn.mission.model import (
 )
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
-from mcpn.space.alternatives import AlternativesGraph, by_reduction
-from mcpn.space.explicit import explore
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction
 from tests.test_campaign import judge
 
 

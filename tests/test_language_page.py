@@ -12,8 +12,8 @@ import pytest
 from lxml import etree
 
 from mcpn.check.verdicts.mission import check
+from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.schema import find_misfits
-from mcpn.mission.warnings import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from tests.conftest import ROOT

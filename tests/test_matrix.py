@@ -24,7 +24,7 @@ from mcpn.controller.hierarchy import flat_controller
 from mcpn.errors import InputError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import MissionNet, compose
-from mcpn.space.listing import written_out
+from mcpn.space.stable.listing import written_out
 from tests.check.asked import Asked
 
 README = Path(__file__).resolve().parents[1] / "README.md"

@@ -15,8 +15,8 @@ from mcpn.check.spaces import Engine, On, space_of, stable_space
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.algebra import Space
-from mcpn.space.explicit import Progress
 from mcpn.space.local.section_type import PremiseError
+from mcpn.space.markings.explicit import Progress
 
 Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
 """An engine by name, or ``auto``."""

@@ -9,14 +9,14 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.alternatives import by_reduction, direct
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.clash import in_mission_words
-from mcpn.space.confluence import direct_with_proof, prove_confluent
-from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
-from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import Options, composite_space
-from mcpn.space.symbolic import reach
+from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.space.stable.alternatives import by_reduction, direct
+from mcpn.space.stable.clash import in_mission_words
+from mcpn.space.stable.confluence import direct_with_proof, prove_confluent
 
 On: TypeAlias = Literal["markings", "alternatives"]
 Engine: TypeAlias = Literal["explicit", "symbolic", "local"]

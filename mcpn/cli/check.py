@@ -63,7 +63,7 @@ def check(
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return
     from mcpn.check.verdicts.mission import check as check_mission
-    from mcpn.mission.warnings import find_warnings
+    from mcpn.mission.facts.warnings import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)

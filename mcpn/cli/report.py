@@ -101,7 +101,7 @@ def findings(
     """
     from mcpn.check.causes.risk import risk as find_risk
     from mcpn.check.verdicts.mission import check
-    from mcpn.mission.warnings import find_warnings
+    from mcpn.mission.facts.warnings import find_warnings
     from mcpn.report.local import local_pictures
     from mcpn.report.page import Findings
     from mcpn.report.progress import Steps, counted, exploring

@@ -123,8 +123,8 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
 
 def composite_of(mission_net: MissionNet, max_states: int | None, *, quiet: bool = False) -> CompositeSpace:
     """The sections of a mission, glued."""
-    from mcpn.space.clash import in_mission_words
     from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
+    from mcpn.space.stable.clash import in_mission_words
 
     with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
         limit = DEFAULT_MAX_STATES if max_states is None else max_states

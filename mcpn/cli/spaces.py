@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.algebra import Space
-    from mcpn.space.explicit import Progress
+    from mcpn.space.markings.explicit import Progress
     from mcpn.space.summary import SpaceSummary
 
 
@@ -92,9 +92,9 @@ def states(
 
 
 def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
-    from mcpn.space.order import read_order, write_order
+    from mcpn.space.diagrams.order import read_order, write_order
+    from mcpn.space.diagrams.symbolic import reach
     from mcpn.space.summary import summary_of
-    from mcpn.space.symbolic import reach
 
     started = time.perf_counter()
     space = reach(net, order=read_order(order, net) if order else None, seed=seed)
@@ -129,9 +129,9 @@ def _listed(
 ) -> Space[Any]:
     """The alternatives graph as the user wants it listed."""
     from mcpn.check.spaces import stable_space
-    from mcpn.space.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
     from mcpn.space.arrays import ArraySpace
-    from mcpn.space.explicit import explore
+    from mcpn.space.markings.explicit import explore
+    from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
 
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if method == "reduction":
@@ -168,10 +168,10 @@ def alternatives(
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
     from mcpn.check.choice import answered, stable_by
-    from mcpn.space.alternatives import AlternativesGraph
     from mcpn.space.arrays import ArraySpace
-    from mcpn.space.clash import in_mission_words
-    from mcpn.space.listing import written_out
+    from mcpn.space.stable.alternatives import AlternativesGraph
+    from mcpn.space.stable.clash import in_mission_words
+    from mcpn.space.stable.listing import written_out
 
     if method is not None or not proof:
         if engine not in ("auto", "explicit"):

@@ -12,8 +12,8 @@ from typing import Literal
 
 from mcpn.check.modes import Situation
 from mcpn.controller.run import Passage
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.usage import Usage
 from mcpn.net.sections import section_part
 
 Verb = Literal["stop", "release", "select", "start"]

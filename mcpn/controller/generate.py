@@ -8,11 +8,11 @@ from typing import Literal
 from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller, refuse_entries
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
-from mcpn.space.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
-from mcpn.space.clash import in_mission_words
-from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.section_type import SectionType
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.stable.clash import in_mission_words
+from mcpn.space.stable.confluence import direct_with_proof
 
 Form = Literal["flat", "hierarchical"]
 Progress = Callable[[int, int], None]

@@ -25,9 +25,9 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.notebook import Drawn
-from mcpn.space.alternatives import AlternativesGraph
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
+from mcpn.space.stable.alternatives import AlternativesGraph
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")
 """Kinds of names that differ between sections of one type."""

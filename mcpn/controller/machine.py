@@ -15,7 +15,7 @@ from mcpn.controller.actions import Action, Ordering
 from mcpn.controller.run import Runner
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
-from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.stable.alternatives import AlternativesGraph
 
 
 @dataclass(frozen=True, slots=True)

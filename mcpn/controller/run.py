@@ -17,7 +17,7 @@ from operator import or_
 
 from mcpn.errors import DivergenceError
 from mcpn.net.compose import MissionNet
-from mcpn.space.firing import MaskedNet
+from mcpn.space.markings.firing import MaskedNet
 
 MAX_FIRINGS = 1_000_000
 """Internal firings after one event beyond which a run is taken for endless."""

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Activity, Hardware, Mission, Software
-from mcpn.mission.usage import Usage
 from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet

@@ -14,9 +14,9 @@ from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Activity, Hardware, Software
-from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
 

@@ -11,7 +11,7 @@ from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import KNOWN as PICTURES
-from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.stable.alternatives import AlternativesGraph
 
 KNOWN = (".json", ".graphml", ".aut", ".dot", *PICTURES)
 

@@ -9,7 +9,7 @@ from mcpn.check.nets.properties import NetCheck, Structure, marking_after
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
 from mcpn.report.terminal import Terminal
-from mcpn.space.tokens import OMEGA
+from mcpn.space.markings.tokens import OMEGA
 
 SHOWN = 20
 

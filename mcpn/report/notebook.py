@@ -22,7 +22,7 @@ from mcpn.report.pictures.mission import mission_drawing
 from mcpn.report.pictures.nets import net_drawing, units_drawing
 from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.report.text import SENTENCES
-from mcpn.space.alternatives import AlternativesGraph
+from mcpn.space.stable.alternatives import AlternativesGraph
 
 
 def show(what: object, kind: str) -> str | None:

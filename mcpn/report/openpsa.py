@@ -21,8 +21,8 @@ from lxml import etree
 from mcpn._kernel import Zdd
 from mcpn.check.causes.availability import Availability, LostObjectives
 from mcpn.check.causes.cutsets import CutSet
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.model import Hardware
-from mcpn.mission.usage import Usage
 
 MAX_OBJECTIVES = 500
 """Objectives of a mission whose tree follows its text; that of a longer one is flat."""

@@ -1,1 +1,1 @@
-"""State spaces: markings graphs and alternatives graphs."""
+"""State spaces: markings graphs and alternatives graphs, explicit, symbolic and by composition."""

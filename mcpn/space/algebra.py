@@ -1,7 +1,8 @@
 """Sets of states and spaces of states: the small algebra in which every question is asked once.
 
 Three spaces satisfy it: the graph in arrays (:mod:`mcpn.space.arrays`), the decision diagram
-(:mod:`mcpn.space.diagrams`), and the composite of a mission's sections (:mod:`mcpn.space.local.composite`).
+(:mod:`mcpn.space.diagrams.spaces`), and the composite of a mission's sections
+(:mod:`mcpn.space.local.composite`).
 Each is either the *markings graph*, whose edges are firings, or the *alternatives graph*, whose states are
 stable and whose edges are events, each run to completion. Places and transitions are always those of the
 whole net, by index, so that a question is the same for every space.

@@ -16,9 +16,9 @@ import numpy as np
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, Guards
-from mcpn.space.alternatives import AlternativesGraph
-from mcpn.space.graph import Mask, StateGraph
 from mcpn.space.images import ImageStore
+from mcpn.space.markings.graph import Mask, StateGraph
+from mcpn.space.stable.alternatives import AlternativesGraph
 
 
 @dataclass(frozen=True, eq=False, slots=True)

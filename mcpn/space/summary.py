@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
-from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
+from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress
 
 if TYPE_CHECKING:
-    from mcpn.space.symbolic import SymbolicSpace
+    from mcpn.space.diagrams.symbolic import SymbolicSpace
 
 ENGINES = ("explicit", "symbolic", "pyeda")
 """The engines that count: marking by marking, by decision diagrams, and the small independent reference."""
@@ -73,7 +73,7 @@ def summarise(
     """
     started = time.perf_counter()
     if engine == "symbolic":
-        from mcpn.space.symbolic import reach
+        from mcpn.space.diagrams.symbolic import reach
 
         return summary_of(reach(net), started)
     if engine == "explicit":
@@ -114,7 +114,7 @@ _Counts = tuple[int, int, int | None, int, int]
 
 
 def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
-    from mcpn.space.explicit import count
+    from mcpn.space.markings.explicit import count
 
     found = count(net, max_states=max_states, progress=progress)
     stable = found.stable if net.priorities else None
@@ -125,7 +125,7 @@ def _pyeda(net: PetriNet) -> _Counts:
     if len(net.places) > MOST_PLACES_FOR_PYEDA:
         raise LimitError(f"more than {MOST_PLACES_FOR_PYEDA} places, the limit of the reference engine")
     try:
-        from mcpn.space.pyeda_reference import count
+        from mcpn.space.diagrams.pyeda_reference import count
 
         found = count(net)
     except ImportError as error:

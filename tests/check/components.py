@@ -28,8 +28,8 @@ from mcpn.check.logic.formulas import (
     Stable,
     TokenBound,
 )
-from mcpn.space.alternatives import AlternativesGraph
-from mcpn.space.graph import Mask, StateGraph
+from mcpn.space.markings.graph import Mask, StateGraph
+from mcpn.space.stable.alternatives import AlternativesGraph
 
 
 class ByComponents:

@@ -10,6 +10,7 @@ from mcpn._kernel import Zdd
 from mcpn.check.causes.availability import Availability
 from mcpn.check.causes.cutsets import CutSet, Moment
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
     Activity,
@@ -22,9 +23,8 @@ from mcpn.mission.model import (
     Robot,
     Software,
 )
-from mcpn.mission.usage import Usage
 from mcpn.net.compose import MissionNet, compose
-from mcpn.space.alternatives import direct
+from mcpn.space.stable.alternatives import direct
 from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal
 from tests.draws import fewer

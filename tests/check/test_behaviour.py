@@ -10,9 +10,9 @@ from mcpn.check.nets.behaviour import behaviour
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.diagrams import DiagramMarkings
-from mcpn.space.explicit import explore
-from mcpn.space.symbolic import reach
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.explicit import explore
 from tests.check.formulas import Edges, edges_of
 from tests.net.nets import nets, reachable, state_machines
 

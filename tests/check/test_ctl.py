@@ -26,13 +26,13 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.net.formats import read_net
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.alternatives import by_reduction
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
-from mcpn.space.explicit import explore
-from mcpn.space.graph import StateGraph
+from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
-from mcpn.space.symbolic import reach
+from mcpn.space.markings.explicit import explore
+from mcpn.space.markings.graph import StateGraph
+from mcpn.space.stable.alternatives import by_reduction
 from mcpn.testing import missions
 from tests.check.components import ByComponents
 from tests.check.formulas import edges_of, formulas, satisfying

@@ -34,11 +34,11 @@ from mcpn.mission.model import (
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import What
 from mcpn.net.mortal import mortal
-from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySet, ArraySpace
-from mcpn.space.diagrams import DiagramMarkings
-from mcpn.space.graph import StateGraph
-from mcpn.space.symbolic import reach
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.graph import StateGraph
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions, minimal

@@ -14,6 +14,7 @@ from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.errors import LimitError
+from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.model import (
     SUCCEED,
     Activity,
@@ -25,14 +26,13 @@ from mcpn.mission.model import (
     Parallel,
     Robot,
 )
-from mcpn.mission.warnings import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking
 from mcpn.report.words import in_words
-from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.net.settling import stabilise
 from tests.shares import returns_early

@@ -32,8 +32,8 @@ from mcpn.mission.model import (
     Robot,
 )
 from mcpn.net.compose import MissionNet, compose
-from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.check.oracle import Play, fragile_missions
 from tests.draws import fewer

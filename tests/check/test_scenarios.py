@@ -12,8 +12,8 @@ from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
-from mcpn.space.alternatives import direct
 from mcpn.space.run import Run
+from mcpn.space.stable.alternatives import direct
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions
 from tests.draws import fewer

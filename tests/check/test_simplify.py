@@ -15,7 +15,7 @@ from mcpn.check.logic.verdicts import answer_file
 from mcpn.errors import Source
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.explicit import explore
+from mcpn.space.markings.explicit import explore
 from mcpn.space.search.equation import place_bounds
 from tests.check.formulas import edges_of, formulas, satisfying
 from tests.draws import fewer

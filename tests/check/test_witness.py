@@ -21,9 +21,9 @@ from mcpn.net.petri import Marking, PetriNet
 from mcpn.report.words import in_words
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.diagrams import DiagramMarkings
-from mcpn.space.explicit import explore
-from mcpn.space.symbolic import reach
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.explicit import explore
 from tests.check.formulas import edges_of, formulas, satisfying
 from tests.net.nets import nets, reachable, state_machines
 from tests.shares import returns_early

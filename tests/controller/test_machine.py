@@ -13,7 +13,7 @@ from mcpn.controller.targets.json import write_json
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
-from mcpn.space.alternatives import direct
+from mcpn.space.stable.alternatives import direct
 
 
 @pytest.fixture(scope="module")

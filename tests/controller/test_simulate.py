@@ -22,7 +22,7 @@ from mcpn.errors import ConfluenceError, InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
-from mcpn.space.alternatives import direct
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.controller.oracle import NetRobot

@@ -12,6 +12,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, LimitError, Problem
+from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.flatten import MAX_NESTING, flatten
 from mcpn.mission.model import (
     Activity,
@@ -26,7 +27,6 @@ from mcpn.mission.model import (
     Robot,
 )
 from mcpn.mission.validate import find_errors
-from mcpn.mission.warnings import find_warnings
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission
 from tests.conftest import ULYSSE

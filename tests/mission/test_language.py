@@ -12,6 +12,8 @@ from hypothesis import Phase, find, given, settings
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError
+from mcpn.mission.facts.usage import Usage
+from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import (
     FAIL,
@@ -24,9 +26,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
-from mcpn.mission.usage import Usage
 from mcpn.mission.validate import find_errors
-from mcpn.mission.warnings import find_warnings
 from mcpn.mission.writer import save_mission
 from mcpn.mission.xml import read_mission
 from mcpn.testing import missions

@@ -6,7 +6,7 @@ import numpy as np
 
 from mcpn.net.compose import MissionNet
 from mcpn.net.templates.names import names_of
-from mcpn.space.graph import Ints, StateGraph
+from mcpn.space.markings.graph import Ints, StateGraph
 
 
 def check_promises(found: MissionNet, graph: StateGraph) -> None:

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import Phase, assume, event, find, given, settings
 
 from mcpn.errors import ConfluenceError, InputError, LimitError
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
     Activity,
@@ -26,16 +27,15 @@ from mcpn.mission.model import (
     Software,
     walk,
 )
-from mcpn.mission.usage import Usage
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.net.templates import Canvas, PaperTemplates
-from mcpn.space.alternatives import by_reduction, direct
-from mcpn.space.explicit import explore
-from mcpn.space.graph import StateGraph
+from mcpn.space.markings.explicit import explore
+from mcpn.space.markings.graph import StateGraph
+from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.testing import Shape, missions
 from tests.draws import fewer
 from tests.net.promises import check_promises

@@ -19,8 +19,8 @@ from mcpn.mission.model import FAIL, SUCCEED, DeclaredEvent, Handler, Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking
-from mcpn.space.alternatives import direct
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.net.interpreter import Series
 from tests.net.settling import stabilise

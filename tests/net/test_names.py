@@ -14,7 +14,7 @@ from mcpn.mission.validate import find_errors
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.sections import section_part
 from mcpn.net.templates.names import Names
-from mcpn.space.alternatives import direct
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 
 

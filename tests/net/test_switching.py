@@ -20,8 +20,8 @@ from mcpn.mission.model import (
 )
 from mcpn.net.compose import compose
 from mcpn.net.events import START, Event, What
-from mcpn.space.alternatives import by_reduction
-from mcpn.space.explicit import explore
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import by_reduction
 from mcpn.testing import missions
 
 

@@ -20,7 +20,7 @@ from mcpn.mission.model import Hardware, Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.report.openpsa import open_psa
-from mcpn.space.alternatives import direct
+from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.check.asked import Asked
 from tests.check.oracle import fragile_missions, minimal

@@ -16,14 +16,14 @@ from mcpn.net.events import What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Space, partition
-from mcpn.space.alternatives import by_reduction
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.confluence import prove_confluent
-from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
-from mcpn.space.explicit import explore
+from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.images import ImageStore
 from mcpn.space.local.composing import Options, composite_space
-from mcpn.space.symbolic import reach
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import by_reduction
+from mcpn.space.stable.confluence import prove_confluent
 from mcpn.testing import missions
 from tests.draws import fewer
 

@@ -15,9 +15,9 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
-from mcpn.space.alternatives import by_reduction, direct
-from mcpn.space.explicit import explore
-from mcpn.space.graph import StateGraph
+from mcpn.space.markings.explicit import explore
+from mcpn.space.markings.graph import StateGraph
+from mcpn.space.stable.alternatives import by_reduction, direct
 from tests.net.nets import nets, reachable, state_machines
 from tests.shares import returns_early
 

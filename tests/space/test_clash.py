@@ -13,9 +13,9 @@ from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.alternatives import by_reduction, direct
-from mcpn.space.clash import Clash, Rival, explained, find_clash
-from mcpn.space.explicit import explore
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import by_reduction, direct
+from mcpn.space.stable.clash import Clash, Rival, explained, find_clash
 from mcpn.testing import missions
 from tests.draws import fewer
 

@@ -11,19 +11,19 @@ from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.alternatives import AlternativesGraph, by_reduction
-from mcpn.space.clash import find_clash
-from mcpn.space.confluence import (
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.local.composing import composite_space
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.stable.clash import find_clash
+from mcpn.space.stable.confluence import (
     PROOF,
     PROOF_BY_JOINING,
     direct_with_proof,
     open_conflicts,
     proof_by_joining,
 )
-from mcpn.space.explicit import explore
-from mcpn.space.local.composing import composite_space
-from mcpn.space.nearest import nearest_fault
-from mcpn.space.symbolic import reach
+from mcpn.space.stable.nearest import nearest_fault
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early

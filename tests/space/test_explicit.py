@@ -12,8 +12,8 @@ from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.explicit import count, explore
-from mcpn.space.graph import StateGraph
+from mcpn.space.markings.explicit import count, explore
+from mcpn.space.markings.graph import StateGraph
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
 

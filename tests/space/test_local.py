@@ -30,15 +30,15 @@ from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.net.sections import junction_part
 from mcpn.net.templates import Canvas, PaperTemplates
-from mcpn.space.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.space.confluence import prove_confluent
-from mcpn.space.explicit import explore
-from mcpn.space.listing import written_out
 from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import PremiseError, SectionType
 from mcpn.space.local.sections import NOWHERE, PlacedSection
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
+from mcpn.space.stable.confluence import prove_confluent
+from mcpn.space.stable.listing import written_out
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.draws import fewer

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.order import cuthill_mckee
-from mcpn.space.race import Race
-from mcpn.space.symbolic import reach
+from mcpn.space.diagrams.order import cuthill_mckee
+from mcpn.space.diagrams.race import Race
+from mcpn.space.diagrams.symbolic import reach
 from tests.net.nets import nets
 
 

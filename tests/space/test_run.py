@@ -10,10 +10,10 @@ from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import S, Space
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.diagrams import DiagramMarkings
-from mcpn.space.explicit import explore
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.explicit import explore
 from mcpn.space.run import run_of_fewest_events
-from mcpn.space.symbolic import reach
 from tests.net.nets import nets
 
 

@@ -13,9 +13,9 @@ from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.explicit import explore
-from mcpn.space.order import candidates
-from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.space.diagrams.order import candidates
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
+from mcpn.space.markings.explicit import explore
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early

@@ -11,7 +11,7 @@ from mcpn.errors import LimitError
 from mcpn.net.events import Event
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.tokens import OMEGA, boundedness, explore_tokens
+from mcpn.space.markings.tokens import OMEGA, boundedness, explore_tokens
 from tests.net.nets import nets
 from tests.shares import returns_early
 

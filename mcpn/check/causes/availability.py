@@ -17,9 +17,9 @@ from functools import cached_property, reduce
 from operator import and_, or_
 
 from mcpn._kernel import Zdd
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.mission.usage import Usage
 from mcpn.space.images import ImageStore
 
 

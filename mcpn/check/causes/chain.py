@@ -21,7 +21,7 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.events import What
 from mcpn.space.arrays import ArraySet, ArraySpace
-from mcpn.space.graph import Ints, Mask
+from mcpn.space.markings.graph import Ints, Mask
 
 Floats = npt.NDArray[np.float64]
 

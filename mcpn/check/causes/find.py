@@ -24,7 +24,7 @@ from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.notebook import Told
 from mcpn.space.algebra import Space
-from mcpn.space.explicit import Progress
+from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
 
 

@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Generic, Literal, TypeAlias
 
 from mcpn.check.modes import Mode
+from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, Section
-from mcpn.mission.handover import entries
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space, partition

@@ -29,9 +29,9 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.section_chains import SectionChains
 from mcpn.errors import InputError, Problem
 from mcpn.space.arrays import ArraySet, ArraySpace
-from mcpn.space.explicit import DEFAULT_MAX_STATES
-from mcpn.space.listing import written_out
 from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.markings.explicit import DEFAULT_MAX_STATES
+from mcpn.space.stable.listing import written_out
 
 
 @dataclass(frozen=True)

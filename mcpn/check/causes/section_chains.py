@@ -31,11 +31,11 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.space.arrays import ArraySpace
-from mcpn.space.graph import Ints
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
+from mcpn.space.markings.graph import Ints
 
 Array: TypeAlias = npt.NDArray[Any]
 Values: TypeAlias = dict[str, Array]

@@ -22,7 +22,7 @@ from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simpli
 from mcpn.check.nets.behaviour import examine
 from mcpn.errors import InputError, UnsafeError
 from mcpn.space.algebra import Space
-from mcpn.space.diagrams import DiagramAlternatives, DiagramMarkings
+from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.equation import place_bounds
 from mcpn.space.search.goal import DEADLOCK, Goal
 from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio

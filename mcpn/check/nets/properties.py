@@ -20,12 +20,12 @@ from mcpn.net.siphons import (
 )
 from mcpn.net.structure import Sparse
 from mcpn.space.algebra import Space
-from mcpn.space.diagrams import DiagramMarkings
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.tokens import Boundedness, boundedness, explore_tokens
 from mcpn.space.search.goal import DEADLOCK
 from mcpn.space.search.portfolio import Portfolio
 from mcpn.space.search.searches import Searches
-from mcpn.space.symbolic import reach
-from mcpn.space.tokens import Boundedness, boundedness, explore_tokens
 
 WALK_STEPS = 50_000
 """Firings of a walk that looks for a second token in a place before the space is built."""

@@ -25,11 +25,11 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
-from mcpn.space.clash import explained
-from mcpn.space.explicit import DEFAULT_MAX_STATES, Progress
 from mcpn.space.local.composing import Options, composite_space
-from mcpn.space.nearest import nearest_fault
+from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
+from mcpn.space.stable.clash import explained
+from mcpn.space.stable.nearest import nearest_fault
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")

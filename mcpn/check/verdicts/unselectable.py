@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from mcpn.errors import Problem
-from mcpn.mission.usage import Usage
-from mcpn.mission.warnings import never_entered
+from mcpn.mission.facts.usage import Usage
+from mcpn.mission.facts.warnings import never_entered
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.model import Activity, Alternative
-from mcpn.mission.usage import Usage
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.templates.names import names_of

@@ -17,8 +17,8 @@ from itertools import product
 from math import prod
 
 from mcpn.errors import LimitError
+from mcpn.mission.facts.handover import Awaited
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.handover import Awaited
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place

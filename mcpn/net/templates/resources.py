@@ -89,7 +89,7 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
     ``deactivation`` while its owner has yet to take note of an error. ``free`` is marked from its release on
     until it is known whether the producer goes on, because another interface is held; then it is available
     again. Otherwise the producer stops first. Where that must not depend on who comes first, the producer
-    always runs its best alternative (:meth:`mcpn.mission.sharing.Sharing.order_matters`).
+    always runs its best alternative (:meth:`mcpn.mission.facts.sharing.Sharing.order_matters`).
 
     Args:
         canvas: Where to draw.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import part_of
-from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
-from mcpn.space.clash import in_mission_words
-from mcpn.space.confluence import direct_with_proof
 from mcpn.space.local.composing import in_section
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
+from mcpn.space.stable.clash import in_mission_words
+from mcpn.space.stable.confluence import direct_with_proof
 
 
 def local_graph(

@@ -21,13 +21,13 @@ from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts, Used
 from mcpn.net.templates import TemplateSet
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Elements, PlacedSection, Placement
-from mcpn.space.nearest import nearest_fault
-from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.space.stable.nearest import nearest_fault
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called after each local space and junction with how many are done and how many there are."""

@@ -14,7 +14,7 @@ from itertools import chain
 from typing import Literal
 
 from mcpn._kernel import Store, Zdd
-from mcpn.space.symbolic import DEFAULT_MEMORY
+from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
 
 Bits = tuple[Literal["oos", "dead"], ...]
 """What a slot says of a hardware resource, as the role of the place that says the same."""

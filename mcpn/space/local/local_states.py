@@ -15,10 +15,10 @@ from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking
 from mcpn.net.sections import LocalPart
-from mcpn.space.encoding import Encoding, distinct
+from mcpn.space.diagrams.encoding import Encoding, distinct
+from mcpn.space.diagrams.symbolic import SymbolicSpace, chained, elements
 from mcpn.space.local.layout import Layout
 from mcpn.space.run import Completion
-from mcpn.space.symbolic import SymbolicSpace, chained, elements
 
 Exit = str
 """The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""

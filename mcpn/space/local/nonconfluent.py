@@ -1,9 +1,9 @@
 """Where a mission comes to an event without one outcome: the second premise of composition.
 
-The symbolic proof (:mod:`mcpn.space.confluence`) is tried on the local net of each type, from every state of
-its hardware. Where it leaves conflicts open, they are looked for in what the mission passes and followed both
-ways (:mod:`mcpn.space.joining`). Only where internal evolution may have no end are states of the local
-net listed and the interleavings of each event explored.
+The symbolic proof (:mod:`mcpn.space.stable.confluence`) is tried on the local net of each type, from every
+state of its hardware. Where it leaves conflicts open, they are looked for in what the mission passes and
+followed both ways (:mod:`mcpn.space.stable.joining`). Only where internal evolution may have no end are
+states of the local net listed and the interleavings of each event explored.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from mcpn.errors import LimitError
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
-from mcpn.space.alternatives import direct, fault_after
-from mcpn.space.confluence import has_endless_run, open_conflicts, prove_confluent
-from mcpn.space.joining import EndlessRun, Joining, judged
+from mcpn.space.diagrams.symbolic import SymbolicSpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
-from mcpn.space.nearest import fault_by
-from mcpn.space.symbolic import SymbolicSpace
+from mcpn.space.stable.alternatives import direct, fault_after
+from mcpn.space.stable.confluence import has_endless_run, open_conflicts, prove_confluent
+from mcpn.space.stable.joining import EndlessRun, Joining, judged
+from mcpn.space.stable.nearest import fault_by
 
 
 def refuse_nonconfluent(

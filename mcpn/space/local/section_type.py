@@ -8,10 +8,10 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.space.alternatives import AlternativesGraph, direct
-from mcpn.space.diagrams import DiagramAlternatives
+from mcpn.space.diagrams.spaces import DiagramAlternatives
+from mcpn.space.diagrams.symbolic import SymbolicSpace
 from mcpn.space.local.local_states import Exit, LocalStates
-from mcpn.space.symbolic import SymbolicSpace
+from mcpn.space.stable.alternatives import AlternativesGraph, direct
 
 
 class PremiseError(SemanticsError):

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias, cast
 from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
-from mcpn.space.firing import unsafe_at_start
+from mcpn.space.markings.firing import unsafe_at_start
 from mcpn.space.search.goal import Goal, encode, holds, needs
 
 Run: TypeAlias = tuple[int, ...]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn.errors import LimitError
 
 if TYPE_CHECKING:
-    from mcpn.mission.usage import Usage
+    from mcpn.mission.facts.usage import Usage
 
 Ways: TypeAlias = frozenset[frozenset[str]]
 """Minimal sets of hardware that can fail, each enough if all of it is in service."""

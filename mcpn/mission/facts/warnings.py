@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mcpn.errors import Problem
+from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
 from mcpn.mission.model import Mission, Use, walk
-from mcpn.mission.usage import Usage
 
 
 def find_warnings(mission: Mission) -> list[Problem]:

@@ -8,7 +8,8 @@ of them all.
 
 Transitions whose arcs cannot conflict are passed over; for each other pair, one query on the diagram of
 reachable markings asks whether any of them enables both. Pairs that some marking does enable are joined
-(:mod:`mcpn.space.joining`): where both ways always lead to the same marking again, that proves the same.
+(:mod:`mcpn.space.stable.joining`): where both ways always lead to the same marking again, that proves the
+same.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from dataclasses import replace
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
-from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
-from mcpn.space.diagrams import DiagramMarkings
-from mcpn.space.encoding import Encoding
-from mcpn.space.joining import EndlessRun, Joining, Parting, judged, open_pairs
-from mcpn.space.nearest import nearest_fault
-from mcpn.space.symbolic import SymbolicSpace, reach
+from mcpn.space.diagrams.encoding import Encoding
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
+from mcpn.space.stable.joining import EndlessRun, Joining, Parting, judged, open_pairs
+from mcpn.space.stable.nearest import nearest_fault
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
 PROOF_BY_JOINING = (
@@ -72,7 +73,7 @@ def direct_with_proof(
     Args:
         net: A net with priorities.
         max_states: How many stable states it may have.
-        progress: As for :func:`mcpn.space.alternatives.direct`.
+        progress: As for :func:`mcpn.space.stable.alternatives.direct`.
 
     Returns:
         The graph, which says the proof used: the symbolic one, or else each transient marking explored once.

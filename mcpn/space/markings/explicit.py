@@ -17,8 +17,8 @@ import numpy as np
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
-from mcpn.space.firing import unsafe_at_start
-from mcpn.space.graph import Ints, StateGraph, Words
+from mcpn.space.markings.firing import unsafe_at_start
+from mcpn.space.markings.graph import Ints, StateGraph, Words
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called about once a second with the states found and the edges fired so far."""

@@ -14,7 +14,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from mcpn.mission.usage import Usage
+    from mcpn.mission.facts.usage import Usage
 
 
 Occasion: TypeAlias = tuple[str, str]
@@ -69,7 +69,7 @@ class Sharing:
         branches of a block onward, in either order, and make a difference where the producer, or one that
         serves it, has several alternatives: the one that goes on keeps its alternative. There it switches
         back to a better alternative as soon as one is possible, so that both orders end alike
-        (:meth:`mcpn.mission.switching.Switching.switches_back`).
+        (:meth:`mcpn.mission.facts.switching.Switching.switches_back`).
         """
         if activity not in self._matters:
             self._matters[activity] = self._order_matters(activity)

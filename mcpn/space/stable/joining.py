@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from mcpn._kernel import Zdd
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import conflicts
-from mcpn.space.encoding import Encoding
-from mcpn.space.firing import MaskedNet
+from mcpn.space.diagrams.encoding import Encoding
+from mcpn.space.markings.firing import MaskedNet
 
 
 @dataclass(frozen=True, slots=True)

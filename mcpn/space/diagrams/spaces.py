@@ -13,9 +13,9 @@ from functools import partial
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Edge, Guards
-from mcpn.space.diagram_base import Diagrams
+from mcpn.space.diagrams.base import Diagrams
+from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.run import Completion
-from mcpn.space.symbolic import SymbolicSpace, chained
 
 
 class DiagramMarkings(Diagrams):

@@ -13,8 +13,8 @@ from heapq import heappop, heappush
 from mcpn.errors import SemanticsError
 from mcpn.net.events import Event, What
 from mcpn.net.petri import PetriNet
-from mcpn.space.alternatives import confluence_error, divergence_error
-from mcpn.space.joining import EndlessRun, Joining, Parting
+from mcpn.space.stable.alternatives import confluence_error, divergence_error
+from mcpn.space.stable.joining import EndlessRun, Joining, Parting
 
 FIRINGS = 50_000
 """Firings after which the search gives up; about a second."""

@@ -8,7 +8,7 @@ from functools import cached_property
 from mcpn._kernel import Store, Zdd
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import complements
-from mcpn.space.order import Order
+from mcpn.space.diagrams.order import Order
 
 
 class Encoding:

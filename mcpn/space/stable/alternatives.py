@@ -18,10 +18,10 @@ from mcpn._kernel import MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
-from mcpn.space.explicit import DEFAULT_MAX_MEMORY, KernelNet
-from mcpn.space.firing import MaskedNet
-from mcpn.space.graph import Ints, Mask, StateGraph, Words, pack, rows
-from mcpn.space.parting import parting_runs
+from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet
+from mcpn.space.markings.firing import MaskedNet
+from mcpn.space.markings.graph import Ints, Mask, StateGraph, Words, pack, rows
+from mcpn.space.stable.parting import parting_runs
 
 DEFAULT_MAX_STATES = 5_000_000
 DEFAULT_MAX_TRANSIENT = 20_000_000

@@ -17,11 +17,11 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.facts.handover import Handover
+from mcpn.mission.facts.sharing import Sharing, occasions
+from mcpn.mission.facts.switching import Switching
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
-from mcpn.mission.handover import Handover
 from mcpn.mission.model import Activity, Hardware, Mission
-from mcpn.mission.sharing import Sharing, occasions
-from mcpn.mission.switching import Switching
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""

@@ -8,9 +8,9 @@ from functools import cached_property
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, Guards
-from mcpn.space.encoding import distinct
+from mcpn.space.diagrams.encoding import distinct
+from mcpn.space.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.space.images import ImageStore
-from mcpn.space.symbolic import SymbolicSpace, elements
 
 FARTHEST = 2**62
 """Sums of tokens are far from this bound, which the kernel can say."""

@@ -21,7 +21,7 @@ from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSec
 from mcpn.mission.model import FAIL, SUCCEED
 
 if TYPE_CHECKING:
-    from mcpn.mission.usage import Usage
+    from mcpn.mission.facts.usage import Usage
 
 
 @dataclass(frozen=True, slots=True)

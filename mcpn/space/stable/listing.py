@@ -8,8 +8,8 @@ import numpy as np
 
 from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
-from mcpn.space.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
-from mcpn.space.graph import pack
+from mcpn.space.markings.graph import pack
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 
 
 def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:
@@ -21,7 +21,7 @@ def written_out(space: Space[Any], method: str, max_states: int | None = None) -
         max_states: How many states it may have.
 
     Returns:
-        The graph, numbered as :func:`mcpn.space.alternatives.direct` numbers it.
+        The graph, numbered as :func:`mcpn.space.stable.alternatives.direct` numbers it.
 
     Raises:
         LimitError: It has more states than allowed.

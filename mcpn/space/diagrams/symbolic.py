@@ -17,11 +17,11 @@ from typing import Any
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
-from mcpn.space.encoding import Encoding, distinct
-from mcpn.space.explicit import KernelNet
-from mcpn.space.firing import unsafe_at_start
-from mcpn.space.order import Order, candidates
-from mcpn.space.race import FIRST_BUDGET, Race, cores
+from mcpn.space.diagrams.encoding import Encoding, distinct
+from mcpn.space.diagrams.order import Order, candidates
+from mcpn.space.diagrams.race import FIRST_BUDGET, Race, cores
+from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.markings.firing import unsafe_at_start
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
@@ -123,7 +123,7 @@ def reach(
     Args:
         net: The net.
         order: Places from the top on; by default orders race, and exploration one by one beside
-            them: see :mod:`mcpn.space.race`.
+            them: see :mod:`mcpn.space.diagrams.race`.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
 

@@ -1,0 +1,1 @@
+"""The symbolic engine: nets on decision diagrams, orders of places and their race, spaces of states."""

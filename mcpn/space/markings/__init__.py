@@ -1,0 +1,1 @@
+"""The explicit engine: how markings fire, and the graph of the markings that are reached."""
