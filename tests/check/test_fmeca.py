@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import event, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.fmeca import Row, Severity, fmeca
@@ -87,6 +87,10 @@ def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) 
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
+    assert_severities(found, rows)
+
+
+def assert_severities(found: MissionNet, rows: list[Row]) -> None:
     play = Play(found)
     dead = frozenset(play.hardware)
     modes = {section.name: mode_places(found, section) for section in found.graph.walk()}
@@ -220,16 +224,21 @@ def test_words_are_those_of_plain_search(mission: Mission, engine: Engine) -> No
     found = compose(mission)
     try:
         direct(found.net, max_states=300)
-        rows = {(row.hardware, row.objective): row for row in fmeca(Asked(found, engine).prospects)}
+        rows = fmeca(Asked(found, engine).prospects)
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
+    assert_words(found, rows)
+
+
+def assert_words(found: MissionNet, rows: list[Row]) -> None:
+    by_pair = {(row.hardware, row.objective): row for row in rows}
     play = Play(found)
     forced = play.forced()
     for section in found.graph.walk():
         words, runs = Words(found, play, section), play.marks(f"OBJ_{section.name}")
         for hardware in play.hardware:
-            row = rows.get((hardware, section.name))
+            row = by_pair.get((hardware, section.name))
             if row is None:
                 continue
             edges = [
@@ -245,10 +254,57 @@ def test_words_are_those_of_plain_search(mission: Mission, engine: Engine) -> No
             for column in ("objective_effect", "mission_effect", "detection", "recovery", "compensation"):
                 possible = {each.get(column, "") for each in told}
                 said = set(getattr(row, column).split("; or "))
-                event(f"{column}: {sorted(said)[0][:40]}")
                 if "" in possible:  # where a failed objective leads
                     said = {text for text in said if not text.startswith(("its failure", "fails"))}
                 assert said <= possible, column
+
+
+WAITING = {
+    # Where h fails while `b` holds g, `a` waits for what its supplier cannot give; where k2 fails, b lets go.
+    "a waits": """
+        <software name="s"/><activity name="p" produces="s" consumes="g"/>
+        <activity name="a"><alternative name="a1" consumes="h"/>
+          <alternative name="a2" consumes="s"/></activity>
+        """,
+    # The same, but `a` takes g itself: no alternative of it is selected.
+    "a stops": """
+        <activity name="a"><alternative name="a1" consumes="h"/>
+          <alternative name="a2" consumes="g"/></activity>
+        """,
+    # `a` waits for g in the first place; where h fails it need not wait any more.
+    "none": """
+        <activity name="a"><alternative name="a1" consumes="g h"/>
+          <alternative name="a2" consumes="k3"/></activity>
+        """,
+}
+
+
+@pytest.mark.parametrize("effect", WAITING)
+def test_an_activity_waits_for_what_another_holds(effect: str, tmp_path: Path) -> None:
+    hardware = '<hardware name="h"/><hardware name="k2"/>' + "".join(
+        f'<hardware name="{name}" faulty="false"/>' for name in ("g", "k", "k3")
+    )
+    (tmp_path / "m.xml").write_text(
+        f"""<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{hardware}{WAITING[effect]}
+        <activity name="b">
+          <alternative name="b1" consumes="g k2"/><alternative name="b2" consumes="k"/>
+        </activity><activity name="idle"/></robot>
+        <parallel name="both">
+          <objective name="hold" activities="b"/>
+          <objective name="later">
+            <objective name="first" activities="idle"/><objective name="x" activities="a"/>
+          </objective>
+        </parallel></mission>"""
+    )
+    found = compose(read_mission(tmp_path / "m.xml"))
+    for engine in ENGINES:
+        rows = fmeca(Asked(found, engine).prospects)
+        (row,) = [row for row in rows if (row.hardware, row.objective) == ("h", "x")]
+        # Where `b` has ended, `a` is free to change.
+        assert set(row.local_effect.split("; or ")) == {effect, "a: a1 -> a2"}
+        assert row.severity is Severity.DEGRADED
+        assert_severities(found, rows)
+        assert_words(found, rows)
 
 
 def test_where_the_failure_of_an_objective_leads(tmp_path: Path) -> None:
