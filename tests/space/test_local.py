@@ -129,13 +129,15 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
     for placed in composite.sections.values():
         local = placed.part.net()
         own = (mortal(local) if may_die else local).net
-        assert placed.places == [whole.place_index.get(place.name, NOWHERE) for place in own.places]
-        assert placed.transitions == [whole.transition_index[t.name] for t in own.transitions]
-        for find, there in (
-            (placed.local_place, placed.places),
-            (placed.local_transition, placed.transitions),
-        ):
-            assert all(find(where) == i for i, where in enumerate(there) if where != NOWHERE)
+        both = (
+            (placed.places, own.places, whole.place_index),
+            (placed.transitions, own.transitions, whole.transition_index),
+        )
+        for found, drawn, index in both:
+            of_mission = [d.provenance is not None and d.provenance.kind == "mission" for d in drawn]
+            there = [index.get(d.name, NOWHERE) for d in drawn]
+            assert found.whole == [NOWHERE if m else t for m, t in zip(of_mission, there, strict=True)]
+            assert all(found.local(where) == i for i, where in enumerate(found.whole) if where != NOWHERE)
     shared = len({placed.placement for placed in composite.sections.values()}) < len(composite.sections)
     event(f"sections that use the same: {shared}")
 
