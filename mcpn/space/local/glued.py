@@ -263,8 +263,8 @@ class Glued:
         """States in which neither the section nor hardware beside it can do anything."""
         found = {}
         for name, part in self.everything.parts.items():
-            resting = part & self.stages[name].type.dead
-            found[name] = resting - self.stages[name].able(resting)
+            if resting := part & self.stages[name].type.dead:
+                found[name] = resting - self.stages[name].able(resting)
         return self.of(found)
 
     def leaving_for(self, name: str, hardware: Zdd) -> CompositeSet:

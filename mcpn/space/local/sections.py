@@ -49,6 +49,10 @@ def by_element(net: PetriNet, kind: Kind) -> dict[Element, list[int]]:
     return found
 
 
+def _is_of_section(element: Element) -> bool:
+    return element[0] in KINDS_OF_SECTIONS
+
+
 class Elements:
     """Places and transitions of the whole net by the element that they are of.
 
@@ -114,14 +118,20 @@ class Placement:
             for kind in KINDS
         }
 
-    def _of_type(self, kind: Kind) -> dict[Element, list[int]]:
-        return self.type.remembered(kind, lambda: by_element(self.type.net.net, kind))
+    def _of_type(self, kind: Kind, *, of_sections: bool) -> dict[Element, list[int]]:
+        """What the local net has of each element: of objectives and blocks, or of what they use."""
+
+        def compute() -> dict[Element, list[int]]:
+            found = by_element(self.type.net.net, kind).items()
+            return {element: here for element, here in found if _is_of_section(element) == of_sections}
+
+        return self.type.remembered((kind, of_sections), compute)
 
     def _shared(self, kind: Kind) -> list[int]:
         """By number in the local net, where those lie that are of no section, else :data:`NOWHERE`."""
         found = [NOWHERE] * len(drawn_in(self.type.net.net, kind))
-        for element, here in self._of_type(kind).items():
-            if element[0] not in (*KINDS_OF_SECTIONS, "exit", "mission"):
+        for element, here in self._of_type(kind, of_sections=False).items():
+            if element[0] not in ("exit", "mission"):
                 there = self._there(kind, self.names.elements.get(element, element), here, self.part)
                 for i, where in zip(here, there, strict=True):
                     found[i] = where
@@ -150,8 +160,7 @@ class Placement:
         """
         own = {
             where: i
-            for element, here in self._of_type(kind).items()
-            if element[0] in KINDS_OF_SECTIONS
+            for element, here in self._of_type(kind, of_sections=True).items()
             for i, where in zip(here, self._there(kind, sections[element], here, part), strict=True)
         }
         return Located(self.shared[kind], self.locals[kind], own)
