@@ -122,7 +122,7 @@ def check_witness(mission_net: MissionNet, evaluation: Evaluation[Any], core: Co
     for t, after in witness.run.steps():
         assert t in net.enabled(marking)
         marking = net.fire(marking, t)
-        assert marking == after
+        assert marking == tuple(after)
     markings = list(witness.markings)
     assert marking == markings[-1]
     if witness.cycle is not None:
