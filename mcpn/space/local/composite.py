@@ -10,7 +10,7 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.net.petri import Marking, Provenance, Transition
+from mcpn.net.petri import Marking, Transition
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.runs import Runs
 from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, PlacedSection, Placement
@@ -54,9 +54,8 @@ class CompositeSpace(Runs):
 
     def _idle_tokens(self, name: str) -> dict[tuple[int, ...], dict[int, int]]:
         net = self.net
-        own = [t for t, transition in enumerate(net.transitions) if _is_of(transition.provenance, name)]
-        places = [p for p, place in enumerate(net.places) if _is_of(place.provenance, name)]
-        tokens = {p: net.initial[p] for p in places}
+        own = self.elements.transitions["hardware", name]
+        tokens = {p: net.initial[p] for p in self.elements.places["hardware", name]}
         found: dict[tuple[int, ...], dict[int, int]] = {}
         wanted = self.layout.statuses()
         kinds = self.toggles[name]
@@ -314,10 +313,6 @@ def _reversed(having: Iterable[tuple[Placement, Iterable[int]]]) -> dict[int, li
         for index in indices:
             found.setdefault(index, []).append(placement)
     return found
-
-
-def _is_of(provenance: Provenance | None, name: str) -> bool:
-    return provenance is not None and provenance.kind == "hardware" and provenance.name == name
 
 
 def _can_fire(transition: Transition, tokens: Mapping[int, int]) -> bool:
