@@ -7,14 +7,14 @@ and the state of all hardware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 
 import numpy as np
 
 from mcpn._kernel import Zdd
 from mcpn.net.events import What
-from mcpn.space.algebra import Guards, Piece
+from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.local_states import ALL, Allowed, Exit, beside
 from mcpn.space.local.sections import BEGIN, ENDS, Elements, PlacedSection
@@ -270,50 +270,6 @@ class Glued:
                 if onward is not None:
                     waiting.widen(route, self.enter(route, hardware) & onward)
         return self.of(found)
-
-    def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
-        """Transitions with edges from some states into others, each with the states before it."""
-        found: dict[int, dict[str, Zdd]] = {}
-        for name, part in (self.before(into) & among).parts.items():
-            placed, inside = self.sections.get(name), into.parts.get(name, self.layout.store.empty())
-            goal = inside
-            for route, exit_ in self.exits(name):
-                onward = self.entries(route, into.parts[route]) if route in into.parts else None
-                if onward and placed is not None:
-                    ended = placed.type.from_slots(onward, placed.faulty, exit_)
-                    goal |= ended & placed.type.ended[exit_]
-                elif onward and onward & part:
-                    found.setdefault(self.mission_net.start, {})[name] = onward & part
-            if placed is not None:
-                for t, before in placed.type.crossing(part, goal):
-                    found.setdefault(placed.transitions[t], {})[name] = before
-            for hardware, kind, before in self._toggling(placed, part, inside):
-                found.setdefault(self.toggles[hardware][kind], {})[name] = before
-        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
-
-    def _toggling(self, placed: PlacedSection | None, part: Zdd, goal: Zdd) -> list[tuple[str, str, Zdd]]:
-        """Events of hardware beside a section that lead from some states of it into others."""
-
-        def compute() -> list[tuple[str, str, Zdd]]:
-            own = () if placed is None else placed.faulty
-            return [
-                (hardware, kind, before)
-                for hardware in self.layout.hardware
-                if hardware not in own
-                for kind, (_, undo) in self.layout.toggles(hardware).items()
-                if (before := goal.images([undo]) & part)
-            ]
-
-        if placed is None:
-            return compute()
-        return placed.type.remembered(("toggling", part, goal, placed.faulty), compute)
-
-    def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
-        """The states, section by section."""
-        for name, part in states.parts.items():
-            placed = self.sections.get(name)
-            piece = CompositeSet(self, {name: part})
-            yield Piece(piece) if placed is None else Piece(piece, (*placed.kind, part), placed.objectives)
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
