@@ -116,6 +116,28 @@ class UnsafeError(SemanticsError):
         )
 
 
+class UnboundedError(SemanticsError):
+    """A net has no bound on its tokens.
+
+    Args:
+        places: Names of places that can hold any number of tokens.
+        run: Transitions from the initial marking on,
+        pump: and those that can then be repeated for ever, each time leaving more tokens.
+    """
+
+    kind = "unbounded"
+
+    def __init__(self, places: Sequence[str], run: Sequence[str], pump: Sequence[str]) -> None:
+        self.places = tuple(places)
+        self.run: tuple[str, ...] = tuple(run)
+        self.pump: tuple[str, ...] = tuple(pump)
+        super().__init__(
+            f"unbounded: {places[0]} can hold any number of tokens: after {len(self.run)} firings, "
+            f"{', '.join(self.pump[:3])}{' ...' if len(self.pump) > 3 else ''} can be repeated for ever",
+            [(*self.run, *self.pump)],
+        )
+
+
 class ConfluenceError(SemanticsError):
     """Internal evolution ends in two different stable markings, depending on the interleaving.
 

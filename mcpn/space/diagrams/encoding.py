@@ -24,6 +24,9 @@ class Encoding:
         store: A store that others use too, whose first levels are for the places; a new one by default.
     """
 
+    widths: tuple[int, ...] | None = None
+    """By place, how many levels it has, where places hold several tokens."""
+
     def __init__(self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None) -> None:
         self.net = net
         self.memory_limit = memory_limit

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain, islice
-from typing import Any
+from typing import Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
@@ -26,6 +26,9 @@ from mcpn.space.markings.firing import unsafe_at_start
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
 EXPLORER_RANK, MOST_WORKERS = 3, 4
+Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
+"""Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
+
 STEPS_OF_A_STATE = 4
 """About how many steps of a closure take the time of exploring one marking."""
 
@@ -53,7 +56,7 @@ class SymbolicSpace:
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
         stable = None if self.stable is None else self.stable.to_bytes()
-        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit
+        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit, self.encoding.widths
         return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
 
     @cached_property
@@ -103,9 +106,21 @@ class SymbolicSpace:
 
 
 def _revived(
-    net: PetriNet, reachable: bytes, stable: bytes | None, order: str, places: Order, peak: int, memory: int
+    net: PetriNet,
+    reachable: bytes,
+    stable: bytes | None,
+    order: str,
+    places: Order,
+    peak: int,
+    memory: int,
+    widths: tuple[int, ...] | None,
 ) -> SymbolicSpace:
-    encoding = Encoding(net, places, memory)
+    if widths is None:
+        encoding = Encoding(net, places, memory)
+    else:
+        from mcpn.space.diagrams.counters import TokenEncoding
+
+        encoding = TokenEncoding(net, places, memory, widths)
     sets = [None if told is None else encoding.store.from_bytes(told) for told in (reachable, stable)]
     assert sets[0] is not None, "what is reachable is always told"
     return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak)
@@ -136,23 +151,41 @@ def reach(
     """
     if error := unsafe_at_start(net):
         raise error
-    try:
-        if order:
-            space = _close(Encoding(net, order, memory_limit), "given", order)
-        else:
-            space = _race(net, memory_limit, seed)
-    except MemoryLimit as error:
-        raise LimitError(str(error)) from error
+    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit)
     _refuse_unsafe(space)
     return space
 
 
-def _race(net: PetriNet, memory_limit: int, seed: int | None) -> SymbolicSpace:
+def closure(
+    net: PetriNet, encode: Encode, *, order: Order | None, seed: int | None, memory_limit: int
+) -> SymbolicSpace:
+    """The markings that firings lead to as far as an encoding can say them.
+
+    Args:
+        net: The net.
+        encode: Puts it on levels; a firing that has no event there is left out.
+        order: Places from the top on; by default orders race.
+        seed: Draws one more order for the race.
+        memory_limit: Bytes that diagrams may take.
+
+    Raises:
+        UnsafeError: Met where the encoding is of 1-safe nets; what it leaves out is not looked for.
+        LimitError: The memory limit was hit.
+    """
+    try:
+        if order:
+            return _close(encode(net, order, memory_limit), "given", order)
+        return _race(net, encode, memory_limit, seed)
+    except MemoryLimit as error:
+        raise LimitError(str(error)) from error
+
+
+def _race(net: PetriNet, encode: Encode, memory_limit: int, seed: int | None) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(_runners(net, seed, memory_limit // workers), memory_limit, workers, first)
+        race = Race(_runners(net, encode, seed, memory_limit // workers), memory_limit, workers, first)
         found = race.run()
         if isinstance(found, UnsafeError):
             raise found
@@ -162,14 +195,19 @@ def _race(net: PetriNet, memory_limit: int, seed: int | None) -> SymbolicSpace:
     raise LimitError(f"no order of places stays within memory: {limit}")
 
 
-def _runners(net: PetriNet, seed: int | None, memory_limit: int) -> Iterator[_ByOrder | _OneByOne]:
+def _runners(
+    net: PetriNet, encode: Encode, seed: int | None, memory_limit: int
+) -> Iterator[_ByOrder | _OneByOne]:
     """Orders of places, the most often good first, and exploration one by one among them."""
     orders = candidates(net, seed)
-    leading = [_ByOrder(net, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)]
+    leading = [
+        _ByOrder(net, encode, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)
+    ]
     yield from leading
-    yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
+    if encode is Encoding:  # markings of 1-safe nets
+        yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
     for name, order in orders:
-        yield _ByOrder(net, name, order, memory_limit)
+        yield _ByOrder(net, encode, name, order, memory_limit)
 
 
 @dataclass
@@ -177,6 +215,7 @@ class _ByOrder:
     """The closure on a diagram of one order, for the race."""
 
     net: PetriNet
+    encode: Encode
     name: str
     order: Order
     memory_limit: int
@@ -189,7 +228,7 @@ class _ByOrder:
 
     def run(self, steps: int) -> SymbolicSpace:
         if self._encoding is None:
-            self._encoding = Encoding(self.net, self.order, self.memory_limit)
+            self._encoding = self.encode(self.net, self.order, self.memory_limit)
         if self._cancelled:
             raise Cancelled
         return _close(self._encoding, self.name, self.order, steps)
