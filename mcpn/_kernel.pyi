@@ -130,7 +130,8 @@ class Store:
 
         Args:
             level: The level.
-            consume: What follows on levels below where it goes from marked to unmarked; ``None``: it does not.
+            consume: What follows on levels below where it goes from marked to unmarked; ``None``: it never
+                does.
             produce: The same where it goes from unmarked to marked.
             read: The same where it is marked and stays so.
             zero: The same where it is unmarked and stays so.

@@ -123,11 +123,20 @@ class UnboundedError(SemanticsError):
         places: Names of places that can hold any number of tokens.
         run: Transitions from the initial marking on,
         pump: and those that can then be repeated for ever, each time leaving more tokens.
+        bounds: By place, the most tokens it holds, -1 where there is no such number; ``None`` where that is
+            not known.
     """
 
     kind = "unbounded"
 
-    def __init__(self, places: Sequence[str], run: Sequence[str], pump: Sequence[str]) -> None:
+    def __init__(
+        self,
+        places: Sequence[str],
+        run: Sequence[str],
+        pump: Sequence[str],
+        bounds: tuple[int, ...] | None = None,
+    ) -> None:
+        self.bounds = bounds
         self.places = tuple(places)
         self.run: tuple[str, ...] = tuple(run)
         self.pump: tuple[str, ...] = tuple(pump)

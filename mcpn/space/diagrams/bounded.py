@@ -1,15 +1,15 @@
 """The markings of any net without priorities as a decision diagram, with as many tokens as there are.
 
-A 1-safe net is reached as such (:func:`mcpn.space.diagrams.symbolic.reach`). Any other has counters for places
-(:mod:`mcpn.space.diagrams.counters`), as wide as the invariants, the state equation or the coverability tree
-say that they need be. No bound is believed: where some firing would not fit into a counter, it is made wider
-and the markings are reached again.
+A 1-safe net is reached as such (:func:`mcpn.space.diagrams.symbolic.reach`). Any other has counters for
+places (:mod:`mcpn.space.diagrams.counters`), as wide as invariants say that they need be. No bound is believed:
+where some firing would not fit into a counter, it is made wider and the markings are reached again. Once
+counters have grown, the coverability tree and linear programs are asked whether there is an end to it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isinf
+from math import isinf
 
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.petri import PetriNet
@@ -25,8 +25,10 @@ WALK_STEPS = 20_000
 """Firings of the walk that looks for a second token in a place before a net is taken for 1-safe."""
 FIRST_BITS = 2
 """Width of a counter of which no bound is known."""
-TREE_NODES = 2_000
-"""Nodes of the coverability tree that is asked once counters have grown."""
+UNASKED_BITS = 3
+"""Counters that have grown wider ask the coverability tree and linear programs for a bound."""
+TREE_NODES, MOST_TREE_NODES = 500, 32_000
+"""Nodes of the tree, the first time and the last."""
 MOST_PROGRAMS = 500
 """Places whose bounds the linear program is asked for."""
 
@@ -83,35 +85,34 @@ def reach_tokens(
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit.
     """
-    widths = [_width(bound, place.initial) for bound, place in zip(bounds(net), net.places, strict=True)]
-    grown = False
+    hints = place_bounds(net)
+    widths = [_width(hint, place.initial) for hint, place in zip(hints, net.places, strict=True)]
+    patience = TREE_NODES
     while True:
         _check(net, widths)
 
         def encode(net: PetriNet, order: Order, memory: int) -> TokenEncoding:
-            return TokenEncoding(net, order, memory, widths)  # noqa: B023
+            return TokenEncoding(net, order, memory, widths)
 
         space = closure(net, encode, order=order, seed=seed, memory_limit=memory_limit)
         narrow = _overflowing(space)
         if not narrow:
             return space
-        if not grown and max(widths[p] for p in narrow) > FIRST_BITS:
-            grown = True
-            known = _by_tree(net)
-            if known is not None:
-                widths = [max(w, bound.bit_length()) for w, bound in zip(widths, known, strict=True)]
-                continue
         for place in narrow:
             widths[place] += 1 + widths[place] // 4
+        if max(widths[place] for place in narrow) > UNASKED_BITS and patience:
+            # By now it pays to know whether there is an end to it.
+            bounds = _by_tree(net, patience)
+            asked = [place for place in narrow if isinf(hints[place])]
+            if bounds is None and patience == TREE_NODES and len(asked) <= MOST_PROGRAMS:
+                bounds = _by_programs(net, asked)
+            for place, bound in bounds.items() if bounds is not None else ():
+                widths[place] = max(widths[place], _width(bound, 0))
+            patience = patience * 4 if patience < MOST_TREE_NODES else 0
 
 
 def _width(bound: float, initial: int) -> int:
-    known = 0 if isinf(bound) else int(bound).bit_length()
-    return max(initial.bit_length(), known or 1) if known or not isinf(bound) else _open(initial)
-
-
-def _open(initial: int) -> int:
-    return max(initial.bit_length() + 1, FIRST_BITS)
+    return max(initial.bit_length(), FIRST_BITS if isinf(bound) else int(bound).bit_length())
 
 
 def _check(net: PetriNet, widths: Sequence[int]) -> None:
@@ -133,41 +134,31 @@ def _overflowing(space: SymbolicSpace) -> list[int]:
     return found
 
 
-def _by_tree(net: PetriNet) -> tuple[int, ...] | None:
-    """The bounds of a net, if a small coverability tree knows them.
+def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
+    """The bounds of a net by place, if a small coverability tree knows them.
 
     Raises:
         UnboundedError: It knows that there are none.
     """
     try:
-        found = boundedness(net, max_states=TREE_NODES)
+        found = boundedness(net, max_states=nodes)
     except LimitError:
         return None
+    assert found.bounds is not None, "known without priorities"
     if found.bounded is False:
-        assert found.bounds is not None, "known without priorities"
         places = [place.name for place, bound in zip(net.places, found.bounds, strict=True) if bound == OMEGA]
-        raise UnboundedError(places, found.run, found.pump)
-    return found.bounds
+        raise UnboundedError(places, found.run, found.pump, found.bounds)
+    return dict(enumerate(map(float, found.bounds)))
 
 
-def bounds(net: PetriNet) -> list[float]:
-    """Most tokens that each place can hold, as far as arcs tell; else infinity. Hints, which rounding may blur."""
-    found = place_bounds(net)
-    unknown = [place for place, bound in enumerate(found) if isinf(bound)]
-    if unknown and len(unknown) <= MOST_PROGRAMS:
-        for place, bound in zip(unknown, _by_programs(net, unknown), strict=True):
-            found[place] = bound
-    return found
-
-
-def _by_programs(net: PetriNet, asked: Sequence[int]) -> list[float]:
-    """Bounds by weights of places whose weighted sum no firing raises, the best for each place.
+def _by_programs(net: PetriNet, asked: Sequence[int]) -> dict[int, float]:
+    """Bounds of some places by weights whose weighted sum of tokens no firing raises; rounding may blur them.
 
     Linear programming: of all weights ``y >= 0`` with ``y[p] >= 1`` and ``y C <= 0``, those with the least
     ``y m0``, the bound of ``p`` (Murata 1989, section V-C; the dual of the state equation).
     """
     import numpy as np
-    from scipy.optimize import linprog
+    from scipy.optimize import Bounds, LinearConstraint, milp
     from scipy.sparse import csr_array
 
     rows: tuple[Sparse, ...] = incidence(net)
@@ -180,16 +171,11 @@ def _by_programs(net: PetriNet, asked: Sequence[int]) -> list[float]:
         shape=(len(net.transitions), len(rows)),
     )
     cost = np.array(net.initial, np.float64)
-    found = []
+    found = {}
     for place in asked:
         least = np.zeros(len(rows))
         least[place] = 1.0
-        solved = linprog(
-            cost,
-            A_ub=matrix,
-            b_ub=np.zeros(len(net.transitions)),
-            bounds=np.stack((least, np.full(len(rows), np.inf)), axis=1),
-            method="highs",
-        )
-        found.append(float(np.floor(solved.fun + 1e-6)) if solved.status == 0 else inf)
+        solved = milp(cost, bounds=Bounds(least, np.inf), constraints=LinearConstraint(matrix, -np.inf, 0))
+        if solved.status == 0:
+            found[place] = float(np.floor(solved.fun + 1e-6))
     return found

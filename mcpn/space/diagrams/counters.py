@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 
-from mcpn._kernel import Store, Zdd
+from mcpn._kernel import Store
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
@@ -175,7 +175,7 @@ class TokenEncoding(Encoding):
         some, none = set(marked), set(unmarked)
         condition: int | None = self._anything
         for place in sorted(some | none, key=lambda p: -self.bits[p].start):
-            if condition is None or place in some and place in none:
+            if condition is None or (place in some and place in none):
                 return None
             if place in some:
                 condition = self._change(place, 1, 0, condition)
@@ -214,7 +214,3 @@ class TokenEncoding(Encoding):
         if max(map(abs, levels), default=0) >= 1 << 31:
             raise LimitError("a sum of tokens is beyond 2^31: the limit of the symbolic engine was hit")
         return levels, 0
-
-    def most(self, markings: Zdd) -> list[int]:
-        """The most tokens of each place in some markings."""
-        return [markings.largest(self.weigh({place: 1})[0]) for place in range(len(self.net.places))]

@@ -116,6 +116,11 @@ class Encoding:
         marked.update(dropped for dropped, kept in self.partner.items() if kept not in marked)
         return tuple(int(p in marked) for p in range(len(self.net.places)))
 
+    def most(self, markings: Zdd) -> list[int]:
+        """The most tokens of each place in some markings, of which there are some."""
+        weights = (self.weigh({place: 1}) for place in range(len(self.net.places)))
+        return [markings.largest(levels) + always for levels, always in weights]
+
     def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
         """A weighted sum of tokens by what each marked level adds to it, and what is always there.
 

@@ -104,6 +104,11 @@ class SymbolicSpace:
         weights, always = self.encoding.weigh(dict.fromkeys(range(len(self.encoding.net.places)), 1))
         return self.reachable.largest(weights) + always
 
+    @cached_property
+    def max_tokens_in_place(self) -> int:
+        """Most tokens in a place."""
+        return max(self.encoding.most(self.reachable), default=0)
+
 
 def _revived(
     net: PetriNet,
