@@ -15,19 +15,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
 from typing import TypeAlias, cast
 
 from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput, UnexpectedToken, v_args
 
 from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AU,
-    AX,
-    EF,
     EG,
     EU,
     EX,
@@ -36,16 +31,16 @@ from mcpn.check.logic.formulas import (
     Compare,
     Const,
     Deadlock,
+    Derived,
     Enabled,
     Formula,
-    Iff,
-    Implies,
     Not,
     Or,
     Relation,
     Stable,
     Sum,
     Word,
+    temporal,
     walk,
 )
 from mcpn.errors import InputError
@@ -54,7 +49,7 @@ MAX_DEPTH = 200
 MAX_LENGTH = 1_000_000
 MAX_DIGITS = 18
 
-_UNARY: dict[str, Callable[[Formula], Formula]] = {"EX": EX, "AX": AX, "EF": EF, "AF": AF, "EG": EG, "AG": AG}
+_UNARY = ("EX", "AX", "EF", "AF", "EG", "AG")
 _PLAIN: dict[str, Formula] = {
     "true": Const(True),
     "false": Const(False),
@@ -101,7 +96,7 @@ _EXISTS.2: /E\s*\[/
 _ALWAYS.2: /A\s*\[/
 _ENABLED.2: /enabled\s*\(/
 _TOKENS.2: /tokens\s*\(/
-UNARY.2: /(EX|AX|EF|AF|EG|AG)(?=[\s(!"]|$)/
+UNARY.2: /({"|".join(_UNARY)})(?=[\s(!"]|$)/
 PLAIN.2: /(true|false|deadlock|stable)\b(?![.])/
 ENDING.2: /(success|failure)\b(?![.])/
 WORD.2: /({"|".join(WORDS)})\s*\(/
@@ -140,29 +135,18 @@ Located: TypeAlias = tuple[Sum, int | None]
 class _Build(Transformer[Token, Formula]):
     """Makes formulas while the parser runs, so that depth costs no recursion."""
 
-    def iff(self, left: Formula, right: Formula) -> Formula:
-        return Iff(left, right)
-
-    def implies(self, left: Formula, right: Formula) -> Formula:
-        return Implies(left, right)
+    temporal = staticmethod(temporal)
+    negation = Not
+    exists_until = EU
+    iff = partial(temporal, "<->")
+    implies = partial(temporal, "->")
+    always_until = partial(temporal, "AU")
 
     def disjunction(self, *operands: Formula) -> Formula:
         return Or(operands)
 
     def conjunction(self, *operands: Formula) -> Formula:
         return And(operands)
-
-    def negation(self, operand: Formula) -> Formula:
-        return Not(operand)
-
-    def temporal(self, operator: Token, operand: Formula) -> Formula:
-        return _UNARY[operator](operand)
-
-    def exists_until(self, left: Formula, right: Formula) -> Formula:
-        return EU(left, right)
-
-    def always_until(self, left: Formula, right: Formula) -> Formula:
-        return AU(left, right)
 
     def plain(self, token: Token) -> Formula:
         return _PLAIN[token]
@@ -295,15 +279,11 @@ def _show(formula: Formula, around: int) -> str:
         return f"({text})" if strength < around else text
 
     match formula:
-        case Const(value):
-            return "true" if value else "false"
-        case Deadlock():
-            return "deadlock"
-        case Stable():
-            return "stable"
-        case Iff(a, b):
+        case Const() | Deadlock() | Stable():
+            return next(text for text, plain in _PLAIN.items() if plain == formula)
+        case Derived("<->", (a, b)):
             return bind(_IFF, f"{_show(a, _IFF)} <-> {_show(b, _IMPLIES)}")
-        case Implies(a, b):
+        case Derived("->", (a, b)):
             return bind(_IMPLIES, f"{_show(a, _OR)} -> {_show(b, _IMPLIES)}")
         case And(operands) | Or(operands) if len(operands) < 2:
             return _show(operands[0], around) if operands else _show(Const(isinstance(formula, And)), around)
@@ -313,10 +293,12 @@ def _show(formula: Formula, around: int) -> str:
             return bind(_AND, " & ".join(_show(o, _ATOM) for o in operands))
         case Not(a):
             return f"!{_show(a, _TIGHT)}"
-        case EU(a, b) | AU(a, b):
-            return f"{type(formula).__name__[0]}[{_show(a, _IFF)} U {_show(b, _IFF)}]"
-        case EX(a) | AX(a) | EF(a) | AF(a) | EG(a) | AG(a):
+        case EU(a, b) | Derived("AU", (a, b)):
+            return f"{'E' if isinstance(formula, EU) else 'A'}[{_show(a, _IFF)} U {_show(b, _IFF)}]"
+        case EX(a) | EG(a):
             return f"{type(formula).__name__} {_show(a, _TIGHT)}"
+        case Derived(operator, (a,)):
+            return f"{operator} {_show(a, _TIGHT)}"
         case Compare(Sum(0, (place,)), ">=", Sum(1, ())):
             return _name(place)
         case Compare(left, relation, right):
