@@ -34,6 +34,8 @@ def sizes(summary: SpaceSummary) -> SpaceSummary:
 @given(net=nets(max_weight=2))
 def test_nets_have_the_sizes_of_the_plain_rule(engine: str, net: PetriNet) -> None:
     markings, edges, safe = reachable(net)
+    if not safe and engine == "symbolic" and not net.priorities:
+        return  # tests/space/test_bounded.py
     if not safe:
         with pytest.raises(UnsafeError):
             summarise(net, engine)

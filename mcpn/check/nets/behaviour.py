@@ -52,7 +52,7 @@ def behaviour(space: Space[S]) -> Behaviour:
     """
     everything, transitions = space.everything, frozenset(range(len(space.net.transitions)))
     deadlock = bool(space.dead)
-    live, home, components = transitions, 0, 0
+    live, home, components = frozenset() if deadlock else transitions, 0, 0
     left = everything
     while left:
         bottom = _bottom(space, left)

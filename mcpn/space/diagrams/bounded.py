@@ -1,9 +1,9 @@
 """The markings of any net without priorities as a decision diagram, with as many tokens as there are.
 
 A 1-safe net is reached as such (:func:`mcpn.space.diagrams.symbolic.reach`). Any other has counters for
-places (:mod:`mcpn.space.diagrams.counters`), as wide as invariants say that they need be. No bound is believed:
-where some firing would not fit into a counter, it is made wider and the markings are reached again. Once
-counters have grown, the coverability tree and linear programs are asked whether there is an end to it.
+places (:mod:`mcpn.space.diagrams.counters`), as wide as invariants say that they need be. No bound is
+believed: where some firing would not fit into a counter, it is made wider and the markings are reached again.
+Once counters have grown, the coverability tree and linear programs are asked whether there is an end to it.
 """
 
 from __future__ import annotations
