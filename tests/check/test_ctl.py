@@ -270,7 +270,7 @@ def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str
     return compared
 
 
-@pytest.mark.parametrize("model", (*QUICK, *SEVERAL_TOKENS))
+@pytest.mark.parametrize("model", [*QUICK, *SEVERAL_TOKENS])
 @pytest.mark.parametrize("engine", ["auto", "symbolic"])
 def test_the_contest_s_properties(mcc: Path, model: str, engine: Asked, verdicts: dict[str, str]) -> None:
     questions = Questions(read_net(mcc / model / "model.pnml"), engine=engine)
