@@ -5,11 +5,12 @@ A set of states is a diagram for each section; places and transitions are those 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 from mcpn._kernel import Zdd
-from mcpn.net.petri import Marking, Provenance, Transition
+from mcpn.net.petri import Marking, Transition
+from mcpn.space.algebra import Piece
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.runs import Runs
 from mcpn.space.local.sections import BEGIN, ENDS, KINDS, NOWHERE, Kind, Stage
@@ -43,9 +44,8 @@ class CompositeSpace(Runs):
 
     def _idle_tokens(self, name: str) -> dict[tuple[int, ...], dict[int, int]]:
         net = self.net
-        own = [t for t, transition in enumerate(net.transitions) if _is_of(transition.provenance, name)]
-        places = [p for p, place in enumerate(net.places) if _is_of(place.provenance, name)]
-        tokens = {p: net.initial[p] for p in places}
+        own = self.elements.of["transitions"]["hardware", name]
+        tokens = {p: net.initial[p] for p in self.elements.of["places"]["hardware", name]}
         found: dict[tuple[int, ...], dict[int, int]] = {}
         wanted = self.layout.statuses()
         kinds = self.toggles[name]
@@ -200,6 +200,27 @@ class CompositeSpace(Runs):
                 found[name] = stage.able(part, allowed) | (part & stage.type.enabling(allowed))
         return self.of(found)
 
+    def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
+        """Transitions with edges from some states into others, each with the states before it."""
+        found: dict[int, dict[str, Zdd]] = {}
+        for name, part in (self.before(into) & among).parts.items():
+            stage, inside = self.stages[name], into.parts.get(name, self.layout.store.empty())
+            goal = inside
+            for exit_, route in stage.routes.items():
+                if route in into.parts:
+                    goal |= stage.ending(exit_, self.stages[route].entries(into.parts[route]))
+            for t, before in stage.type.crossing(part, goal):
+                found.setdefault(stage.transitions.whole[t], {})[name] = before
+            for hardware, kind, before in stage.toggling(part, inside):
+                found.setdefault(self.toggles[hardware][kind], {})[name] = before
+        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
+
+    def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
+        """The states, section by section."""
+        for name, part in states.parts.items():
+            stage = self.stages[name]
+            yield Piece(CompositeSet(self, {name: part}), (stage.alike, part), stage.objectives)
+
     def firings(self, states: CompositeSet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         counts: dict[int, int] = {}
@@ -260,10 +281,6 @@ class CompositeSpace(Runs):
                 images.known[part, bits] = images.known[projected, bits]
             found |= images.known[part, bits]
         return found
-
-
-def _is_of(provenance: Provenance | None, name: str) -> bool:
-    return provenance is not None and provenance.kind == "hardware" and provenance.name == name
 
 
 def _can_fire(transition: Transition, tokens: Mapping[int, int]) -> bool:

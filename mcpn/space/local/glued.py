@@ -7,16 +7,15 @@ and the state of all hardware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 
 from mcpn._kernel import Zdd
-from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.local_states import ALL, Allowed, Exit
-from mcpn.space.local.sections import BEGIN, ENDS, Outside, PlacedSection, Stage
+from mcpn.space.local.sections import BEGIN, ENDS, Elements, Outside, PlacedSection, Stage
 from mcpn.space.local.sets import CompositeSet, Waiting
 
 
@@ -24,17 +23,18 @@ class Glued:
     """The sections of a mission, glued.
 
     Args:
-        mission_net: The net of the whole mission; it is not explored.
+        elements: The net of the whole mission by its elements; it is not explored.
         layout: The diagram store.
         sections: Every section with its type, in document order.
     """
 
-    def __init__(self, mission_net: MissionNet, layout: Layout, sections: Sequence[PlacedSection]) -> None:
-        self.mission_net = mission_net
-        self.net = mission_net.net
+    def __init__(self, elements: Elements, layout: Layout, sections: Sequence[PlacedSection]) -> None:
+        self.elements = elements
+        self.mission_net = elements.mission_net
+        self.net = self.mission_net.net
         self.layout = layout
         self.sections = {placed.name: placed for placed in sections}
-        begin, *ends = (Outside(name, mission_net, layout) for name in (BEGIN, *ENDS))
+        begin, *ends = (Outside(name, self.mission_net, layout) for name in (BEGIN, *ENDS))
         self.stages: dict[str, Stage] = {s.name: s for s in (begin, *sections, *ends)}
         self.nothing = CompositeSet(self, {})
         self._order = {name: i for i, name in enumerate(self.stages)}
@@ -213,26 +213,6 @@ class Glued:
                 if onward is not None:
                     waiting.widen(route, self.stages[route].entered(hardware) & onward)
         return self.of(found)
-
-    def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
-        """Transitions with edges from some states into others, each with the states before it."""
-        found: dict[int, dict[str, Zdd]] = {}
-        for name, part in (self.before(into) & among).parts.items():
-            stage, goal = self.stages[name], into.parts.get(name, self.layout.store.empty())
-            for hardware, toggles in self.layout.toggles.items():
-                for kind, toggle in toggles.items() if hardware not in stage.faulty else ():
-                    if before := goal.images([toggle.undo]) & part:
-                        found.setdefault(self.toggles[hardware][kind], {})[name] = before
-            for exit_, route in stage.routes.items():
-                if route in into.parts:
-                    goal |= stage.ending(exit_, self.stages[route].entries(into.parts[route]))
-            for t, before in stage.type.crossing(part, goal):
-                found.setdefault(stage.transitions.whole[t], {})[name] = before
-        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
-
-    def pieces(self, states: CompositeSet) -> Iterator[CompositeSet]:
-        """The states, section by section."""
-        return (CompositeSet(self, {name: part}) for name, part in states.parts.items())
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""

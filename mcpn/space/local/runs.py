@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import cached_property
 from itertools import chain
 
 from mcpn._kernel import Zdd
@@ -22,27 +23,44 @@ class Runs(Glued):
 
     def edges(self, state: Member) -> Iterator[Edge]:
         """The edges of one member, in the order of the whole net's transitions."""
-        edges = chain(self._toggled(state), self._fired(state))
+        return self._edges(state, ALL, self.stages)
+
+    def _edges(self, state: Member, allowed: Allowed, into: Collection[str]) -> Iterator[Edge]:
+        """Those of them that are allowed and lead into some stages."""
+        toggled = self._toggled(state, allowed) if state[0] in into else ()
+        edges = chain(toggled, self._fired(state, allowed, into))
         return iter(sorted(edges, key=lambda edge: edge.transition))
 
-    def _toggled(self, state: Member) -> Iterator[Edge]:
+    def _toggled(self, state: Member, allowed: Allowed) -> Iterator[Edge]:
         name, marked = state[0], set(state[1])
-        for hardware, toggles in self.layout.toggles.items():
-            for kind, toggle in toggles.items() if hardware not in self.stages[name].faulty else ():
-                if marked.issuperset(toggle.marked) and marked.isdisjoint(toggle.unmarked):
-                    after = tuple(sorted(marked ^ toggle.changed))
-                    yield Edge(self.toggles[hardware][kind], (name, after))
+        for hardware, kind in self._kinds if allowed.beside is None else allowed.beside:
+            toggle, own = self.layout.toggles[hardware][kind], self.stages[name].faulty
+            if (
+                hardware not in own
+                and marked.issuperset(toggle.marked)
+                and marked.isdisjoint(toggle.unmarked)
+            ):
+                yield Edge(self.toggles[hardware][kind], (name, tuple(sorted(marked ^ toggle.changed))))
 
-    def _fired(self, state: Member) -> Iterator[Edge]:
-        stage, first = self.stages[state[0]], self.layout.first_slot
+    @cached_property
+    def _kinds(self) -> list[tuple[str, str]]:
+        """The events of idle hardware, each as its resource and its kind."""
+        return [(hardware, kind) for hardware, kinds in self.toggles.items() for kind in kinds]
+
+    def _fired(self, state: Member, allowed: Allowed, into: Collection[str]) -> Iterator[Edge]:
+        stage, first, guards = self.stages[state[0]], self.layout.first_slot, dict(allowed.guards)
         local = tuple(level for level in state[1] if level < first)
         beside_it = {level for level in state[1] if level >= first}
         for t, after, exit_ in stage.type.remembered(("fired", local), lambda: stage.type.fired(local)):
+            name = stage.name if exit_ is None else stage.routes[exit_]
+            barred = allowed.local is not None and t not in allowed.local
+            if barred or name not in into or (t in guards and not self._in(state, guards[t])):
+                continue
             if exit_ is None:
-                target = (stage.name, tuple(sorted({*stage.type.encoding.marked_levels(after), *beside_it})))
+                target = (name, tuple(sorted({*stage.type.encoding.marked_levels(after), *beside_it})))
             else:
                 own = {slot for slot, place in stage.own_bits.items() if after[place]}
-                target = self._entered(stage.routes[exit_], beside_it | own)
+                target = self._entered(name, beside_it | own)
             yield Edge(stage.transitions.whole[t], target)
 
     def _entered(self, name: str, slots: set[int]) -> Member:
@@ -76,27 +94,19 @@ class Runs(Glued):
             run += legs
             state = legs[-1].target if legs else state
             if hop:
-                onward = hops[hop - 1]
-                run.append(next(e for e in self.edges(state) if self._leads_on(e, state, onward, allowed)))
+                onward = {name: closed for name, (closed, _) in hops[hop - 1].items()}
+                run.append(next(self._edges_to(state, onward, allowed(state[0]))))
                 state = run[-1].target
         return run
 
     def _in(self, state: Member, part: Zdd) -> bool:
-        return bool(self.single(state).parts[state[0]] & part)
+        # A part is open in the section's own slots, so the member stands for all that it is open to.
+        return bool(self.layout.store.singleton(list(state[1])) & part)
 
-    def _leads_on(
-        self,
-        edge: Edge,
-        state: Member,
-        hop: dict[str, tuple[Zdd, Zdd]],
-        allowed: Callable[[str], Allowed],
-    ) -> bool:
-        """Whether an edge leaves a section for states from which the goal is one section nearer."""
-        after = edge.target
-        leaves = self.stages[state[0]].transitions.local(edge.transition) is not None
-        if not leaves or not self._carried(edge, state, allowed(state[0])):
-            return False
-        return after[0] in hop and self._in(after, hop[after[0]][0])
+    def _edges_to(self, state: Member, goal: Mapping[str, Zdd], allowed: Allowed) -> Iterator[Edge]:
+        """The edges of one member that are allowed and lead into a set."""
+        edges = self._edges(state, allowed, goal)
+        return (edge for edge in edges if self._in(edge.target, goal[edge.target[0]]))
 
     def _hops(
         self,
@@ -147,25 +157,6 @@ class Runs(Glued):
             seen |= layers[-1]
         run, state = list[Edge](), begin
         for layer in reversed(layers[:-1]):
-            edge = next(
-                e
-                for e in self.edges(state)
-                if e.target[0] == name and self._carried(e, state, allowed) and self._in(e.target, layer)
-            )
-            run.append(edge)
-            state = edge.target
+            run.append(next(self._edges_to(state, {name: layer}, allowed)))
+            state = run[-1].target
         return run
-
-    def _carried(self, edge: Edge, state: Member, allowed: Allowed) -> bool:
-        """Whether an edge out of a state is allowed."""
-        if allowed is ALL:
-            return True
-        local = self.stages[state[0]].transitions.local(edge.transition)
-        if local is not None:
-            guard = dict(allowed.guards).get(local)
-            return (allowed.local is None or local in allowed.local) and (
-                guard is None or self._in(state, guard)
-            )
-        return allowed.beside is None or any(
-            self.toggles[hardware][kind] == edge.transition for hardware, kind in allowed.beside
-        )

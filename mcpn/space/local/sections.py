@@ -61,6 +61,7 @@ class Elements:
     """
 
     def __init__(self, mission_net: MissionNet) -> None:
+        self.mission_net = mission_net
         net = mission_net.net
         self.of = {kind: by_element(net, kind) for kind in KINDS}
         self.numbers = {"places": net.place_index, "transitions": net.transition_index}
@@ -189,8 +190,13 @@ class Stage:
 
     @property
     def alike(self) -> Hashable:
-        """Equal for stages of one type that use the same."""
+        """Equal for stages that differ in the names of objectives alone."""
         return self.name
+
+    @property
+    def objectives(self) -> tuple[str, ...]:
+        """Its elementary objectives, in the order of the type's."""
+        return ()
 
     def located(self, kind: Kind) -> Located:
         """Where the places, or the transitions, of its local net lie."""
@@ -262,6 +268,20 @@ class Stage:
                     found |= part.subset(toggle.marked, toggle.unmarked)
         return found
 
+    def toggling(self, part: Zdd, goal: Zdd) -> list[tuple[str, str, Zdd]]:
+        """Events of hardware beside it that lead from some states into others."""
+
+        def compute() -> list[tuple[str, str, Zdd]]:
+            return [
+                (hardware, kind, before)
+                for hardware, toggles in self.layout.toggles.items()
+                if hardware not in self.faulty
+                for kind, toggle in toggles.items()
+                if (before := goal.images([toggle.undo]) & part)
+            ]
+
+        return self.type.remembered(("toggling", part, goal, self.faulty), compute)
+
 
 class PlacedSection(Stage):
     """A section of the mission with its type.
@@ -281,9 +301,14 @@ class PlacedSection(Stage):
         self.placement = placement
 
     @property
-    def alike(self) -> Placement:
-        """Equal for sections of one type that use the same."""
-        return self.placement
+    def alike(self) -> tuple[Hashable, ...]:
+        """Equal for sections that differ in the names of objectives alone: exits to itself count, too."""
+        return self.placement, *(exit_ for exit_, route in self.routes.items() if route == self.name)
+
+    @cached_property
+    def objectives(self) -> tuple[str, ...]:
+        """The elementary objectives of the section, in the order of the type's."""
+        return tuple(section.name for section in self.part.graph.walk())
 
     @cached_property
     def renaming(self) -> Renaming:
