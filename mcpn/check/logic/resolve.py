@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection
 from difflib import get_close_matches
+from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import (
     AF,
@@ -42,9 +43,11 @@ from mcpn.check.logic.formulas import (
     operands,
 )
 from mcpn.errors import InputError, LimitError
-from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
 
 TRUE = Const(True)
 MAX_CORE = 50_000
