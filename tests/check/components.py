@@ -26,9 +26,9 @@ from mcpn.check.logic.formulas import (
     Not,
     Or,
     Stable,
-    TokenBound,
 )
 from mcpn.space.markings.graph import Mask, StateGraph
+from mcpn.space.search.goal import AtMost
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 
@@ -67,7 +67,7 @@ class ByComponents:
                 return _every([self._all, *map(self.states, operands)])
             case Or(operands):
                 return ~_every([self._all, *(~self.states(operand) for operand in operands)])
-            case TokenBound(weights, bound):
+            case AtMost(weights, bound):
                 total = np.zeros(graph.states, np.int64)
                 for place, weight in weights:
                     total += weight * graph.marked(place)

@@ -5,11 +5,6 @@ from __future__ import annotations
 from hypothesis import strategies as st
 
 from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AU,
-    AX,
-    EF,
     EG,
     EU,
     EX,
@@ -18,14 +13,14 @@ from mcpn.check.logic.formulas import (
     Compare,
     Const,
     Deadlock,
+    Derived,
     Enabled,
     Formula,
-    Iff,
-    Implies,
     Not,
     Or,
     Stable,
     Sum,
+    temporal,
 )
 from mcpn.net.petri import Marking, PetriNet
 
@@ -47,8 +42,9 @@ def formulas(places: list[str], transitions: list[str], *, leaves: int = 6) -> s
     def wider(inside: st.SearchStrategy[Formula]) -> st.SearchStrategy[Formula]:
         several = st.lists(inside, min_size=2, max_size=3).map(tuple)
         return st.one_of(
-            *(st.builds(unary, inside) for unary in (Not, EX, AX, EF, AF, EG, AG)),
-            *(st.builds(binary, inside, inside) for binary in (Implies, Iff, EU, AU)),
+            *(st.builds(unary, inside) for unary in (Not, EX, EG)),
+            *(st.builds(temporal, st.just(operator), inside) for operator in ("AX", "EF", "AF", "AG")),
+            *(st.builds(temporal, st.just(o), inside, inside) for o in ("->", "<->", "EU", "AU")),
             st.builds(And, several),
             st.builds(Or, several),
         )
@@ -100,25 +96,25 @@ def satisfying(formula: Formula, net: PetriNet, edges: Edges) -> set[Marking]:
             return everything.intersection(*map(of, inside))
         case Or(inside):
             return set[Marking]().union(*map(of, inside))
-        case Implies(a, b):
+        case Derived("->", (a, b)):
             return (everything - of(a)) | of(b)
-        case Iff(a, b):
+        case Derived("<->", (a, b)):
             return everything - (of(a) ^ of(b))
         case EX(a):
             return some_next(of(a))
-        case AX(a):
+        case Derived("AX", (a,)):
             return every_next(of(a))
-        case EF(a):
+        case Derived("EF", (a,)):
             return least(of(a), everything, every=False)
-        case AF(a):
+        case Derived("AF", (a,)):
             return least(of(a), everything, every=True)
         case EG(a):
             return everything - least(everything - of(a), everything, every=True)
-        case AG(a):
+        case Derived("AG", (a,)):
             return everything - least(everything - of(a), everything, every=False)
         case EU(a, b):
             return least(of(b), of(a), every=False)
-        case AU(a, b):
+        case Derived("AU", (a, b)):
             return least(of(b), of(a), every=True)
         case Compare(left, relation, right):
             return {m for m in everything if _compares(net, m, left, relation, right)}

@@ -6,7 +6,6 @@ Reference: the contest's manual of property files (https://mcc.lip6.fr/); namesp
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -14,25 +13,17 @@ from typing import cast
 from lxml import etree
 
 from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AU,
-    AX,
-    EF,
-    EG,
-    EU,
-    EX,
     And,
     Compare,
     Const,
     Deadlock,
+    Derived,
     Enabled,
     Formula,
-    Iff,
-    Implies,
     Not,
     Or,
     Sum,
+    temporal,
 )
 from mcpn.errors import InputError, Source
 from mcpn.xmlio import parse_xml
@@ -76,10 +67,9 @@ def read_properties(path: Path) -> list[Property]:
     return [reader.property(element) for element in root]
 
 
-_PATHS: dict[str, dict[str, Callable[[Formula], Formula]]] = {
-    "exists-path": {"finally": EF, "globally": EG, "next": EX},
-    "all-paths": {"finally": AF, "globally": AG, "next": AX},
-}
+_QUANTIFIERS = {"exists-path": "E", "all-paths": "A"}
+_OPERATORS = {"finally": "F", "globally": "G", "next": "X"}
+_CONNECTIVES = {"implication": "->", "equivalence": "<->"}
 
 
 class _Reader:
@@ -130,17 +120,12 @@ class _Reader:
                 return And(tuple(map(self.formula, element)))
             case "disjunction":
                 return Or(tuple(map(self.formula, element)))
-            case "implication":
-                left, right = map(self.formula, self.only(element, 2))
-                return Implies(left, right)
-            case "equivalence":
-                left, right = map(self.formula, self.only(element, 2))
-                return Iff(left, right)
+            case "implication" | "equivalence" as connective:
+                return Derived(_CONNECTIVES[connective], tuple(map(self.formula, self.only(element, 2))))
             case "exclusive-disjunction":
-                left, right = map(self.formula, self.only(element, 2))
-                return Not(Iff(left, right))
+                return Not(Derived("<->", tuple(map(self.formula, self.only(element, 2)))))
             case "exists-path" | "all-paths" as quantifier:
-                return self.path(quantifier, *self.only(element))
+                return self.path(_QUANTIFIERS[quantifier], *self.only(element))
             case "is-fireable":
                 return Enabled(self.names(element, "transition"))
             case "deadlock":
@@ -156,10 +141,10 @@ class _Reader:
             before, reach = self.only(element, 2)
             self.expect(before, "before")
             self.expect(reach, "reach")
-            left, right = self.formula(*self.only(before)), self.formula(*self.only(reach))
-            return EU(left, right) if quantifier == "exists-path" else AU(left, right)
-        if tag in _PATHS[quantifier]:
-            return _PATHS[quantifier][tag](self.formula(*self.only(element)))
+            inside = (self.formula(*self.only(part)) for part in (before, reach))
+            return temporal(f"{quantifier}U", *inside)
+        if tag in _OPERATORS:
+            return temporal(quantifier + _OPERATORS[tag], self.formula(*self.only(element)))
         raise self.wrong(element, "<finally>, <globally>, <next> or <until>")
 
     def sum(self, element: etree._Element) -> Sum:

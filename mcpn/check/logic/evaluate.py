@@ -11,13 +11,15 @@ Paths are maximal: infinite, or ending in a state without successors, as in the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import and_, or_
 from typing import Generic
 
 from mcpn.check.logic.formulas import (
     EG,
     EU,
     EX,
+    TRUE,
     And,
     Const,
     Core,
@@ -27,11 +29,11 @@ from mcpn.check.logic.formulas import (
     Not,
     Or,
     Stable,
-    TokenBound,
     negation,
     walk,
 )
 from mcpn.space.algebra import S, Space
+from mcpn.space.search.goal import AtMost
 
 
 class Evaluation(Generic[S]):
@@ -79,18 +81,12 @@ class Evaluation(Generic[S]):
             case Not(operand):
                 return space.everything - self.states(operand)
             case And(operands):
-                found = space.everything
-                for operand in operands:
-                    found = found & self.states(operand)
-                return found
+                return reduce(and_, map(self.states, operands), space.everything)
             case Or(operands):
-                found = space.nothing
-                for operand in operands:
-                    found = found | self.states(operand)
-                return found
-            case TokenBound(weights, -1) if all(weight == -1 for _, weight in weights):
+                return reduce(or_, map(self.states, operands), space.nothing)
+            case AtMost(weights, -1) if all(weight == -1 for _, weight in weights):
                 return space.marked([place for place, _ in weights])
-            case TokenBound(weights, bound):
+            case AtMost(weights, bound):
                 return space.at_most(dict(weights), bound)
             case Fires(transitions):
                 return space.enabling(transitions)
@@ -108,7 +104,7 @@ class Evaluation(Generic[S]):
 
     def _along(self, formula: Core) -> S | None:
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
-        return None if formula == Const(True) else self.states(formula)
+        return None if formula == TRUE else self.states(formula)
 
     # --- fairness ---
 
@@ -178,9 +174,7 @@ class Evaluation(Generic[S]):
                 continue
             half = len(regions) // 2
             for part in (regions[half:], regions[:half]):
-                together = self.space.nothing
-                for region in part:
-                    together = together | region
+                together = reduce(or_, part, self.space.nothing)
                 parts.append((part, [(c, states) for c, states in constraints if together & states]))
 
 

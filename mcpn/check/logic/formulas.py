@@ -1,8 +1,8 @@
 """Formulas of CTL: what a user writes, and the small core that evaluation knows.
 
-Connectives are the same in both. What is written names places, transitions and words of the mission
-(:class:`Compare`, :class:`Enabled`, :class:`Word`) and has all operators. The core, which
-:mod:`mcpn.check.logic.resolve` makes, has indices for names, and ``EX``, ``EU`` and ``EG`` for all operators.
+What is written names places, transitions and words of the mission (:class:`Compare`, :class:`Enabled`,
+:class:`Word`) and has all operators. The core, which :mod:`mcpn.check.logic.resolve` makes, has indices for
+names, and ``!``, ``&``, ``|``, ``EX``, ``EU`` and ``EG`` for all operators.
 
 Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
 false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
@@ -10,9 +10,11 @@ false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
+
+from mcpn.space.search.goal import AtMost
 
 Relation: TypeAlias = Literal["<", "<=", "=", "!=", ">=", ">"]
 RELATIONS: tuple[Relation, ...] = get_args(Relation)
@@ -47,22 +49,6 @@ class Or:
 
 
 @dataclass(frozen=True, slots=True)
-class Implies:
-    """Implication."""
-
-    left: Formula
-    right: Formula
-
-
-@dataclass(frozen=True, slots=True)
-class Iff:
-    """Equivalence."""
-
-    left: Formula
-    right: Formula
-
-
-@dataclass(frozen=True, slots=True)
 class EX:
     """Some next state satisfies the operand."""
 
@@ -70,36 +56,8 @@ class EX:
 
 
 @dataclass(frozen=True, slots=True)
-class AX:
-    """Every next state satisfies the operand."""
-
-    operand: Formula
-
-
-@dataclass(frozen=True, slots=True)
-class EF:
-    """Some path reaches the operand."""
-
-    operand: Formula
-
-
-@dataclass(frozen=True, slots=True)
-class AF:
-    """Every path reaches the operand."""
-
-    operand: Formula
-
-
-@dataclass(frozen=True, slots=True)
 class EG:
     """Some path satisfies the operand all along."""
-
-    operand: Formula
-
-
-@dataclass(frozen=True, slots=True)
-class AG:
-    """Every reachable state satisfies the operand."""
 
     operand: Formula
 
@@ -113,11 +71,11 @@ class EU:
 
 
 @dataclass(frozen=True, slots=True)
-class AU:
-    """Every path satisfies the left operand until it reaches the right one."""
+class Derived:
+    """An operator that the core does without; :data:`MEANING` has what it stands for."""
 
-    left: Formula
-    right: Formula
+    operator: str
+    operands: tuple[Formula, ...]
 
 
 # --- atoms as they are written -------------------------------------------------------------------------
@@ -192,14 +150,6 @@ WORDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class TokenBound:
-    """A weighted sum of tokens is at most a bound; places by index, in increasing order."""
-
-    weights: tuple[tuple[int, int], ...]
-    bound: int
-
-
-@dataclass(frozen=True, slots=True)
 class Fires:
     """Some of these transitions, by index, may fire now."""
 
@@ -207,12 +157,13 @@ class Fires:
 
 
 Written: TypeAlias = Compare | Enabled | Word
-Sugar: TypeAlias = Implies | Iff | AX | EF | AF | AG | AU
 Formula: TypeAlias = (
-    Const | Not | And | Or | EX | EG | EU | Deadlock | Stable | Sugar | Written | TokenBound | Fires
+    Const | Not | And | Or | EX | EG | EU | Derived | Deadlock | Stable | Written | AtMost | Fires
 )
 Core: TypeAlias = Formula
-"""A formula without :data:`Written` atoms and without :data:`Sugar`."""
+"""A formula without :data:`Written` atoms and without :class:`Derived` operators."""
+
+TRUE, FALSE = Const(True), Const(False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,7 +181,7 @@ class Justice:
     transitions: tuple[int, ...] = ()
 
 
-def negation(formula: Core) -> Core:
+def negation(formula: Formula) -> Formula:
     """The negation, without doubling one."""
     match formula:
         case Not(operand):
@@ -240,16 +191,57 @@ def negation(formula: Core) -> Core:
     return Not(formula)
 
 
+def _both(a: Core, b: Core) -> Core:
+    return And((a, b))
+
+
+def _every_until(a: Core, b: Core) -> Core:
+    stays = negation(b)
+    return _both(negation(EU(stays, _both(negation(a), stays))), negation(EG(stays)))
+
+
+MEANING: Mapping[str, Callable[..., Core]] = {
+    "->": lambda a, b: Or((negation(a), b)),
+    "<->": lambda a, b: Or((_both(a, b), _both(negation(a), negation(b)))),
+    "AX": lambda a: negation(EX(negation(a))),
+    "EF": lambda a: EU(TRUE, a),
+    "AF": lambda a: negation(EG(negation(a))),
+    "AG": lambda a: negation(EU(TRUE, negation(a))),
+    "AU": _every_until,
+}
+"""What derived operators stand for in the core."""
+
+
+def temporal(operator: str, *operands: Formula) -> Formula:
+    """The formula of a temporal operator, given by its name: ``EX``, ``AU`` and so on."""
+    basic: Mapping[str, Callable[..., Formula]] = {"EX": EX, "EG": EG, "EU": EU}
+    return basic[operator](*operands) if operator in basic else Derived(str(operator), operands)
+
+
 def operands(formula: Formula) -> tuple[Formula, ...]:
     """The formulas directly inside a formula."""
     match formula:
-        case And(inside) | Or(inside):
+        case And(inside) | Or(inside) | Derived(_, inside):
             return inside
-        case Not(a) | EX(a) | AX(a) | EF(a) | AF(a) | EG(a) | AG(a):
+        case Not(a) | EX(a) | EG(a):
             return (a,)
-        case Implies(a, b) | Iff(a, b) | EU(a, b) | AU(a, b):
+        case EU(a, b):
             return (a, b)
     return ()
+
+
+def mapped(formula: Core, of: Callable[[Core], Core]) -> Core:
+    """The same operator of the core with other operands: each is what ``of`` makes of it."""
+    match formula:
+        case And(inside) | Or(inside):
+            return type(formula)(tuple(map(of, inside)))
+        case Not(a):
+            return negation(of(a))
+        case EX(a) | EG(a):
+            return type(formula)(of(a))
+        case EU(a, b):
+            return EU(of(a), of(b))
+    return formula
 
 
 def walk(formula: Formula) -> Iterator[tuple[Formula, int]]:

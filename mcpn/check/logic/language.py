@@ -17,11 +17,6 @@ import json
 import re
 
 from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AU,
-    AX,
-    EF,
     EG,
     EU,
     EX,
@@ -29,10 +24,9 @@ from mcpn.check.logic.formulas import (
     Compare,
     Const,
     Deadlock,
+    Derived,
     Enabled,
     Formula,
-    Iff,
-    Implies,
     Not,
     Or,
     Stable,
@@ -87,15 +81,11 @@ def _show(formula: Formula, around: int) -> str:
         return f"({text})" if strength < around else text
 
     match formula:
-        case Const(value):
-            return "true" if value else "false"
-        case Deadlock():
-            return "deadlock"
-        case Stable():
-            return "stable"
-        case Iff(a, b):
+        case Const() | Deadlock() | Stable():
+            return next(text for text, plain in PLAIN.items() if plain == formula)
+        case Derived("<->", (a, b)):
             return bind(_IFF, f"{_show(a, _IFF)} <-> {_show(b, _IMPLIES)}")
-        case Implies(a, b):
+        case Derived("->", (a, b)):
             return bind(_IMPLIES, f"{_show(a, _OR)} -> {_show(b, _IMPLIES)}")
         case And(operands) | Or(operands) if len(operands) < 2:
             return _show(operands[0], around) if operands else _show(Const(isinstance(formula, And)), around)
@@ -105,10 +95,12 @@ def _show(formula: Formula, around: int) -> str:
             return bind(_AND, " & ".join(_show(o, _ATOM) for o in operands))
         case Not(a):
             return f"!{_show(a, _TIGHT)}"
-        case EU(a, b) | AU(a, b):
-            return f"{type(formula).__name__[0]}[{_show(a, _IFF)} U {_show(b, _IFF)}]"
-        case EX(a) | AX(a) | EF(a) | AF(a) | EG(a) | AG(a):
+        case EU(a, b) | Derived("AU", (a, b)):
+            return f"{'E' if isinstance(formula, EU) else 'A'}[{_show(a, _IFF)} U {_show(b, _IFF)}]"
+        case EX(a) | EG(a):
             return f"{type(formula).__name__} {_show(a, _TIGHT)}"
+        case Derived(operator, (a,)):
+            return f"{operator} {_show(a, _TIGHT)}"
         case Compare(Sum(0, (place,)), ">=", Sum(1, ())):
             return _name(place)
         case Compare(left, relation, right):

@@ -9,19 +9,12 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import NoReturn, TypeAlias, cast
 
 from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AU,
-    AX,
-    EF,
-    EG,
     EU,
-    EX,
     WORDS,
     And,
     Compare,
@@ -29,20 +22,19 @@ from mcpn.check.logic.formulas import (
     Deadlock,
     Enabled,
     Formula,
-    Iff,
-    Implies,
     Not,
     Or,
     Relation,
     Stable,
     Sum,
     Word,
+    temporal,
 )
 from mcpn.errors import InputError
 
 MAX_DIGITS = 18
 
-UNARY: dict[str, Callable[[Formula], Formula]] = {"EX": EX, "AX": AX, "EF": EF, "AF": AF, "EG": EG, "AG": AG}
+UNARY = ("EX", "AX", "EF", "AF", "EG", "AG")
 PLAIN: dict[str, Formula] = {
     "true": Const(True),
     "false": Const(False),
@@ -132,7 +124,8 @@ class Parser:
                     break
                 if kind == "bracket":
                     right, left = self._operands.pop(), self._operands.pop()
-                    self._operands.append((EU if group == "exists_until" else AU)(left, right))
+                    until = EU(left, right) if group == "exists_until" else temporal("AU", left, right)
+                    self._operands.append(until)
 
     # --- operators ---
 
@@ -142,9 +135,9 @@ class Parser:
 
     def _apply_unary(self) -> None:
         operators, operands = self._operators, self._operands
-        while operators and (make := Not if operators[-1] == "not" else UNARY.get(operators[-1])):
-            operators.pop()
-            operands.append(make(operands.pop()))
+        while operators and operators[-1] in ("not", *UNARY):
+            operator, operand = operators.pop(), operands.pop()
+            operands.append(Not(operand) if operator == "not" else temporal(operator, operand))
 
     def _reduce(self, least: int) -> None:
         """Applies the operators on top that bind at least so tight."""
@@ -296,14 +289,9 @@ class Parser:
 
 
 def _joined(kind: str, parts: list[Formula]) -> Formula:
-    match kind:
-        case "iff":
-            return Iff(*parts)
-        case "implies":
-            return Implies(*parts)
-        case "or":
-            return Or(tuple(parts))
-    return And(tuple(parts))
+    if kind in ("and", "or"):
+        return (And if kind == "and" else Or)(tuple(parts))
+    return temporal("<->" if kind == "iff" else "->", *parts)
 
 
 def _hint(text: str, at: int) -> str:

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Fires, Not, Or, Stable, TokenBound
+from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Fires, Not, Or, Stable
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable, negation
 
@@ -41,8 +41,8 @@ def as_goal(formula: Core, net: PetriNet) -> Goal | None:
             if len(known) < len(goals):
                 return None
             return AllOf(known) if isinstance(formula, And) else AnyOf(known)
-        case TokenBound(weights, bound):
-            return AtMost(weights, bound)
+        case AtMost():
+            return formula
         case Fires(transitions):
             return AnyOf(tuple(fireable(net, t) for t in transitions))
         case Deadlock():

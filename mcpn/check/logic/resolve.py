@@ -1,11 +1,11 @@
-"""From formulas as they are written to the core: names looked up, words of the mission told by places.
+"""From formulas as they are written to the core, names looked up, and back for a reader.
 
 >>> from mcpn.net.petri import NetBuilder
 >>> builder = NetBuilder("lamp")
 >>> places = builder.place("off", initial=1), builder.place("on")
 >>> builder.transition("switch", consume=["off"], produce=["on"])
 >>> resolve(Compare(Sum(0, ("on",)), ">=", Sum(1)), builder.build())
-TokenBound(weights=((1, -1),), bound=-1)
+AtMost(weights=((1, -1),), bound=-1)
 """
 
 from __future__ import annotations
@@ -13,43 +13,38 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection
 from difflib import get_close_matches
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AU,
-    AX,
-    EF,
     EG,
     EU,
     EX,
+    MEANING,
     And,
     Compare,
     Const,
     Core,
+    Derived,
     Enabled,
     Fires,
     Formula,
-    Iff,
-    Implies,
     Justice,
     Not,
-    Or,
     Sum,
-    TokenBound,
     Word,
+    mapped,
     negation,
     operands,
 )
 from mcpn.errors import InputError, LimitError
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
+from mcpn.space.search.goal import AtMost
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
 
-TRUE = Const(True)
 MAX_CORE = 50_000
 
 
@@ -74,12 +69,14 @@ def resolve(formula: Formula, net: PetriNet, mission_net: MissionNet | None = No
     return _Resolver(net, mission_net).core(formula)
 
 
+_USES = {"<->": (2, 2), "AU": (1, 3)}
+"""How often the meaning of a derived operator has each of its operands, where more than once."""
+
+
 def _size(formula: Formula) -> int:
     """How many operators the core of a formula has."""
-    sizes = [_size(inside) for inside in operands(formula)]
-    if isinstance(formula, Iff):
-        return 5 + 2 * sum(sizes)
-    return 7 + sizes[0] + 3 * sizes[1] if isinstance(formula, AU) else 3 + sum(sizes)
+    uses = _USES.get(formula.operator, (1, 1)) if isinstance(formula, Derived) else repeat(1)
+    return 7 + sum(use * _size(inside) for use, inside in zip(uses, operands(formula), strict=False))
 
 
 class _Resolver:
@@ -88,36 +85,9 @@ class _Resolver:
         self.mission_net = mission_net
 
     def core(self, formula: Formula) -> Core:
-        core = self.core
         match formula:
-            case Not(a):
-                return negation(core(a))
-            case And(inside):
-                return And(tuple(map(core, inside)))
-            case Or(inside):
-                return Or(tuple(map(core, inside)))
-            case Implies(a, b):
-                return Or((negation(core(a)), core(b)))
-            case Iff(a, b):
-                left, right = core(a), core(b)
-                return Or((And((left, right)), And((negation(left), negation(right)))))
-            case EX(a):
-                return EX(core(a))
-            case AX(a):
-                return negation(EX(negation(core(a))))
-            case EF(a):
-                return EU(TRUE, core(a))
-            case AG(a):
-                return negation(EU(TRUE, negation(core(a))))
-            case EG(a):
-                return EG(core(a))
-            case AF(a):
-                return negation(EG(negation(core(a))))
-            case EU(a, b):
-                return EU(core(a), core(b))
-            case AU(a, b):
-                stays, fails = negation(core(b)), And((negation(core(a)), negation(core(b))))
-                return And((negation(EU(stays, fails)), negation(EG(stays))))
+            case Derived(operator, inside):
+                return MEANING[operator](*map(self.core, inside))
             case Compare():
                 return self.compare(formula)
             case Enabled(names, column):
@@ -125,7 +95,7 @@ class _Resolver:
                 return Fires(tuple(sorted({self.known(n, known, "transition", column) for n in names})))
             case Word():
                 return self.word(formula)
-        return formula
+        return mapped(formula, self.core)
 
     def known(self, name: str, index: Collection[str], what: str, column: int | None) -> int:
         if name not in index:
@@ -133,20 +103,12 @@ class _Resolver:
         return index[name]  # type: ignore[index, no-any-return]
 
     def compare(self, formula: Compare) -> Core:
-        left, right = formula.left, formula.right
-        match formula.relation:
-            case "<=":
-                return self.at_most(left, right, 0, formula.column)
-            case "<":
-                return self.at_most(left, right, -1, formula.column)
-            case ">=":
-                return self.at_most(right, left, 0, formula.column)
-            case ">":
-                return self.at_most(right, left, -1, formula.column)
-        equal = And(
-            (self.at_most(left, right, 0, formula.column), self.at_most(right, left, 0, formula.column))
-        )
-        return equal if formula.relation == "=" else Not(equal)
+        left, relation, right, column = formula.left, formula.relation, formula.right, formula.column
+        if relation in ("=", "!="):
+            equal = And((self.at_most(left, right, 0, column), self.at_most(right, left, 0, column)))
+            return equal if relation == "=" else Not(equal)
+        small, large = (left, right) if relation in ("<", "<=") else (right, left)
+        return self.at_most(small, large, 0 if "=" in relation else -1, column)
 
     def at_most(self, left: Sum, right: Sum, slack: int, column: int | None) -> Core:
         known = self.net.place_index
@@ -156,7 +118,7 @@ class _Resolver:
                 weights[self.known(name, known, "place", column)] += sign
         bound = right.constant - left.constant + slack
         terms = tuple(sorted((place, weight) for place, weight in weights.items() if weight))
-        return TokenBound(terms, bound) if terms else Const(bound >= 0)
+        return AtMost(terms, bound) if terms else Const(bound >= 0)
 
     # --- words of the mission ---
 
@@ -242,7 +204,7 @@ class _Resolver:
 
 def marked(places: tuple[int, ...]) -> Core:
     """Some of these places holds a token."""
-    return TokenBound(tuple((place, -1) for place in sorted(places)), -1) if places else Const(False)
+    return AtMost(tuple((place, -1) for place in sorted(places)), -1) if places else Const(False)
 
 
 def unknown(name: str, names: Collection[str], what: str, column: int | None) -> InputError:
@@ -257,6 +219,34 @@ def unknown(name: str, names: Collection[str], what: str, column: int | None) ->
 
 def _at(column: int | None, message: str) -> InputError:
     return InputError.at(None, message if column is None else f"formula, column {column}: {message}")
+
+
+def written(formula: Core, net: PetriNet) -> Formula:
+    """A formula of the core with names instead of indices, and with the operators that a reader knows."""
+
+    def of(inside: Core) -> Formula:
+        return written(inside, net)
+
+    match formula:
+        case AtMost(((place, -1),), -1):
+            return Compare(Sum(0, (net.places[place].name,)), ">=", Sum(1))
+        case AtMost(weights, bound):
+            positive = tuple(net.places[p].name for p, w in weights for _ in range(w))
+            negative = tuple(net.places[p].name for p, w in weights for _ in range(-w))
+            return Compare(Sum(max(-bound, 0), positive), "<=", Sum(max(bound, 0), negative))
+        case Fires(transitions):
+            return Enabled(tuple(net.transitions[t].name for t in transitions))
+        case Not(Not(a)):
+            return of(a)
+        case Not(EX(a)):
+            return Derived("AX", (of(Not(a)),))
+        case Not(EG(a)):
+            return Derived("AF", (of(Not(a)),))
+        case Not(EU(Const(True), a)):
+            return Derived("AG", (of(Not(a)),))
+        case EU(Const(True), a):
+            return Derived("EF", (of(a),))
+    return mapped(formula, of)
 
 
 def progress(mission_net: MissionNet) -> tuple[Justice, ...]:

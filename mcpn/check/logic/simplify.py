@@ -9,12 +9,14 @@ EU(left=Const(value=True), right=Deadlock())
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 from mcpn.check.logic.formulas import (
     EG,
     EU,
     EX,
+    FALSE,
+    TRUE,
     And,
     Const,
     Core,
@@ -23,12 +25,11 @@ from mcpn.check.logic.formulas import (
     Not,
     Or,
     Stable,
-    TokenBound,
+    mapped,
+    negation,
 )
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import needs
-
-TRUE, FALSE = Const(True), Const(False)
+from mcpn.space.search.goal import AtMost, needs
 
 
 def simplified(formula: Core, net: PetriNet | None = None, bounds: Sequence[float] = ()) -> Core:
@@ -58,23 +59,17 @@ class _Simplifier:
         return self._known[formula]
 
     def _simplify(self, formula: Core) -> Core:
+        formula = mapped(formula, self.simplify)
         match formula:
-            case Not(operand):
-                return negated(self.simplify(operand))
-            case And(operands):
-                return joined(And, [self.simplify(operand) for operand in operands])
-            case Or(operands):
-                return joined(Or, [self.simplify(operand) for operand in operands])
-            case EX(operand):
-                inside = self.simplify(operand)
-                if isinstance(inside, Const):
-                    return Not(Deadlock()) if inside.value else FALSE
-                return EX(inside)
+            case And(operands) | Or(operands):
+                return joined(type(formula), operands)
+            case EX(Const(value)):
+                return Not(Deadlock()) if value else FALSE
             case EU(left, right):
-                return _until(self.simplify(left), self.simplify(right))
-            case EG(operand):
-                return _globally(self.simplify(operand))
-            case TokenBound(weights, bound) if self.bounds:
+                return _until(left, right)
+            case EG(Const() | EG() | Not(EU(Const(True), _)) as inside):
+                return inside  # AG f holds on the whole way if it holds at first
+            case AtMost(weights, bound) if self.bounds:
                 return self._comparison(formula, weights, bound)
             case Fires(transitions) if self.net is not None and self.bounds:
                 possible = tuple(t for t in transitions if self._may_fire(self.net, t))
@@ -90,16 +85,6 @@ class _Simplifier:
 
     def _may_fire(self, net: PetriNet, transition: int) -> bool:
         return all(weight <= self.bounds[place] for place, weight in needs(net, transition).items())
-
-
-def negated(formula: Core) -> Core:
-    """The negation of a simplified formula."""
-    match formula:
-        case Not(operand):
-            return operand
-        case Const(value):
-            return Const(not value)
-    return Not(formula)
 
 
 def joined(connective: type[And] | type[Or], operands: Sequence[Core]) -> Core:
@@ -128,11 +113,14 @@ def _until(left: Core, right: Core) -> Core:
     return EU(left, right)
 
 
-def _globally(inside: Core) -> Core:
-    match inside:
-        case Const() | EG() | Not(EU(Const(True), _)):  # AG f holds on the whole way if it holds at first
-            return inside
-    return EG(inside)
+def replaced(formula: Core, value: Callable[[Core], Core]) -> Core:
+    """A formula with other parts outside of temporal operators: each is what ``value`` makes of it."""
+    match formula:
+        case Not(operand):
+            return negation(replaced(operand, value))
+        case And(operands) | Or(operands):
+            return joined(type(formula), [replaced(operand, value) for operand in operands])
+    return value(formula)
 
 
 def at_first(formula: Core, holds: Callable[[Core], bool]) -> Core:
@@ -145,40 +133,24 @@ def at_first(formula: Core, holds: Callable[[Core], bool]) -> Core:
     Returns:
         A constant where the initial state decides; else what is left to ask there.
     """
-    match formula:
-        case Const():
-            return formula
-        case TokenBound() | Fires() | Deadlock() | Stable():
-            return Const(holds(formula))
-        case Not(operand):
-            return negated(at_first(operand, holds))
-        case And(operands) | Or(operands):
-            connective = And if isinstance(formula, And) else Or
-            return joined(connective, [at_first(operand, holds) for operand in operands])
-        case EU(left, right):
-            now = at_first(right, holds)
-            if now == TRUE:
-                return TRUE
-            if now == FALSE and at_first(left, holds) == FALSE:
+
+    def value(part: Core) -> Core:
+        match part:
+            case AtMost() | Fires() | Deadlock() | Stable():
+                return Const(holds(part))
+            case EU(left, right):
+                now = at_first(right, holds)
+                if now == TRUE:
+                    return TRUE
+                if now == FALSE and at_first(left, holds) == FALSE:
+                    return FALSE
+            case EG(operand) if at_first(operand, holds) == FALSE:
                 return FALSE
-        case EG(operand) if at_first(operand, holds) == FALSE:
-            return FALSE
-        case EX() if holds(Deadlock()):
-            return FALSE
-    return formula
+            case EX() if holds(Deadlock()):
+                return FALSE
+        return part
 
-
-def replaced(formula: Core, known: Mapping[Core, bool]) -> Core:
-    """A formula with parts whose value in the initial state is known, outside of temporal operators."""
-    if formula in known:
-        return Const(known[formula])
-    match formula:
-        case Not(operand):
-            return negated(replaced(operand, known))
-        case And(operands) | Or(operands):
-            connective = And if isinstance(formula, And) else Or
-            return joined(connective, [replaced(operand, known) for operand in operands])
-    return formula
+    return replaced(formula, value)
 
 
 def parts_at_first(formula: Core) -> list[Core]:

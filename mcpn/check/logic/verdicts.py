@@ -15,16 +15,16 @@ from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import Const, Core, Deadlock, Fires, TokenBound, walk
+from mcpn.check.logic.formulas import Const, Core, walk
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.reachability import as_reachability
+from mcpn.check.logic.reachability import as_goal, as_reachability
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
 from mcpn.errors import InputError, UnsafeError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.equation import place_bounds
-from mcpn.space.search.goal import DEADLOCK, Goal
+from mcpn.space.search.goal import DEADLOCK, Goal, holds
 from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio
 from mcpn.space.search.searches import Searches
 
@@ -120,24 +120,17 @@ def _without_space(questions: Questions, waiting: dict[str, Meaning]) -> Iterato
         return
     net = questions.net
     marking, bounds = net.initial, place_bounds(net)
-    enabled = set(net.enabled(marking))
 
-    def holds(atom: Core) -> bool:
-        match atom:
-            case TokenBound(weights, bound):
-                return sum(weight * marking[place] for place, weight in weights) <= bound
-            case Fires(transitions):
-                return not enabled.isdisjoint(transitions)
-            case Deadlock():
-                return not enabled
-        return True  # stable: without priorities every marking is
+    def at_start(atom: Core) -> bool:
+        goal = as_goal(atom, net)
+        return goal is not None and holds(goal, net, marking)
 
     asked: dict[Core, Goal] = {}
     for name, meaning in list(waiting.items()):
         if isinstance(meaning, dict):
             continue
         smaller = simplified(meaning, net, bounds)
-        rest = at_first(smaller, holds)
+        rest = at_first(smaller, at_start)
         waiting[name] = rest
         if isinstance(rest, Const):
             yield Verdict(name, _told(rest), (REWRITING if isinstance(smaller, Const) else INITIAL_STATE,))
@@ -146,15 +139,15 @@ def _without_space(questions: Questions, waiting: dict[str, Meaning]) -> Iterato
             if (goal := as_reachability(part, net)) is not None:
                 asked[part] = goal
     parts = list(asked)
-    known: dict[Core, bool] = {}
+    known: dict[Core, Core] = {}
     techniques: dict[str, dict[str, None]] = {}
     for index, found in Portfolio(net).decide(list(asked.values())):
-        known[parts[index]] = found.reachable
+        known[parts[index]] = Const(found.reachable)
         for name, meaning in list(waiting.items()):
             if isinstance(meaning, dict) or parts[index] not in parts_at_first(meaning):
                 continue
             techniques.setdefault(name, {}).update(dict.fromkeys(found.techniques))
-            waiting[name] = rest = replaced(meaning, known)
+            waiting[name] = rest = replaced(meaning, lambda part: known.get(part, part))
             if isinstance(rest, Const):
                 yield Verdict(name, _told(rest), tuple(techniques[name]))
 

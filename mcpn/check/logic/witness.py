@@ -14,29 +14,9 @@ from dataclasses import dataclass, field
 from typing import Any, Generic
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import (
-    AF,
-    AG,
-    AX,
-    EF,
-    EG,
-    EU,
-    EX,
-    And,
-    Compare,
-    Const,
-    Core,
-    Enabled,
-    Fires,
-    Formula,
-    Justice,
-    Not,
-    Or,
-    Sum,
-    TokenBound,
-    walk,
-)
+from mcpn.check.logic.formulas import EG, EU, EX, TRUE, And, Core, Justice, Not, Or, walk
 from mcpn.check.logic.language import show
+from mcpn.check.logic.resolve import written
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S, Space
@@ -179,8 +159,8 @@ class _Explanation(Generic[S]):
                 self.explain(operand, True)
             case EU(left, right) if holds:
                 goal = self.evaluation.states(right) & self.evaluation.fair_states
-                self.follow(None if left == Const(True) else self.evaluation.states(left), goal)
-                if left != Const(True):
+                self.follow(None if left == TRUE else self.evaluation.states(left), goal)
+                if left != TRUE:
                     self.note("up to there", left)
                 self.explain(right, True)
             case EG(operand) if holds:
@@ -287,44 +267,6 @@ class _Explanation(Generic[S]):
 
 def _is_temporal(formula: Core) -> bool:
     return any(isinstance(inside, EX | EU | EG) for inside, _ in walk(formula))
-
-
-def written(formula: Core, net: PetriNet) -> Formula:
-    """A formula of the core with names instead of indices, for a reader."""
-    match formula:
-        case TokenBound(((place, -1),), -1):
-            return Compare(Sum(0, (net.places[place].name,)), ">=", Sum(1))
-        case TokenBound(weights, bound):
-            positive = tuple(net.places[p].name for p, w in weights for _ in range(w))
-            negative = tuple(net.places[p].name for p, w in weights for _ in range(-w))
-            return Compare(Sum(max(-bound, 0), positive), "<=", Sum(max(bound, 0), negative))
-        case Fires(transitions):
-            return Enabled(tuple(net.transitions[t].name for t in transitions))
-        case Not(Not(a)):
-            return written(a, net)
-        case Not(EX(a)):
-            return AX(written(Not(a), net))
-        case Not(EG(a)):
-            return AF(written(Not(a), net))
-        case Not(EU(Const(True), a)):
-            return AG(written(Not(a), net))
-        case EU(Const(True), a):
-            return EF(written(a, net))
-        case Not(Const(value)):
-            return Const(not value)
-        case Not(a):
-            return Not(written(a, net))
-        case And(inside):
-            return And(tuple(written(a, net) for a in inside))
-        case Or(inside):
-            return Or(tuple(written(a, net) for a in inside))
-        case EX(a):
-            return EX(written(a, net))
-        case EG(a):
-            return EG(written(a, net))
-        case EU(a, b):
-            return EU(written(a, net), written(b, net))
-    return formula
 
 
 def scenario(witness: Witness) -> str:

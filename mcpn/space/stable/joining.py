@@ -157,11 +157,46 @@ class Joining:
             most: How many markings may be left in several ways.
 
         Returns:
-            A run to a stable marking, or to where it parts; the marking there; how it parts, if it does.
+            A run to a stable marking, or to where it parts; the marking there; how it parts, if it does. The
+            two transitions at which it parts decide the end: behind neither was another parting found.
 
         Raises:
             EndlessRun: An internal run need not end.
         """
+        run, at, parting = self._some_parting(marking, most)
+        return (run, at, None) if parting is None else self.deciding(run, at, parting, most)
+
+    def deciding(
+        self, run: list[int], marking: int, parting: Parting, most: int
+    ) -> tuple[list[int], int, Parting]:
+        """Goes on from where two runs part to where they part for good.
+
+        A run that parts from another may still come to the other's end, if it parts again later.
+
+        Args:
+            run: A run to the marking.
+            marking: Where they part.
+            parting: How.
+            most: How many markings may be left in several ways, behind each transition.
+
+        Returns:
+            A run to where they part for good; the marking there; how they part.
+
+        Raises:
+            EndlessRun: An internal run need not end.
+        """
+        for first in (parting.first[0], parting.second[0]):
+            on_way = [*run, first]
+            try:
+                more, at, later = self._some_parting(self.masked.fire(marking, first)[0], most)
+            except EndlessRun as endless:
+                raise EndlessRun([*on_way, *endless.run]) from endless
+            if later is not None:
+                return self.deciding([*on_way, *more], at, later, most)
+        return run, marking, parting
+
+    def _some_parting(self, marking: int, most: int) -> tuple[list[int], int, Parting | None]:
+        """As :meth:`parting_behind`, but the runs may part again later."""
         masked = self.masked
         stack: list[tuple[list[int], int]] = [([], marking)]
         found: tuple[list[int], int] | None = None
@@ -189,7 +224,10 @@ class Joining:
             ways = list(masked.allowed(internal))
             for t in ways:
                 for u in masked.allowed(self._rivals[t] & internal & -(1 << t)):
-                    parting = self.outcome(at, t, u)
+                    try:
+                        parting = self.outcome(at, t, u)
+                    except EndlessRun as endless:
+                        raise EndlessRun([*run, *endless.run]) from endless
                     if isinstance(parting, Parting):
                         return run, at, parting
             stack += [([*run, t], masked.fire(at, t)[0]) for t in reversed(ways)]
