@@ -118,6 +118,25 @@ class Store:
     def condition(self, marked: Sequence[int], unmarked: Sequence[int] = ...) -> int:
         """A condition on markings: these levels marked, those unmarked."""
 
+    def branch(
+        self,
+        level: int,
+        consume: int | None = ...,
+        produce: int | None = ...,
+        read: int | None = ...,
+        zero: int | None = ...,
+    ) -> int:
+        """An event, or a condition, that goes on depending on a level.
+
+        Args:
+            level: The level.
+            consume: What follows on levels below where it goes from marked to unmarked; ``None``: it never
+                does.
+            produce: The same where it goes from unmarked to marked.
+            read: The same where it is marked and stays so.
+            zero: The same where it is unmarked and stays so.
+        """
+
     def collect(self) -> None:
         """Frees every node that no handle reaches."""
 

@@ -12,6 +12,7 @@
 #include <pthread.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <condition_variable>
@@ -187,6 +188,22 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
     std::uint32_t suffix = 0;
     for (auto at = each.rbegin(); at != each.rend(); ++at) suffix = at_rest().suffix(Level(at->first), at->second, suffix);
     return suffix;
+  }
+
+  // What goes on depending on a level: by what it was and becomes, the rest; none where that does not happen.
+  std::uint32_t branch(std::int64_t level, const std::array<std::optional<std::uint64_t>, 4>& rests) {
+    sorted({level});  // checks the range
+    Store& at = at_rest();
+    std::uint32_t more = 0;
+    for (const Touch touch : {Touch::zero, Touch::read, Touch::produce, Touch::consume}) {
+      const std::optional<std::uint64_t>& rest = rests[std::size_t(touch)];
+      if (!rest) continue;
+      const std::uint32_t next = suffixes({*rest}, false).front();
+      if (at.first_level(next) <= Level(level)) throw std::invalid_argument("what comes next is on levels below");
+      more = at.suffix(Level(level), touch, next, more);
+    }
+    if (more == 0) throw std::invalid_argument("nothing may happen to this level");
+    return more;
   }
 
  private:
@@ -424,6 +441,12 @@ NB_MODULE(_kernel, module) {
       .def("condition", [](PyStore& s, const Levels& marked, const Levels& unmarked) {
         return s.id(s.touches({{Touch::read, marked}, {Touch::zero, unmarked}}));
       }, nb::arg("marked"), nb::arg("unmarked") = Levels{})
+      .def("branch", [](PyStore& s, std::int64_t level, std::optional<std::uint64_t> consume,
+                        std::optional<std::uint64_t> produce, std::optional<std::uint64_t> read,
+                        std::optional<std::uint64_t> zero) {
+        return s.id(s.branch(level, {consume, produce, read, zero}));
+      }, nb::arg("level"), nb::arg("consume").none() = nb::none(), nb::arg("produce").none() = nb::none(),
+         nb::arg("read").none() = nb::none(), nb::arg("zero").none() = nb::none())
       .def("collect", [](PyStore& s) { s.run([&] { s.store.collect(); }); })
       .def("cancel", [](PyStore& s) { s.store.cancelled.store(true); })
       .def_rw("progress", &PyStore::progress, nb::arg().none())

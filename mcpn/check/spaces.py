@@ -10,6 +10,7 @@ from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import Options, composite_space
@@ -30,6 +31,7 @@ def space_of(
     engine: Engine = "symbolic",
     on: On = "markings",
     max_states: int | None = None,
+    tokens: bool = True,
 ) -> Space[Any]:
     """The space of a net, on one of its graphs, by one of the engines.
 
@@ -39,10 +41,12 @@ def space_of(
         engine: Arrays, diagrams or composition.
         on: The graph; the alternatives graph is of nets with priorities.
         max_states: Limit on states that are listed one by one.
+        tokens: Whether the places of a net without priorities may hold several tokens.
 
     Raises:
         InputError: The net has no such graph, or composition is asked of a net of no mission.
-        UnsafeError: The net is not 1-safe.
+        UnsafeError: The net is not 1-safe, and has priorities or may hold no more than one token in a place.
+        UnboundedError: The net is unbounded.
         ConfluenceError: The alternatives graph is asked for, and internal evolution is not confluent.
         DivergenceError: The same, and internal evolution need not end.
         LimitError: A limit was hit.
@@ -59,7 +63,7 @@ def space_of(
         options = Options() if max_states is None else Options(max_states=max_states)
         with in_mission_words(mission_net):
             return composite_space(mission_net, options)
-    markings = markings_by(net, engine, limit)
+    markings = markings_by(net, engine, limit, tokens=tokens)
     if on == "markings":
         return markings
     with in_mission_words(mission_net):
@@ -125,12 +129,17 @@ def mortal_space(
 
 
 def markings_by(
-    net: PetriNet, engine: Engine, max_states: int, progress: Progress | None = None
+    net: PetriNet,
+    engine: Engine,
+    max_states: int,
+    progress: Progress | None = None,
+    *,
+    tokens: bool = True,
 ) -> ArraySpace | DiagramMarkings:
     """The markings graph of a net; see :func:`space_of`."""
     if engine == "explicit":
         return ArraySpace(explore(net, max_states=max_states, progress=progress))
-    return DiagramMarkings(reach(net))
+    return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 
 def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> tuple[Space[Any], str]:

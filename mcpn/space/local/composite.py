@@ -10,7 +10,8 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.net.petri import Marking, Provenance, Transition
+from mcpn.net.petri import Marking, Transition
+from mcpn.space.algebra import Piece
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.runs import Runs
 from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, PlacedSection, Placement
@@ -54,9 +55,8 @@ class CompositeSpace(Runs):
 
     def _idle_tokens(self, name: str) -> dict[tuple[int, ...], dict[int, int]]:
         net = self.net
-        own = [t for t, transition in enumerate(net.transitions) if _is_of(transition.provenance, name)]
-        places = [p for p, place in enumerate(net.places) if _is_of(place.provenance, name)]
-        tokens = {p: net.initial[p] for p in places}
+        own = self.elements.transitions["hardware", name]
+        tokens = {p: net.initial[p] for p in self.elements.places["hardware", name]}
         found: dict[tuple[int, ...], dict[int, int]] = {}
         wanted = self.layout.statuses()
         kinds = self.toggles[name]
@@ -243,6 +243,50 @@ class CompositeSpace(Runs):
         """By transition that is of a section's objectives and blocks, the section."""
         return {t: name for name, placed in self.sections.items() for t in placed.own_transitions}
 
+    def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
+        """Transitions with edges from some states into others, each with the states before it."""
+        found: dict[int, dict[str, Zdd]] = {}
+        for name, part in (self.before(into) & among).parts.items():
+            placed, inside = self.sections.get(name), into.parts.get(name, self.layout.store.empty())
+            goal = inside
+            for route, exit_ in self.exits(name):
+                onward = self.entries(route, into.parts[route]) if route in into.parts else None
+                if onward and placed is not None:
+                    ended = placed.type.from_slots(onward, placed.faulty, exit_)
+                    goal |= ended & placed.type.ended[exit_]
+                elif onward and onward & part:
+                    found.setdefault(self.mission_net.start, {})[name] = onward & part
+            if placed is not None:
+                for t, before in placed.type.crossing(part, goal):
+                    found.setdefault(placed.transitions[t], {})[name] = before
+            for hardware, kind, before in self._toggling(placed, part, inside):
+                found.setdefault(self.toggles[hardware][kind], {})[name] = before
+        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
+
+    def _toggling(self, placed: PlacedSection | None, part: Zdd, goal: Zdd) -> list[tuple[str, str, Zdd]]:
+        """Events of hardware beside a section that lead from some states of it into others."""
+
+        def compute() -> list[tuple[str, str, Zdd]]:
+            own = () if placed is None else placed.faulty
+            return [
+                (hardware, kind, before)
+                for hardware in self.layout.hardware
+                if hardware not in own
+                for kind, (_, undo) in self.layout.toggles(hardware).items()
+                if (before := goal.images([undo]) & part)
+            ]
+
+        if placed is None:
+            return compute()
+        return placed.type.remembered(("toggling", part, goal, placed.faulty), compute)
+
+    def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
+        """The states, section by section."""
+        for name, part in states.parts.items():
+            placed = self.sections.get(name)
+            piece = CompositeSet(self, {name: part})
+            yield Piece(piece) if placed is None else Piece(piece, (*placed.kind, part), placed.objectives)
+
     def firings(self, states: CompositeSet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         counts: dict[int, int] = {}
@@ -314,10 +358,6 @@ def _reversed(having: Iterable[tuple[Placement, Iterable[int]]]) -> dict[int, li
         for index in indices:
             found.setdefault(index, []).append(placement)
     return found
-
-
-def _is_of(provenance: Provenance | None, name: str) -> bool:
-    return provenance is not None and provenance.kind == "hardware" and provenance.name == name
 
 
 def _can_fire(transition: Transition, tokens: Mapping[int, int]) -> bool:

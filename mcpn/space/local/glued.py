@@ -7,18 +7,17 @@ and the state of all hardware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 
 import numpy as np
 
 from mcpn._kernel import Zdd
-from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.local_states import ALL, Allowed, Exit, beside
-from mcpn.space.local.sections import BEGIN, ENDS, PlacedSection
+from mcpn.space.local.sections import BEGIN, ENDS, Elements, PlacedSection
 from mcpn.space.local.sets import CompositeSet, Waiting
 
 
@@ -26,14 +25,15 @@ class Glued:
     """The sections of a mission, glued.
 
     Args:
-        mission_net: The net of the whole mission; it is not explored.
+        elements: The net of the whole mission by its elements; it is not explored.
         layout: The diagram store.
         sections: Every section with its type, in document order.
     """
 
-    def __init__(self, mission_net: MissionNet, layout: Layout, sections: Sequence[PlacedSection]) -> None:
-        self.mission_net = mission_net
-        self.net = mission_net.net
+    def __init__(self, elements: Elements, layout: Layout, sections: Sequence[PlacedSection]) -> None:
+        self.elements = elements
+        self.mission_net = elements.mission_net
+        self.net = self.mission_net.net
         self.layout = layout
         self.sections = {placed.name: placed for placed in sections}
         self.nothing = CompositeSet(self, {})
@@ -42,7 +42,7 @@ class Glued:
         for placed in sections:
             for exit_, route in placed.routes.items():
                 self.into.setdefault(route, []).append((placed.name, exit_))
-        entry = mission_net.graph.entry
+        entry = self.mission_net.graph.entry
         self.into.setdefault(entry, []).append((BEGIN, "success"))
 
     def in_order(self, names: Iterable[str]) -> list[str]:
@@ -270,34 +270,6 @@ class Glued:
                 if onward is not None:
                     waiting.widen(route, self.enter(route, hardware) & onward)
         return self.of(found)
-
-    def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
-        """Transitions with edges from some states into others, each with the states before it."""
-        found: dict[int, dict[str, Zdd]] = {}
-        for name, part in (self.before(into) & among).parts.items():
-            placed, inside = self.sections.get(name), into.parts.get(name, self.layout.store.empty())
-            own = () if placed is None else placed.faulty
-            for hardware in self.layout.hardware:
-                for kind, pair in self.layout.toggles(hardware).items() if hardware not in own else ():
-                    before = inside.images([pair[1]]) & part
-                    if before:
-                        found.setdefault(self.toggles[hardware][kind], {})[name] = before
-            goal = inside
-            for route, exit_ in self.exits(name):
-                onward = self.entries(route, into.parts[route]) if route in into.parts else None
-                if onward and placed is not None:
-                    ended = placed.type.from_slots(onward, placed.faulty, exit_)
-                    goal |= ended & placed.type.ended[exit_]
-                elif onward and onward & part:
-                    found.setdefault(self.mission_net.start, {})[name] = onward & part
-            if placed is not None:
-                for t, before in placed.type.crossing(part, goal):
-                    found.setdefault(placed.transitions[t], {})[name] = before
-        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
-
-    def pieces(self, states: CompositeSet) -> Iterator[CompositeSet]:
-        """The states, section by section."""
-        return (CompositeSet(self, {name: part}) for name, part in states.parts.items())
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""

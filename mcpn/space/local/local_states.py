@@ -218,9 +218,13 @@ class LocalStates:
 
     def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
         """Event transitions that lead from some states inside to a goal, each with the states before."""
-        ending, undoing = self.ending(goal), self.encoding.undoing
-        ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self._every))
-        return [(t, states) for t, states in ways if states]
+
+        def compute() -> list[tuple[int, Zdd]]:
+            ending, undoing = self.ending(goal), self.encoding.undoing
+            ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self._every))
+            return [(t, states) for t, states in ways if states]
+
+        return self.remembered(("crossing", among, goal), compute)
 
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""

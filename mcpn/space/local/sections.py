@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -216,6 +216,16 @@ class PlacedSection:
         """By exit, the section that it leads to, or an end of the mission."""
         events = {exit_on(i.event): i.target for i in self.section.interruptions}
         return {"success": self.section.success, "failure": self.section.failure, **events}
+
+    @cached_property
+    def objectives(self) -> tuple[str, ...]:
+        """The elementary objectives of the section, in the order of the type's."""
+        return tuple(section.name for section in self.part.graph.walk())
+
+    @cached_property
+    def kind(self) -> tuple[Hashable, ...]:
+        """Equal for sections that differ in the names of objectives alone: exits to itself count, too."""
+        return self.placement, tuple(exit_ for exit_, route in self.routes.items() if route == self.name)
 
     @cached_property
     def renaming(self) -> Renaming:
