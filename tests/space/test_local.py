@@ -14,7 +14,7 @@ from hypothesis import event, given, reject
 from hypothesis.strategies import booleans
 
 from mcpn.controller.generate import generate
-from mcpn.errors import ConfluenceError, DivergenceError, LimitError
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError
 from mcpn.mission.model import (
     Activity,
     Alternative,
@@ -33,7 +33,7 @@ from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
-from mcpn.space.local.section_type import PremiseError, SectionType
+from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import NOWHERE, PlacedSection
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
