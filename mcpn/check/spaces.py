@@ -14,6 +14,7 @@ from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
 from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.space.stable.clash import in_mission_words
@@ -138,7 +139,8 @@ def markings_by(
 ) -> ArraySpace | DiagramMarkings:
     """The markings graph of a net; see :func:`space_of`."""
     if engine == "explicit":
-        return ArraySpace(explore(net, max_states=max_states, progress=progress))
+        listed = explore_markings if tokens else explore
+        return ArraySpace(listed(net, max_states=max_states, progress=progress))
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 
