@@ -15,6 +15,28 @@ class MemoryLimit(MemoryError):
 class Cancelled(RuntimeError):
     """The store was told to give up: :meth:`Store.cancel`."""
 
+def force(groups: Sequence[Sequence[int]], start: Sequence[int], rounds: int) -> list[int]:
+    """An order that keeps the numbers of each group near each other: FORCE from a given order.
+
+    Args:
+        groups: Numbers below ``len(start)``, each group without repeats; the wider, the less it pulls.
+        start: The order to begin with.
+        rounds: How many to make at most.
+
+    Returns:
+        The order of least total span that was passed, with each span divided by the group's width.
+    """
+
+def stable_ends(
+    offsets: npt.NDArray[np.int64], targets: npt.NDArray[np.int64], transient: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.int64], int]:
+    """The one stable end of each state of a graph in compressed sparse rows; a stable state is its own.
+
+    Returns:
+        The ends, -1 where internal evolution need not end, and -1; or what was found of them up to a state
+        whose successors have two ends, and that state.
+    """
+
 @disjoint_base
 class Zdd:
     """A set of markings; a marking is the set of its marked levels. Equal sets are equal handles.

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from mcpn._kernel import CountedNet, Exploration, MemoryLimit, StateLimit
 from mcpn.errors import LimitError, UnsafeError
@@ -23,9 +22,11 @@ from mcpn.space.markings.explicit import (
     count,
     explore,
 )
-from mcpn.space.markings.graph import Field, StateGraph
 from mcpn.space.markings.widths import Widths
 from mcpn.space.search.goal import changes, needs
+
+if TYPE_CHECKING:
+    from mcpn.space.markings.graph import Field, StateGraph
 
 FIRST_BITS = 4
 """Width of a place of which no bound is known."""
@@ -99,9 +100,11 @@ def explore_tokens(
         UnboundedError: The net has no priorities and is unbounded.
         LimitError: A limit was hit.
     """
+    from mcpn.space.markings.graph import StateGraph
+
     found, fields = _explored(net, True, max_states, max_memory, progress)
-    offsets, targets = found.take_offsets().astype(np.int64), found.take_targets().astype(np.int64)
-    labels = found.take_labels().astype(np.int64)
+    offsets, targets = found.take_offsets().astype("int64"), found.take_targets().astype("int64")
+    labels = found.take_labels().astype("int64")
     return StateGraph(net, found.take_markings(), offsets, targets, labels, fields=tuple(fields))
 
 
