@@ -34,6 +34,7 @@ class SpaceSummary:
         stable_states: Markings that enable no internal transition; ``None`` for nets without priorities.
         dead_states: Markings that enable no transition.
         max_tokens: Most tokens in a marking.
+        max_tokens_in_place: Most tokens in a place.
         nodes: Of the final decision diagram; ``None`` where there is none.
         engine: One of :data:`ENGINES`.
         seconds: Wall-clock time of the engine.
@@ -47,6 +48,7 @@ class SpaceSummary:
     stable_states: int | None
     dead_states: int
     max_tokens: int
+    max_tokens_in_place: int
     nodes: int | None
     engine: str
     seconds: float
@@ -68,22 +70,23 @@ def summarise(
         The sizes.
 
     Raises:
-        UnsafeError: The net is not 1-safe.
+        UnsafeError: The net is not 1-safe, and has priorities or the engine is pyeda.
+        UnboundedError: The net is unbounded.
         LimitError: A limit was hit, or the engine is not installed.
     """
     started = time.perf_counter()
     if engine == "symbolic":
-        from mcpn.space.diagrams.symbolic import reach
+        from mcpn.space.diagrams.bounded import reach_markings
 
-        return summary_of(reach(net), started)
+        return summary_of(reach_markings(net), started)
     if engine == "explicit":
         counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
     else:
         counts = _pyeda(net)
-    states, edges, stable, dead, tokens = counts
+    states, edges, stable, dead, tokens, in_place = counts
     seconds = time.perf_counter() - started
     sizes = len(net.places), len(net.transitions)
-    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, None, engine, seconds)
+    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, in_place, None, engine, seconds)
 
 
 def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
@@ -103,6 +106,7 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
         stable,
         space.dead_states,
         space.max_tokens,
+        space.max_tokens_in_place,
         space.reachable.nodes(),
         "symbolic",
         time.perf_counter() - started,
@@ -110,15 +114,18 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
     )
 
 
-_Counts = tuple[int, int, int | None, int, int]
+_Counts = tuple[int, int, int | None, int, int, int]
 
 
 def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
-    from mcpn.space.markings.explicit import count
+    from mcpn.space.markings.counted import TokenCounts, count_markings
 
-    found = count(net, max_states=max_states, progress=progress)
+    found = count_markings(net, max_states=max_states, progress=progress)
     stable = found.stable if net.priorities else None
-    return found.states, found.edges, stable, found.dead, found.max_tokens
+    in_place = min(found.max_tokens, 1)
+    if isinstance(found, TokenCounts):
+        in_place = max(found.bounds, default=0)
+    return found.states, found.edges, stable, found.dead, found.max_tokens, in_place
 
 
 def _pyeda(net: PetriNet) -> _Counts:
@@ -130,4 +137,5 @@ def _pyeda(net: PetriNet) -> _Counts:
         found = count(net)
     except ImportError as error:
         raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
-    return found.states, found.edges, found.stable_states, found.dead_states, found.max_tokens
+    sizes = found.states, found.edges, found.stable_states, found.dead_states, found.max_tokens
+    return *sizes, min(found.max_tokens, 1)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking
-from mcpn.space.algebra import Edge, Guards
+from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.space.images import ImageStore
@@ -78,9 +78,9 @@ class Diagrams:
         """All places."""
         return range(len(self.net.places))
 
-    def pieces(self, states: Zdd) -> Iterator[Zdd]:
+    def pieces(self, states: Zdd) -> Iterator[Piece[Zdd]]:
         """One piece, unless there is none."""
-        return iter((states,) if states else ())
+        return iter((Piece(states),) if states else ())
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> Zdd:
         """States whose weighted sum of tokens is at most a bound."""
@@ -117,14 +117,19 @@ class Diagrams:
 
     # --- helpers ---
 
-    def grouped(
+    def ways(
         self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
-    ) -> list[list[int]]:
-        """Events of waiting transitions without a guard, by the element of the mission that they are of."""
+    ) -> list[tuple[list[int], Zdd]]:
+        """Events of the store for what is asked for of waiting and guarded transitions.
+
+        Those of waiting transitions without a guard are together by the element of the mission that they are
+        of, and each has the states in which they may fire.
+        """
         wanted = set(self.waiting) if transitions is None else set(self.waiting).intersection(transitions)
         wanted.difference_update(guards or ())
         groups = (distinct(events[t] for t in of if t in wanted) for of in elements(self.encoding))
-        return [group for group in groups if group]
+        guarded = (([event], where) for event, where in self.guarded(events, transitions, guards))
+        return [*((group, self.stable) for group in groups if group), *guarded]
 
     def of(
         self,

@@ -1,0 +1,95 @@
+"""The markings of any net without priorities as a decision diagram, with as many tokens as there are.
+
+A 1-safe net is reached as such (:func:`mcpn.space.diagrams.symbolic.reach`). Any other has counters for
+places (:mod:`mcpn.space.diagrams.counters`), of the widths that :mod:`mcpn.space.markings.widths` says.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from mcpn.errors import UnsafeError
+from mcpn.net.petri import PetriNet
+from mcpn.space.diagrams.counters import MOST_BITS, TokenEncoding
+from mcpn.space.diagrams.order import Order
+from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, closure, reach
+from mcpn.space.markings.widths import Widths
+from mcpn.space.search.searches import Searches
+
+WALK_STEPS = 20_000
+"""Firings of the walk that looks for a second token in a place before a net is taken for 1-safe."""
+FIRST_BITS = 2
+"""Width of a counter of which no bound is known."""
+
+
+def reach_markings(
+    net: PetriNet,
+    *,
+    order: Order | None = None,
+    seed: int | None = None,
+    memory_limit: int = DEFAULT_MEMORY,
+) -> SymbolicSpace:
+    """Reaches every marking of a net, 1-safe or not.
+
+    Args:
+        net: The net; with priorities it must be 1-safe.
+        order: Places from the top on; by default orders race.
+        seed: Draws one more order for the race.
+        memory_limit: Bytes that diagrams may take.
+
+    Returns:
+        The reachable markings.
+
+    Raises:
+        UnsafeError: The net has priorities and is not 1-safe.
+        UnboundedError: The net is unbounded.
+        LimitError: A limit was hit.
+    """
+    if not net.priorities and surely_unsafe(net):
+        return reach_tokens(net, order=order, seed=seed, memory_limit=memory_limit)
+    try:
+        return reach(net, order=order, seed=seed, memory_limit=memory_limit)
+    except UnsafeError:
+        if net.priorities:
+            raise
+        return reach_tokens(net, order=order, seed=seed, memory_limit=memory_limit)
+
+
+def surely_unsafe(net: PetriNet) -> bool:
+    """Whether the initial marking or a short walk puts several tokens in a place; it takes milliseconds."""
+    searches = Searches(net)
+    return not searches.fits or searches.walk_unsafe(steps=WALK_STEPS) is not None
+
+
+def reach_tokens(
+    net: PetriNet,
+    *,
+    order: Order | None = None,
+    seed: int | None = None,
+    memory_limit: int = DEFAULT_MEMORY,
+) -> SymbolicSpace:
+    """Reaches every marking of a bounded net, its places as counters; see :func:`reach_markings`.
+
+    Raises:
+        UnboundedError: The net is unbounded.
+        LimitError: A limit was hit.
+    """
+    widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
+    while True:
+        encode = partial(TokenEncoding, widths=tuple(widths.bits))
+        space = closure(net, encode, order=order, seed=seed, memory_limit=memory_limit)
+        narrow = _overflowing(space)
+        if not narrow:
+            return space
+        widths.widen(narrow)
+
+
+def _overflowing(space: SymbolicSpace) -> list[int]:
+    """Places in which some reachable firing would put more tokens than their counters can say."""
+    encoding = space.encoding
+    assert isinstance(encoding, TokenEncoding), "asked of counters"
+    left, found = list(encoding.overflows), list[int]()
+    while left and (first := space.reachable.first([condition for _, condition in left])) >= 0:
+        found.append(left[first][0])
+        left = [pair for pair in left[first + 1 :] if pair[0] not in found]
+    return found
