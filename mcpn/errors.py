@@ -116,6 +116,37 @@ class UnsafeError(SemanticsError):
         )
 
 
+class UnboundedError(SemanticsError):
+    """A net has no bound on its tokens.
+
+    Args:
+        places: Names of places that can hold any number of tokens.
+        run: Transitions from the initial marking on,
+        pump: and those that can then be repeated for ever, each time leaving more tokens.
+        bounds: By place, the most tokens it holds, -1 where there is no such number; ``None`` where that is
+            not known.
+    """
+
+    kind = "unbounded"
+
+    def __init__(
+        self,
+        places: Sequence[str],
+        run: Sequence[str],
+        pump: Sequence[str],
+        bounds: tuple[int, ...] | None = None,
+    ) -> None:
+        self.bounds = bounds
+        self.places = tuple(places)
+        self.run: tuple[str, ...] = tuple(run)
+        self.pump: tuple[str, ...] = tuple(pump)
+        super().__init__(
+            f"unbounded: {places[0]} can hold any number of tokens: after {len(self.run)} firings, "
+            f"{', '.join(self.pump[:3])}{' ...' if len(self.pump) > 3 else ''} can be repeated for ever",
+            [(*self.run, *self.pump)],
+        )
+
+
 class ConfluenceError(SemanticsError):
     """Internal evolution ends in two different stable markings, depending on the interleaving.
 
@@ -137,3 +168,22 @@ class DivergenceError(SemanticsError):
     """Internal evolution need not end: an infinite internal run exists."""
 
     kind = "divergent"
+
+
+class PremiseError(SemanticsError):
+    """A section hands on more than the state of its hardware, so local graphs do not give the mission's.
+
+    Args:
+        section: The section's name.
+        place: A place that differs at the section's exit from what it was at its entry.
+        run: The events of a run of the local net that shows it.
+    """
+
+    def __init__(self, section: str, place: str, run: Sequence[str]) -> None:
+        self.section = section
+        self.place = place
+        super().__init__(
+            f"section {section} does not leave the place {place} as it was at its entry, so local graphs do "
+            "not give the mission's: use --engine explicit or symbolic",
+            [run],
+        )

@@ -89,6 +89,7 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
   Scratch scratch(*this);
   auto visit = [&](auto&& self, Node n, std::uint32_t wanted) -> Limbs {
     while (wanted && suffixes_[wanted].level < level(n)) {
+      if (suffixes_[wanted].more) wanted = suffixes_[wanted].more;  // the way of an unmarked level stands last
       if (suffixes_[wanted].touch != Touch::zero) return {};
       wanted = suffixes_[wanted].next;
     }
@@ -100,6 +101,7 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
     if (wanted && suffixes_[wanted].level == level(n)) {
       const Suffix literal = suffixes_[wanted];
       result = self(self, literal.touch == Touch::zero ? lo(n) : hi(n), literal.next);
+      if (literal.more) result = sum(result, self(self, lo(n), suffixes_[literal.more].next));
     } else {
       result = sum(self(self, lo(n), wanted), self(self, hi(n), wanted));
     }
@@ -129,7 +131,8 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
   for (const std::uint32_t condition : conditions) {
     Limbs total;
     if (possible(condition, marked)) {
-      if (conditions.size() > 1 && condition && suffixes_[condition].touch == Touch::read)
+      const Suffix top = suffixes_[condition];
+      if (conditions.size() > 1 && condition && top.touch == Touch::read && !top.more)
         for (const Node n : by_level[suffixes_[condition].level])
           total = sum(total, product(paths[n], visit(visit, hi(n), suffixes_[condition].next)));
       else
@@ -147,12 +150,16 @@ std::int64_t Store::first(Node a, const std::vector<std::uint32_t>& conditions) 
     if (n == 0) return false;
     if (wanted == 0) return true;
     const Suffix literal = suffixes_[wanted];
-    if (level(n) > literal.level) return literal.touch == Touch::zero && self(self, n, literal.next);
+    if (level(n) > literal.level) {
+      const Suffix last = literal.more ? suffixes_[literal.more] : literal;
+      return last.touch == Touch::zero && self(self, n, last.next);
+    }
     const std::uint64_t key = std::uint64_t(n) << 32 | wanted;
     if (const auto found = memo.find(key); found != memo.end()) return found->second;
     bool result;
     if (literal.level == level(n))
-      result = self(self, literal.touch == Touch::zero ? lo(n) : hi(n), literal.next);
+      result = self(self, literal.touch == Touch::zero ? lo(n) : hi(n), literal.next) ||
+               (literal.more && self(self, lo(n), suffixes_[literal.more].next));
     else
       result = self(self, hi(n), wanted) || self(self, lo(n), wanted);
     count_step();
@@ -162,8 +169,9 @@ std::int64_t Store::first(Node a, const std::vector<std::uint32_t>& conditions) 
   // As for counts: some path leads to every node, so a condition can be asked from its first level on.
   const std::vector<std::vector<Node>> by_level = nodes_by_level(a, scratch);
   auto holds = [&](std::uint32_t condition) {
-    if (condition == 0 || suffixes_[condition].touch == Touch::zero) return visit(visit, a, condition);
-    for (std::uint32_t rest = condition; rest; rest = suffixes_[rest].next)
+    const Suffix head = suffixes_[condition];
+    if (condition == 0 || head.touch == Touch::zero || head.more) return visit(visit, a, condition);
+    for (std::uint32_t rest = condition; rest && !suffixes_[rest].more; rest = suffixes_[rest].next)
       if (suffixes_[rest].touch != Touch::zero && by_level[suffixes_[rest].level].empty()) return false;
     const std::vector<Node>& tops = by_level[suffixes_[condition].level];
     return std::any_of(tops.begin(), tops.end(), [&](Node n) { return visit(visit, hi(n), suffixes_[condition].next); });
@@ -200,7 +208,7 @@ std::vector<bool> Store::support(Node a) {
 }
 
 bool Store::possible(std::uint32_t suffix, const std::vector<bool>& support) const {
-  for (; suffix; suffix = suffixes_[suffix].next) {
+  for (; suffix && !suffixes_[suffix].more; suffix = suffixes_[suffix].next) {
     const Touch touch = suffixes_[suffix].touch;
     if ((touch == Touch::consume || touch == Touch::read) && !support[suffixes_[suffix].level]) return false;
   }

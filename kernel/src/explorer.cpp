@@ -291,4 +291,40 @@ Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Lim
   return found;
 }
 
+// Depth first: a state is done when its successors are. One that is met again on the way to itself is on a cycle.
+std::int64_t stable_ends(const std::int64_t* offsets, const std::int64_t* targets, const bool* transient,
+                         std::size_t states, std::int64_t* ends) {
+  struct Step { std::int64_t state, edge, end; bool open; };
+  std::vector<Step> path;
+  std::vector<bool> seen(states);
+  for (std::size_t state = 0; state < states; ++state) ends[state] = transient[state] ? -1 : std::int64_t(state);
+  for (std::size_t start = 0; start < states; ++start) {
+    if (!transient[start] || seen[start]) continue;
+    seen[start] = true;
+    path.push_back({std::int64_t(start), offsets[start], -1, false});
+    while (!path.empty()) {
+      Step& at = path.back();
+      if (at.edge == offsets[at.state + 1]) {
+        if (!at.open) ends[at.state] = at.end;
+        path.pop_back();
+        continue;
+      }
+      const std::int64_t next = targets[at.edge];
+      if (transient[next] && !seen[next]) {  // this edge is looked at again when its target is done
+        seen[next] = true;
+        path.push_back({next, offsets[next], -1, false});
+        continue;
+      }
+      ++at.edge;
+      if (ends[next] < 0) {
+        at.open = true;
+      } else {
+        if (at.end >= 0 && at.end != ends[next]) return at.state;
+        at.end = ends[next];
+      }
+    }
+  }
+  return -1;
+}
+
 }  // namespace mcpn

@@ -84,4 +84,9 @@ class SafeNet {
   std::vector<std::vector<std::uint32_t>> winners_, losers_;  // internal ones that each firing may enable, disable
 };
 
+// The one stable end of each state of a graph given by rows of targets; a stable state is its own, and -1 says that
+// internal evolution need not end. Returns a state whose successors have two ends, where it stops, or -1.
+std::int64_t stable_ends(const std::int64_t* offsets, const std::int64_t* targets, const bool* transient,
+                         std::size_t states, std::int64_t* ends);
+
 }  // namespace mcpn

@@ -28,6 +28,8 @@ template <class T> nb::ndarray<nb::numpy, T> array(std::vector<T>&& values, std:
   return {kept->data(), {kept->size() / columns, std::size_t(columns)}, owner};
 }
 
+template <class T> using Column = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
 template <class Explore> Exploration run(Explore body, std::uint64_t max_states, std::uint64_t max_bytes,
                                          const nb::object& progress) {
   auto due = std::chrono::steady_clock::now() + std::chrono::seconds(1);
@@ -64,6 +66,20 @@ const Places& checked(const SafeNet& net, const Places& places) {
 
 void bind_explorer(nb::module_& module) {
   nb::exception<StateLimit>(module, "StateLimit");
+  module.def("stable_ends", [](const Column<std::int64_t>& offsets, const Column<std::int64_t>& targets,
+                               const Column<bool>& transient) {
+    const std::size_t states = transient.shape(0);
+    if (offsets.shape(0) != states + 1 || offsets(0) != 0 || offsets(states) != std::int64_t(targets.shape(0)))
+      throw std::invalid_argument("one row of targets for each state");
+    for (std::size_t i = 0; i < states; ++i)
+      if (offsets(i) > offsets(i + 1)) throw std::invalid_argument("one row of targets for each state");
+    for (std::size_t i = 0; i < targets.shape(0); ++i)
+      if (targets(i) < 0 || targets(i) >= std::int64_t(states)) throw std::invalid_argument("no such state");
+    std::vector<std::int64_t> ends(states);
+    const std::int64_t clash = stable_ends(offsets.data(), targets.data(), transient.data(), states, ends.data());
+    return nb::make_tuple(array(std::move(ends)), clash);
+  }, nb::arg("offsets"), nb::arg("targets"), nb::arg("transient"));
+
   nb::class_<Exploration>(module, "Exploration")
       .def_prop_ro("states", &Exploration::states)
       .def_ro("edges", &Exploration::edges)

@@ -12,6 +12,7 @@
 #include <pthread.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstring>
 #include <condition_variable>
@@ -28,6 +29,10 @@ using namespace mcpn;
 
 void bind_explorer(nb::module_& module);
 void bind_search(nb::module_& module);    // search_module.cpp
+namespace mcpn {
+using Groups = std::vector<std::vector<std::uint32_t>>;
+std::vector<std::uint32_t> force(const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds);
+}
 
 namespace {
 
@@ -189,6 +194,22 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
     return suffix;
   }
 
+  // What goes on depending on a level: by what it was and becomes, the rest; none where that does not happen.
+  std::uint32_t branch(std::int64_t level, const std::array<std::optional<std::uint64_t>, 4>& rests) {
+    sorted({level});  // checks the range
+    Store& at = at_rest();
+    std::uint32_t more = 0;
+    for (const Touch touch : {Touch::zero, Touch::read, Touch::produce, Touch::consume}) {
+      const std::optional<std::uint64_t>& rest = rests[std::size_t(touch)];
+      if (!rest) continue;
+      const std::uint32_t next = suffixes({*rest}, false).front();
+      if (at.first_level(next) <= Level(level)) throw std::invalid_argument("what comes next is on levels below");
+      more = at.suffix(Level(level), touch, next, more);
+    }
+    if (more == 0) throw std::invalid_argument("nothing may happen to this level");
+    return more;
+  }
+
  private:
   std::vector<std::uint32_t> suffixes(const Ids& ids, bool conditions) {
     std::vector<std::uint32_t> found;
@@ -300,6 +321,18 @@ NB_MODULE(_kernel, module) {
 
   bind_explorer(module);
   bind_search(module);
+
+  module.def("force", [](const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds) {
+    std::vector<std::uint32_t> sorted = start;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+      if (sorted[i] != i) throw std::invalid_argument("an order holds each number once");
+    for (const auto& group : groups)
+      for (const std::uint32_t member : group)
+        if (member >= start.size()) throw std::invalid_argument("a group holds numbers of the order");
+    const nb::gil_scoped_release release;
+    return force(groups, start, rounds);
+  }, nb::arg("groups"), nb::arg("start"), nb::arg("rounds"));
 
   using Levels = std::vector<std::int64_t>;
 
@@ -424,6 +457,12 @@ NB_MODULE(_kernel, module) {
       .def("condition", [](PyStore& s, const Levels& marked, const Levels& unmarked) {
         return s.id(s.touches({{Touch::read, marked}, {Touch::zero, unmarked}}));
       }, nb::arg("marked"), nb::arg("unmarked") = Levels{})
+      .def("branch", [](PyStore& s, std::int64_t level, std::optional<std::uint64_t> consume,
+                        std::optional<std::uint64_t> produce, std::optional<std::uint64_t> read,
+                        std::optional<std::uint64_t> zero) {
+        return s.id(s.branch(level, {consume, produce, read, zero}));
+      }, nb::arg("level"), nb::arg("consume").none() = nb::none(), nb::arg("produce").none() = nb::none(),
+         nb::arg("read").none() = nb::none(), nb::arg("zero").none() = nb::none())
       .def("collect", [](PyStore& s) { s.run([&] { s.store.collect(); }); })
       .def("cancel", [](PyStore& s) { s.store.cancelled.store(true); })
       .def_rw("progress", &PyStore::progress, nb::arg().none())

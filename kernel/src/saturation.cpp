@@ -35,11 +35,12 @@ void Store::declare(const std::vector<std::uint32_t>& events) {
   Program program;
   program.begin.assign(levels + 2, 0);
   for (const std::uint32_t event : events)
-    if (event) ++program.begin[suffixes_[event].level + 2];
+    for (std::uint32_t way = event; way; way = suffixes_[way].more) ++program.begin[suffixes_[way].level + 2];
   for (Level at = 2; at <= levels + 1; ++at) program.begin[at] += program.begin[at - 1];
   program.events.resize(program.begin[levels + 1]);
   for (const std::uint32_t event : events)
-    if (event) program.events[program.begin[suffixes_[event].level + 1]++] = event;
+    for (std::uint32_t way = event; way; way = suffixes_[way].more)
+      program.events[program.begin[suffixes_[way].level + 1]++] = way;
   program.wakes.assign(levels + 2, levels);
   for (Level at = levels; at-- > 0;) {
     const bool wakes = std::any_of(
@@ -92,7 +93,7 @@ Node Store::fire(std::uint32_t event, Level from, Node a, Node within) {
     return saturate_from(from, inside, within);
   }
   const Suffix head = suffixes_[event];
-  if (level(a) > head.level && (head.touch == Touch::consume || head.touch == Touch::read)) return 0;
+  if (level(a) > head.level && !head.more && (head.touch == Touch::consume || head.touch == Touch::read)) return 0;
   const Level at = std::min({level(a), head.level, programs_[program_].wakes[from]});
   within = below(within, at);
   Node result;
@@ -101,6 +102,17 @@ Node Store::fire(std::uint32_t event, Level from, Node a, Node within) {
   if (at < head.level) {
     const Held low(*this, fire(event, at + 1, x.lo, w.lo));
     const Held high(*this, fire(event, at + 1, x.hi, w.hi));
+    result = close(at, low, high, w);
+  } else if (head.more) {
+    Held low(*this, 0), high(*this, 0);
+    for (std::uint32_t each = event; each; each = suffixes_[each].more) {
+      const Suffix way = suffixes_[each];
+      const bool from_high = way.touch == Touch::consume || way.touch == Touch::read;
+      const bool into_high = way.touch == Touch::produce || way.touch == Touch::read;
+      const Held made(*this, fire(way.next, at + 1, from_high ? x.hi : x.lo, into_high ? w.hi : w.lo));
+      Held& target = into_high ? high : low;
+      target = join(target, made);  // a union of closed sets is closed
+    }
     result = close(at, low, high, w);
   } else {
     const bool from_high = head.touch == Touch::consume || head.touch == Touch::read;

@@ -183,7 +183,7 @@ Search seek_packed(const TokenNet& net, const Marking& initial, const Goals& goa
           if (far == 0) return {Outcome::reached, markings.size(), markings.run(number)};
         }
         open.emplace(far, number);
-        if (markings.size() >= max_states) return {Outcome::states, markings.size(), {}};
+        if (markings.size() > max_states) return {Outcome::states, markings.size(), {}};
         if (markings.bytes() + open.size() * sizeof(Entry) > max_bytes) return {Outcome::bytes, markings.size(), {}};
       }
     }

@@ -24,7 +24,7 @@ Store::Store(Level levels, std::uint64_t memory_limit) : levels(levels), memory_
   nodes_ = {{levels, 0, 0, kNone}, {levels, 1, 1, kNone}};
   buckets_.assign(kFirstBuckets, kNone);
   cache_.assign(kFirstLines, {});
-  suffixes_.push_back({levels, Touch::read, 0});
+  suffixes_.push_back({levels, Touch::read, 0, 0});
   is_condition_.push_back(true);
   collect_at_ = kFirstCollection;
   declare({});
@@ -246,12 +246,19 @@ Node Store::filter(Node a, std::uint32_t literals) {
   if (a == 0 || literals == 0) return a;
   const Suffix wanted = suffixes_[literals];
   Node result;
-  if (level(a) > wanted.level)  // skipped, so unmarked
-    return wanted.touch == Touch::zero ? filter(a, wanted.next) : 0;
+  if (level(a) > wanted.level) {  // skipped, so unmarked
+    for (; literals; literals = suffixes_[literals].more)
+      if (suffixes_[literals].touch == Touch::zero) return filter(a, suffixes_[literals].next);
+    return 0;
+  }
   if (recall(tag(op_filter), literals, a, 0, result)) return result;
   if (level(a) < wanted.level) {
     const Held low(*this, filter(lo(a), literals));
     result = make(level(a), low, filter(hi(a), literals));
+  } else if (wanted.more) {  // first marked, then unmarked: that is their order
+    const Held high(*this, filter(hi(a), wanted.next));
+    const Held low(*this, filter(lo(a), suffixes_[wanted.more].next));
+    result = make(level(a), low, high);
   } else if (wanted.touch == Touch::zero) {
     result = filter(lo(a), wanted.next);
   } else {
@@ -286,6 +293,17 @@ Node Store::image(Node a, std::uint32_t event, Node within) {
   if (at < head.level) {
     const Held low(*this, image(x.lo, event, w.lo));
     result = make(at, low, image(x.hi, event, w.hi));
+  } else if (head.more) {
+    Held low(*this, 0), high(*this, 0);
+    for (std::uint32_t each = event; each; each = suffixes_[each].more) {
+      const Suffix way = suffixes_[each];
+      const bool from_high = way.touch == Touch::consume || way.touch == Touch::read;
+      const bool into_high = way.touch == Touch::produce || way.touch == Touch::read;
+      const Held made(*this, image(from_high ? x.hi : x.lo, way.next, into_high ? w.hi : w.lo));
+      Held& target = into_high ? high : low;
+      target = join(target, made);
+    }
+    result = make(at, low, high);
   } else {
     switch (head.touch) {
       case Touch::consume: result = image(x.hi, head.next, w.lo); break;
@@ -304,14 +322,17 @@ Node Store::singleton(const std::vector<Level>& marked) {
   return result;
 }
 
-std::uint32_t Store::suffix(Level level, Touch touch, std::uint32_t next) {
+std::uint32_t Store::suffix(Level level, Touch touch, std::uint32_t next, std::uint32_t more) {
   const std::uint64_t key = std::uint64_t(next) << 32 | std::uint64_t(level) << 2 | std::uint64_t(touch);
-  const auto [found, added] = suffix_index_.try_emplace(key, std::uint32_t(suffixes_.size()));
-  if (added) {
-    suffixes_.push_back({level, touch, next});
-    is_condition_.push_back((touch == Touch::read || touch == Touch::zero) && is_condition_[next]);
+  const auto number = std::uint32_t(suffixes_.size());
+  const auto known = more ? choice_index_.try_emplace({key, more}, number).first->second
+                          : suffix_index_.try_emplace(key, number).first->second;
+  if (known == number) {
+    suffixes_.push_back({level, touch, next, more});
+    const bool looks = touch == Touch::read || touch == Touch::zero;
+    is_condition_.push_back(looks && is_condition_[next] && is_condition_[more]);
   }
-  return found->second;
+  return known;
 }
 
 }  // namespace mcpn

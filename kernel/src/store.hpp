@@ -35,14 +35,16 @@ struct Cancelled : std::runtime_error { Cancelled() : std::runtime_error("the op
 
 enum class Touch : std::uint8_t { consume, produce, read, zero };  // 1 to 0, 0 to 1, 1 to 1, 0 to 0
 
-// What an event does to a level, and to those below it. Suffixes that do the same are the same one.
+// What an event does to a level, and to those below it. Suffixes that do the same are the same one. One with
+// alternatives at its level (`more`, in the order of their touch, each touch once) does what any of them does.
 struct Suffix {
   Level level;
   Touch touch;
   std::uint32_t next;  // 0: nothing more
+  std::uint32_t more;  // 0: no other way
 };
 
-// Some events by their first level, in the order in which they were given.
+// Some events by their first level, in the order in which they were given; alternatives there stand side by side.
 struct Program {
   std::vector<std::uint32_t> events, begin;  // those of a level: events[begin[level]] to events[begin[level + 1]]
   std::vector<Level> wakes;  // from each level on, the first at which an event can fire on an unmarked place
@@ -70,7 +72,8 @@ class Store {
   Node weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most);
 
   // --- events ---
-  std::uint32_t suffix(Level level, Touch touch, std::uint32_t next);
+  std::uint32_t suffix(Level level, Touch touch, std::uint32_t next, std::uint32_t more = 0);
+  Level first_level(std::uint32_t suffix) const { return suffixes_[suffix].level; }
   bool is_condition(std::uint32_t suffix) const { return is_condition_[suffix]; }  // nothing but read and zero
   void declare(const std::vector<std::uint32_t>& events);  // what saturate() closes under
   Node saturate(Node a, Node within = kAnything);          // firings that leave `within` do not happen
@@ -181,6 +184,7 @@ class Store {
   std::uint32_t walk_ = 0;
   std::vector<Suffix> suffixes_;
   std::unordered_map<std::uint64_t, std::uint32_t> suffix_index_;
+  std::map<std::pair<std::uint64_t, std::uint32_t>, std::uint32_t> choice_index_;  // of those with alternatives
   std::vector<bool> is_condition_;  // by suffix
   std::vector<Program> programs_;
   std::map<std::vector<std::uint32_t>, std::uint32_t> program_index_;

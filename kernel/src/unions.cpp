@@ -63,7 +63,7 @@ Store::Asked Store::ask(std::uint32_t set, Level at) {
   };
   for (const std::uint32_t suffix : pending_[set].suffixes)
     if (suffixes_[suffix].level == at) {
-      advance(suffix);
+      for (std::uint32_t way = suffix; way; way = suffixes_[way].more) advance(way);
     } else {
       sides[0].push_back(suffix);
       sides[1].push_back(suffix);
@@ -145,7 +145,8 @@ Node Store::images_from(Node a, Level from, std::uint32_t set, bool more, Node w
   std::vector<std::uint32_t> stay, after[4];
   for (const std::uint32_t suffix : pending_[set].suffixes)
     if (suffix && suffixes_[suffix].level == at)
-      after[int(suffixes_[suffix].touch)].push_back(suffixes_[suffix].next);
+      for (std::uint32_t way = suffix; way; way = suffixes_[way].more)
+        after[int(suffixes_[way].touch)].push_back(suffixes_[way].next);
     else
       stay.push_back(suffix);
   if (more) {

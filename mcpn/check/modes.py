@@ -6,6 +6,7 @@ functioning modes throughout the mission with the resources state and the altern
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import compress
 from typing import TypeAlias
@@ -52,9 +53,14 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
     Returns:
         What it says.
     """
+    return said_by(mission_net, compress(range(len(marking)), marking))
+
+
+def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
+    """The same of a marking given as its marked places, in ascending order."""
     said: dict[str, list[str]] = {}
-    roles = mission_net.roles  # in the order of places
-    for place in compress(range(len(marking)), marking):
+    roles = mission_net.roles
+    for place in marked:
         if place in roles:
             kind, name = roles[place]
             said.setdefault(kind, []).append(name)

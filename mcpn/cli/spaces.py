@@ -92,12 +92,12 @@ def states(
 
 
 def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
+    from mcpn.space.diagrams.bounded import reach_markings
     from mcpn.space.diagrams.order import read_order, write_order
-    from mcpn.space.diagrams.symbolic import reach
     from mcpn.space.summary import summary_of
 
     started = time.perf_counter()
-    space = reach(net, order=read_order(order, net) if order else None, seed=seed)
+    space = reach_markings(net, order=read_order(order, net) if order else None, seed=seed)
     if save_order:
         write_order(save_order, net, space.places, space.order)
     return summary_of(space, started)
@@ -111,7 +111,7 @@ def _local_counts(
 
     started = time.perf_counter()
     composite = composite_of(mission_net, max_states, quiet=quiet)
-    names = ("states", "edges", "dead_states", "max_tokens", "nodes", "order")
+    names = ("states", "edges", "dead_states", "max_tokens", "max_tokens_in_place", "nodes", "order")
     whole = summarise(mission_net.net, "symbolic") if markings else None
     return {
         "places": len(mission_net.net.places),

@@ -187,11 +187,15 @@ class PetriNet(Drawn):
             The next marking.
         """
         after = list(marking)
-        for place, weight in self.transitions[transition].consume:
-            after[place] -= weight
-        for place, weight in self.transitions[transition].produce:
-            after[place] += weight
+        self.fire_in_place(after, transition)
         return tuple(after)
+
+    def fire_in_place(self, marking: list[int], transition: int) -> None:
+        """Fires a transition; the caller has seen that it is enabled."""
+        for place, weight in self.transitions[transition].consume:
+            marking[place] -= weight
+        for place, weight in self.transitions[transition].produce:
+            marking[place] += weight
 
     def marked(self, marking: Sequence[int]) -> frozenset[str]:
         """Names of the places that hold a token."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mcpn.check.modes import Situation, situation
+from mcpn.check.modes import Situation, said_by
 from mcpn.check.runs import changes, what_happens
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
@@ -20,25 +20,24 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
         mission_net: The mission's net.
         run: A run of this net.
     """
-    net = mission_net.net
+    net, roles = mission_net.net, mission_net.roles
+    marked = {place for place in roles if net.initial[place]}
     begun: tuple[Event, Situation] | None = None
-    settled = situation(mission_net, net.initial)
-    last = net.initial
     shown = run.tail
     events = run.transitions[: len(run.transitions) - len(shown)]
     for t, marking in Run(net, events, settles=not run.detailed).steps():
-        event = net.transitions[t].event
-        if event is not None:
-            settled = situation(mission_net, last)
+        transition = net.transitions[t]
+        if transition.event is not None:
+            settled = said_by(mission_net, sorted(marked))
             if begun is not None:
                 yield begun[0], _words(mission_net, *begun, settled)
-            begun = event, settled
-        last = marking
+            begun = transition.event, settled
+        for place, _ in (*transition.consume, *transition.produce):
+            if place in roles:
+                (marked.add if marking[place] else marked.discard)(place)
     if begun is not None:
-        yield (
-            begun[0],
-            _words(mission_net, *begun, begun[1] if run.detailed else situation(mission_net, last)),
-        )
+        last = begun[1] if run.detailed else said_by(mission_net, sorted(marked))
+        yield begun[0], _words(mission_net, *begun, last)
     yield from ((name, f"internal: {name}") for name in shown)
 
 

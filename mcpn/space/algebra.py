@@ -10,9 +10,9 @@ whole net, by index, so that a question is the same for every space.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, Self, TypeAlias, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
@@ -36,6 +36,7 @@ class States(Protocol):
 
 
 S = TypeVar("S", bound=States)
+Known = TypeVar("Known")
 
 
 Guards: TypeAlias = Mapping[int, S] | None
@@ -56,6 +57,46 @@ class Edge:
     transition: int
     target: Any
     internal: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Piece(Generic[S]):
+    """Some states of one part of a space.
+
+    Args:
+        states: The states.
+        kind: Equal for pieces that differ in the names of objectives alone; ``None`` where none is alike.
+        names: The objectives of the part, in the same order for pieces that are alike.
+    """
+
+    states: S
+    kind: Hashable = None
+    names: tuple[str, ...] = ()
+
+
+class Alike(Generic[Known]):
+    """What is found once for all pieces that are alike."""
+
+    def __init__(self) -> None:
+        self._known: dict[Hashable, tuple[tuple[str, ...], Known]] = {}
+
+    def known(
+        self, key: Hashable, names: tuple[str, ...], compute: Callable[[], Known]
+    ) -> tuple[Known, Mapping[str, str]]:
+        """What was computed before for a key, or is now.
+
+        Args:
+            key: Equal where the same is found but for names.
+            names: The names of the piece that is asked for.
+            compute: How it is found.
+
+        Returns:
+            What is found, and its names as those of the piece.
+        """
+        if key not in self._known:
+            self._known[key] = names, compute()
+        theirs, found = self._known[key]
+        return found, dict(zip(theirs, names, strict=True))
 
 
 class Space(Protocol[S]):
@@ -114,7 +155,7 @@ class Space(Protocol[S]):
     def varying(self, states: S) -> Collection[int]:
         """Places that may be marked in some of these states otherwise than initially; hardware aside."""
 
-    def pieces(self, states: S) -> Iterator[S]:
+    def pieces(self, states: S) -> Iterator[Piece[S]]:
         """The states, part by part where the space has parts with places of their own."""
 
     def enabling(self, transitions: Collection[int]) -> S:

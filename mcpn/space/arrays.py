@@ -15,7 +15,7 @@ import numpy as np
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.algebra import Edge, Guards
+from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.images import ImageStore
 from mcpn.space.markings.graph import Mask, StateGraph
 from mcpn.space.stable.alternatives import AlternativesGraph
@@ -121,9 +121,9 @@ class ArraySpace:
         """All places."""
         return range(len(self.net.places))
 
-    def pieces(self, states: ArraySet) -> Iterator[ArraySet]:
+    def pieces(self, states: ArraySet) -> Iterator[Piece[ArraySet]]:
         """One piece, unless there is none."""
-        return iter((states,) if states else ())
+        return iter((Piece(states),) if states else ())
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> ArraySet:
         """States whose weighted sum of tokens is at most a bound."""

@@ -26,33 +26,37 @@ class Completion:
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
-        self._internal = [t for t, transition in enumerate(net.transitions) if transition.internal]
+        internal = {t: transition for t, transition in enumerate(net.transitions) if transition.internal}
+        self._internal = list(internal)
+        self._needs = {t: (*transition.consume, *transition.read) for t, transition in internal.items()}
         self._known: dict[int, list[int]] = {}
         self._users: dict[int, list[int]] = {}
-        for t in self._internal:
-            for place, _ in (*net.transitions[t].consume, *net.transitions[t].read):
+        for t, needs in self._needs.items():
+            for place, _ in needs:
                 self._users.setdefault(place, []).append(t)
 
-    def settle(self, marking: Marking, fired: Iterable[int] | None = None) -> Iterator[tuple[int, Marking]]:
-        """The internal transitions fired until the marking is stable, each with the marking after it.
+    def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
+        """The internal transitions fired until the marking is stable; it is changed in place.
 
         Args:
             marking: Where internal evolution begins; the caller knows that it ends.
             fired: The transitions that have led there from a stable marking, where some have.
         """
-        at = marking
         queue = list(self._internal) if fired is None else [u for t in fired for u in self._beside(t)]
         for t in queue:  # grows while it is walked
-            if self.net.covers(at, t):
-                at = self.net.fire(at, t)
-                yield t, at
+            for place, weight in self._needs[t]:
+                if marking[place] < weight:
+                    break
+            else:
+                self.net.fire_in_place(marking, t)
+                yield t
                 queue += [t, *self._beside(t)]
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
-        begun = self.net.fire(marking, event)
-        steps = list(self.settle(begun, [event]))
-        return tuple(t for t, _ in steps), steps[-1][1] if steps else begun
+        at = list(marking)
+        self.net.fire_in_place(at, event)
+        return tuple(self.settle(at, [event])), tuple(at)
 
     def _beside(self, fired: int) -> list[int]:
         if fired not in self._known:
@@ -93,22 +97,20 @@ class Run:
         internal = takewhile(lambda t: self.net.transitions[t].internal, reversed(self.transitions))
         return [self.net.transitions[t].name for t in internal][::-1] if self.detailed else []
 
-    def steps(self) -> Iterator[tuple[int, Marking]]:
-        """Each firing, internal ones completed, with the marking after it."""
-        net, completion, at = self.net, Completion(self.net), self.net.initial
+    def steps(self) -> Iterator[tuple[int, list[int]]]:
+        """Each firing, internal ones completed, with the marking after it: one list, changed in place."""
+        net, completion, at = self.net, Completion(self.net), list(self.net.initial)
         since: list[int] | None = None  # fired since the last stable marking, once there is one
         for t in self.transitions:
             if net.priorities and not net.transitions[t].internal:
-                for step in completion.settle(at, since):
-                    yield step
-                    _, at = step
+                yield from ((u, at) for u in completion.settle(at, since))
                 since = []
-            at = net.fire(at, t)
+            net.fire_in_place(at, t)
             yield t, at
             if since is not None:
                 since.append(t)
         if self.settles:
-            yield from completion.settle(at, since)
+            yield from ((u, at) for u in completion.settle(at, since))
 
 
 def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:

@@ -34,6 +34,7 @@ class SpaceSummary:
         stable_states: Markings that enable no internal transition; ``None`` for nets without priorities.
         dead_states: Markings that enable no transition.
         max_tokens: Most tokens in a marking.
+        max_tokens_in_place: Most tokens in a place.
         nodes: Of the final decision diagram; ``None`` where there is none.
         engine: One of :data:`ENGINES`.
         seconds: Wall-clock time of the engine.
@@ -47,6 +48,7 @@ class SpaceSummary:
     stable_states: int | None
     dead_states: int
     max_tokens: int
+    max_tokens_in_place: int
     nodes: int | None
     engine: str
     seconds: float
@@ -68,14 +70,15 @@ def summarise(
         The sizes.
 
     Raises:
-        UnsafeError: The net is not 1-safe.
+        UnsafeError: The net is not 1-safe, and has priorities or the engine is of 1-safe nets only.
+        UnboundedError: The net is unbounded.
         LimitError: A limit was hit, or the engine is not installed.
     """
     started = time.perf_counter()
     if engine == "symbolic":
-        from mcpn.space.diagrams.symbolic import reach
+        from mcpn.space.diagrams.bounded import reach_markings
 
-        return summary_of(reach(net), started)
+        return summary_of(reach_markings(net), started)
     if engine == "explicit":
         counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
     else:
@@ -83,7 +86,8 @@ def summarise(
     states, edges, stable, dead, tokens = counts
     seconds = time.perf_counter() - started
     sizes = len(net.places), len(net.transitions)
-    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, None, engine, seconds)
+    in_place = min(tokens, 1)
+    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, in_place, None, engine, seconds)
 
 
 def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
@@ -103,6 +107,7 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
         stable,
         space.dead_states,
         space.max_tokens,
+        space.max_tokens_in_place,
         space.reachable.nodes(),
         "symbolic",
         time.perf_counter() - started,

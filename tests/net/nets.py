@@ -68,6 +68,41 @@ def reachable(net: PetriNet, limit: int = 5000) -> tuple[dict[Marking, int], int
     return found, edges, safe
 
 
+@st.composite
+def token_nets(draw: st.DrawFn) -> PetriNet:
+    """Small nets with weights and several tokens, without priorities; most of them are bounded."""
+    count = draw(st.integers(1, 5))
+    names = [f"p{i}" for i in range(count)]
+    builder = NetBuilder("tokens")
+    for name in names:
+        builder.place(name, initial=draw(st.integers(0, 5)))
+    weights = st.dictionaries(st.sampled_from(names), st.integers(1, 3), max_size=3)
+    for number in range(draw(st.integers(0, 6))):
+        consume, produce, read = draw(weights), draw(weights), draw(weights)
+        # As many tokens come as go, more seldom: with a net of such transitions only, the sum never grows.
+        spare = sum(consume.values()) + draw(st.sampled_from([0, 0, 0, 0, 0, 1]))
+        kept = {}
+        for name, weight in produce.items():
+            kept[name] = min(weight, spare)
+            spare -= kept[name]
+        builder.transition(f"t{number}", consume=consume, produce=kept, read=read)
+    return builder.build()
+
+
+def graph_of(net: PetriNet, limit: int = 400) -> dict[Marking, list[tuple[int, Marking]]] | None:
+    """Every reachable marking with its firings by the net's own rule, unless there are more than a limit."""
+    found: dict[Marking, list[tuple[int, Marking]]] = {}
+    stack = [net.initial]
+    while stack:
+        marking = stack.pop()
+        if marking not in found:
+            if len(found) == limit:
+                return None
+            found[marking] = [(t, net.fire(marking, t)) for t in net.enabled(marking)]
+            stack.extend(after for _, after in found[marking])
+    return found
+
+
 def pt_nets(*, odd_names: bool = False) -> st.SearchStrategy[PetriNet]:
     """Small nets with weights and several tokens: what place/transition nets can say, and events."""
     return nets(max_weight=4, odd_names=odd_names)

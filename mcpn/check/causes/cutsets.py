@@ -112,18 +112,21 @@ class CutSets(Generic[S]):
         Returns:
             Every set, where it is lost in some state that reaches the goal; smaller sets are survived too.
         """
+        states = self.states(goal, moment, section)
+        return self.lost(states if moment is Moment.START else states & self.hopeful(goal))
+
+    def states(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> S:
+        """The states at a moment: those that have reached the goal for ``START``, else those that may."""
         if moment is Moment.START:
-            return self.lost(self._from_start & goal.won)
+            return self._from_start & goal.won
         if moment is Moment.ENTRY:
             assert section is not None, "an entry is that of a section"
-            states = self.mortal.entered(section) & goal.running
-        else:
-            states = goal.running & self.mortal.begun
-        return self.lost(states & self.hopeful(goal))
+            return self.mortal.entered(section) & goal.running
+        return goal.running & (self.mortal.begun if moment is Moment.WHENEVER else self._at_worst)
 
     def lost_at_worst(self, goal: Goal[S]) -> Zdd:
         """The sets of hardware that lose a goal at the worst moment."""
-        return self.lost((self._at_worst & goal.running) - self.hopeful(goal))
+        return self.lost(self.states(goal, Moment.SOMETIME) - self.hopeful(goal))
 
     # --- minimal cut sets ----------------------------------------------------------------------------------
 

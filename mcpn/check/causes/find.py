@@ -23,7 +23,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.notebook import Told
-from mcpn.space.algebra import Space
+from mcpn.space.algebra import Alike, Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
 
@@ -59,6 +59,20 @@ class GoalCauses:
     def runs(self) -> dict[CutSet, Run | None]:
         """For each of the cut sets a shortest run to failure, where there is one."""
         return {names: self.find_run(names) for names in self.cut_sets}
+
+    def renamed(self, names: Mapping[str, str], find_run: Callable[[CutSet], Run | None]) -> GoalCauses:
+        """The same of another objective, which differs from this one in names alone.
+
+        Args:
+            names: By objective here, the one there.
+            find_run: Looks for a run to failure of the other.
+        """
+        without, repaired = (
+            [critical.renamed(names) for critical in of] for of in (self.critical, self.critical_with_repairs)
+        )
+        return replace(
+            self, name=names[self.name], critical=without, critical_with_repairs=repaired, find_run=find_run
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,22 +182,32 @@ class _Finding:
         self.choice = choice
         self.scenarios = Scenarios(prospects)
         self.mission_net = prospects.mission_net
+        self.alike: Alike[GoalCauses] = Alike()
 
     def causes(self) -> Causes:
         graph = self.mission_net.graph
-        sections = {section.name: section for section in graph.walk()}
-        mortal = self.cuts.mortal
         return Causes(
             self.mission_net,
             self.prospects,
-            self.goal(self.prospects.mission, mortal.mission, None),
-            {
-                name: self.goal(goal, mortal.objectives[name], sections[name])
-                for name, goal in self.prospects.objectives.items()
-            },
+            self.goal(self.prospects.mission, self.cuts.mortal.mission, None),
+            {section.name: self.objective(section) for section in graph.walk()},
             [self.survival(section) for section in (None, *graph.sections)],
             self.choice,
         )
+
+    def objective(self, section: Section) -> GoalCauses:
+        """Why an objective fails; found once for those that differ in names alone."""
+        goal, dying = self.prospects.objectives[section.name], self.cuts.mortal.objectives[section.name]
+        at_moments = (self.cuts.states(dying, moment, section) for moment in Moment)
+        pieces = [list(self.prospects.space.pieces(states)) for states in (goal.running, goal.won)]
+        pieces += [list(self.cuts.space.pieces(states)) for states in (dying.running, dying.won, *at_moments)]
+        kinds = tuple(tuple(piece.kind for piece in of) for of in pieces)
+        if not goal.running or any(None in of for of in kinds):
+            return self.goal(goal, dying, section)
+        names = pieces[0][0].names
+        key = names.index(goal.name), kinds
+        found, renamed = self.alike.known(key, names, lambda: self.goal(goal, dying, section))
+        return found.renamed(renamed, lambda names: self.scenarios.to_failure(goal, names))
 
     def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None) -> GoalCauses:
         wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]

@@ -18,7 +18,7 @@ from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.space.algebra import S, Space, partition
+from mcpn.space.algebra import Alike, Piece, S, Space, partition
 from mcpn.space.images import ImageStore
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
@@ -62,6 +62,16 @@ class CriticalEvent:
     mode: Mode
     edges: int
 
+    def renamed(self, names: Mapping[str, str]) -> CriticalEvent:
+        """The same with other names of objectives."""
+        event, ends = self.event, self.event.what in (What.SUCCESS, What.FAILURE)
+        event = Event(event.what, names[event.element]) if ends else event
+        return CriticalEvent(event, tuple(names[name] for name in self.objectives), self.mode, self.edges)
+
+
+Counted: TypeAlias = tuple[tuple[str, ...], tuple[str, ...], int]
+"""Objectives that run, the mode, and in how many states."""
+
 
 class Prospects(Generic[S]):
     """What a mission may still reach in a space of its stable states.
@@ -76,6 +86,9 @@ class Prospects(Generic[S]):
         self.space = space
         roles = mission_net.by_role
         self.images = ImageStore(len(roles))
+        self._alike: Alike[list[Counted]] = Alike()
+        self._entered: dict[str, S] = {}
+        self._losing: dict[tuple[str, str, bool], S] = {}
         self.hardware = tuple(h.name for h in mission_net.mission.hardware if ("oos", h.name) in roles)
 
     # --- transitions by what they say --------------------------------------------------------------------
@@ -184,6 +197,11 @@ class Prospects(Generic[S]):
 
     def entered(self, section: Section) -> S:
         """States at the entry of a section: just entered, or so but for failures that came at once."""
+        if section.name not in self._entered:
+            self._entered[section.name] = self._entering(section)
+        return self._entered[section.name]
+
+    def _entering(self, section: Section) -> S:
         space = self.space
         first = [inner.name for inner in entries(section)]
         inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
@@ -222,10 +240,6 @@ class Prospects(Generic[S]):
         return known
 
     @cached_property
-    def _losing(self) -> dict[tuple[str, str, bool], S]:
-        return {}
-
-    @cached_property
     def forced(self) -> Mapping[int, S]:
         """By transition with which an objective fails, the states in which it cannot succeed any more.
 
@@ -259,15 +273,30 @@ class Prospects(Generic[S]):
             if t not in allowed or event is None:
                 continue
             for piece in self.space.pieces(states):
-                telling = self._telling(event, goal, piece)
-                for marked, part in partition(self.space, piece, telling, self.images):
-                    said = self.said(marked)
-                    key = event, said["objective"], said["active"]
-                    found[key] = found.get(key, 0) + part.count()
+                for objectives, active, count in self._counted(event, piece):
+                    key = event, objectives, active
+                    found[key] = found.get(key, 0) + count
         return [
             CriticalEvent(event, names, dict(n.split(".", 1) for n in mode), count)
             for (event, names, mode), count in found.items()
         ]
+
+    def _counted(self, event: Event, piece: Piece[S]) -> Iterable[Counted]:
+        """Some states before an event by the objectives that run and the mode: each with their number."""
+
+        def compute() -> list[Counted]:
+            counts, telling = list[Counted](), self._telling(event, piece.states)
+            for marked, part in partition(self.space, piece.states, telling, self.images):
+                said = self.said(marked)
+                counts.append((said["objective"], said["active"], part.count()))
+            return counts
+
+        if piece.kind is None:
+            return compute()
+        ends = event.what in (What.SUCCESS, What.FAILURE)
+        of = piece.names.index(event.element) if ends else event.element
+        found, names = self._alike.known((event.what, of, piece.kind), piece.names, compute)
+        return ((tuple(names[name] for name in running), mode, count) for running, mode, count in found)
 
     def said(self, marked: Iterable[int]) -> dict[str, tuple[str, ...]]:
         """What some marked places say: by kind, the elements, in the net's order."""
@@ -283,7 +312,7 @@ class Prospects(Generic[S]):
         """Elementary objectives by their place in the mission's order."""
         return {section.name: i for i, section in enumerate(self.mission_net.graph.walk())}
 
-    def _telling(self, event: Event, goal: Goal[S], states: S) -> list[int]:
+    def _telling(self, event: Event, states: S) -> list[int]:
         """Places that tell objectives, and the alternatives of the activities that an event concerns."""
         wanted = [self._modes[""], *(self._modes.get(name, set()) for name in self.concerned(event))]
         return sorted(set().union(*wanted).intersection(self.space.varying(states)))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
@@ -14,10 +14,12 @@ from mcpn.check.logic.language import parse
 from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.check.spaces import On, space_of
-from mcpn.errors import InputError
-from mcpn.net.compose import MissionNet
+from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
 
 PROGRESS = "progress"
 
@@ -115,9 +117,21 @@ class Questions:
             self._made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
         )
 
-    def _made(self, attempt: Attempt) -> Space[Any]:
+    def _made(self, attempt: Attempt, *, tokens: bool = True) -> Space[Any]:
         engine, limit = attempt.engine, attempt.max_states
-        return space_of(self.net, self.mission_net, engine=engine, on=self.on, max_states=limit)
+        return space_of(
+            self.net, self.mission_net, engine=engine, on=self.on, max_states=limit, tokens=tokens
+        )
+
+    def one_safe(self) -> Choice | None:
+        """Whether no place ever holds two tokens: who has found so, or ``None`` where one does."""
+        made = partial(self._made, tokens=False)
+        try:
+            return answered(
+                made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
+            )[1]
+        except UnsafeError:
+            return None
 
     @cached_property
     def evaluation(self) -> Evaluation[Any]:

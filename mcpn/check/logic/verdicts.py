@@ -20,7 +20,7 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.reachability import as_goal, as_reachability
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
-from mcpn.errors import InputError, UnsafeError
+from mcpn.errors import InputError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.equation import place_bounds
@@ -67,8 +67,8 @@ def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterato
         properties: What is asked.
 
     Returns:
-        The answers in the order in which they are found. Taking them raises UnsafeError or LimitError where
-        what is left needs the space and the net is not 1-safe, or a limit was hit.
+        The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
+        nets with priorities) or LimitError where what is left needs the space.
 
     Raises:
         InputError: A name is unknown; every name is looked up before anything is answered.
@@ -199,6 +199,8 @@ def largest(space: Space[Any], weights: dict[int, int]) -> int:
         levels, always = space.encoding.weigh(weights)
         return space.everything.largest(levels) + always
     low, high = 0, sum(weights.values())
+    while space.everything - space.at_most(weights, high):
+        low, high = high + 1, 2 * high + 1
     while low < high:
         middle = (low + high) // 2
         if space.everything - space.at_most(weights, middle):
@@ -212,7 +214,8 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
     """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`).
 
     Raises:
-        UnsafeError: It needs the space, and the net is not 1-safe.
+        UnsafeError: It needs the space, and the net has priorities and is not 1-safe.
+        UnboundedError: It needs the space, and the net is unbounded.
         LimitError: It needs the space, and a limit was hit.
     """
     net = questions.net
@@ -223,13 +226,11 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
         searches = Searches(net)
         if questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
             return Verdict(name, "FALSE", (RANDOM_WALK,))
-    elif examination == "ReachabilityDeadlock" and questions.searchable:
+        safe = questions.one_safe()
+        technique = EXPLICIT if safe is not None and safe.engine == "explicit" else DIAGRAMS
+        return Verdict(name, str(safe is not None).upper(), (technique,))
+    if examination == "ReachabilityDeadlock" and questions.searchable:
         for _, found in Portfolio(net).decide([DEADLOCK]):
             return Verdict(name, str(found.reachable).upper(), found.techniques)
-    try:
-        technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
-        return Verdict(name, str(examine(examination, questions.space)).upper(), (technique,))
-    except UnsafeError:
-        if examination == "OneSafe":
-            return Verdict(name, "FALSE", (DIAGRAMS,))
-        raise
+    technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
+    return Verdict(name, str(examine(examination, questions.space)).upper(), (technique,))

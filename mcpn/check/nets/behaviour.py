@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mcpn.net.petri import PetriNet
+from mcpn.net.structure import incidence
 from mcpn.space.algebra import S, Space
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
@@ -20,7 +21,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 
 @dataclass(frozen=True)
 class Behaviour:
-    """What a 1-safe net does.
+    """What a bounded net does.
 
     Args:
         deadlock: Whether some reachable marking enables nothing.
@@ -51,7 +52,7 @@ def behaviour(space: Space[S]) -> Behaviour:
     """
     everything, transitions = space.everything, frozenset(range(len(space.net.transitions)))
     deadlock = bool(space.dead)
-    live, home, components = transitions, 0, 0
+    live, home, components = frozenset() if deadlock else transitions, 0, 0
     left = everything
     while left:
         bottom = _bottom(space, left)
@@ -88,19 +89,17 @@ def quasi_live(space: Space[S]) -> frozenset[int]:
 
 def _constant(net: PetriNet, fired: frozenset[int]) -> frozenset[int]:
     """Places whose tokens no transition that fires changes."""
-    changed = {p for t in fired for p in (*net.safe_transitions[t].consume, *net.safe_transitions[t].produce)}
-    return frozenset(range(len(net.places))) - changed
+    rows = enumerate(incidence(net))
+    return frozenset(place for place, changes in rows if fired.isdisjoint(changes))
 
 
 def examine(examination: str, space: Space[S]) -> bool:
-    """Answers an examination of the contest on a net that was found to be 1-safe.
+    """Answers an examination of the contest.
 
     Args:
-        examination: One of :data:`EXAMINATIONS`.
+        examination: One of :data:`EXAMINATIONS`, but ``OneSafe``, which needs no more than a 1-safe space.
         space: The net's reachable markings.
     """
-    if examination == "OneSafe":
-        return True
     if examination == "ReachabilityDeadlock":
         return bool(space.dead)
     fired = quasi_live(space)

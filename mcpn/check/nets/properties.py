@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from mcpn.check.nets.behaviour import behaviour
-from mcpn.errors import LimitError, UnsafeError
+from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.net.siphons import (
     Places,
@@ -19,16 +18,11 @@ from mcpn.net.siphons import (
     traps,
 )
 from mcpn.net.structure import Sparse
-from mcpn.space.algebra import Space
+from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.tokens import Boundedness, boundedness, explore_tokens
 from mcpn.space.search.goal import DEADLOCK
 from mcpn.space.search.portfolio import Portfolio
-from mcpn.space.search.searches import Searches
-
-WALK_STEPS = 50_000
-"""Firings of a walk that looks for a second token in a place before the space is built."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +60,9 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     """Decides the behavioural properties of a net.
 
     Args:
-        net: Any net. A 1-safe one is explored as diagrams; another marking by marking, up to the limit.
-        max_states: Limit for nets that are not 1-safe.
+        net: Any net. Its markings are reached as a diagram; those of a net with priorities that is not 1-safe
+            are explored one by one, up to the limit.
+        max_states: Limit for those, and for the coverability tree.
 
     Returns:
         The properties; those that need every marking of an unbounded net are left open.
@@ -75,24 +70,28 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     Raises:
         LimitError: A limit was hit.
     """
-    searches = Searches(net)
-    if searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
-        return _check_tokens(net, max_states)
     try:
-        space: Space[Any] = DiagramMarkings(reach(net))
+        space = DiagramMarkings(reach_markings(net))
     except UnsafeError:
-        return _check_tokens(net, max_states)
+        return _check_with_priorities(net, max_states)
+    except UnboundedError as error:
+        reason = "this run can be repeated with more and more tokens"
+        return _check_unbounded(net, Boundedness(False, error.bounds, error.run, error.pump, reason))
     found = behaviour(space)
     deadlock = None
-    if (run := space.run(space.initial.pick(), space.dead)) is not None:
+    start = space.encoding.marked_levels(net.initial)
+    if (run := space.run(start, space.dead)) is not None:
         deadlock = tuple(net.transitions[edge.transition].name for edge in run)
     names = [t.name for t in net.transitions]
-    bound = int(any(net.initial) or any(net.transitions[t].produce for t in found.quasi_live))
+    safe, bounds = space.space.max_tokens_in_place <= 1, None
+    if not safe:
+        bounds = tuple(space.encoding.most(space.everything))
+    reason = "a 1-safe net is bounded" if safe else "all its markings were reached"
     return NetCheck(
         net,
-        True,
-        Boundedness(True, None, reason="a 1-safe net is bounded"),
-        bound,
+        safe,
+        Boundedness(True, bounds, reason=reason),
+        space.space.max_tokens_in_place,
         space.everything.count(),
         deadlock,
         not found.deadlock,
@@ -103,16 +102,11 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     )
 
 
-def _check_tokens(net: PetriNet, max_states: int) -> NetCheck:
-    if _conserves(net):
-        space = explore_tokens(net, max_states=max_states)
-        reason = "every place is in a P-semiflow"
-        bounded = Boundedness(True, space.bounds, reason=reason)
-    else:
-        bounded = boundedness(net, max_states=max_states)
-        if not bounded.bounded:
-            return _check_unbounded(net, bounded)
-        space = explore_tokens(net, max_states=max_states)
+def _check_with_priorities(net: PetriNet, max_states: int) -> NetCheck:
+    bounded = boundedness(net, max_states=max_states)
+    if not bounded.bounded:
+        return NetCheck(net, False, bounded)
+    space = explore_tokens(net, max_states=max_states)
     dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in space.fired)
     run = None if space.dead is None else space.dead[1]
     return NetCheck(net, False, bounded, bounded.bound, space.states, run, space.dead is None, dead)
@@ -120,21 +114,10 @@ def _check_tokens(net: PetriNet, max_states: int) -> NetCheck:
 
 def _check_unbounded(net: PetriNet, bounded: Boundedness) -> NetCheck:
     """Has no space to look at; a search may find a deadlock, or that there is none."""
-    if net.priorities:
-        return NetCheck(net, False, bounded)
     for _, found in Portfolio(net).decide([DEADLOCK]):
         run = None if found.run is None else tuple(net.transitions[t].name for t in found.run)
         return NetCheck(net, False, bounded, deadlock=run, deadlock_free=not found.reachable)
     return NetCheck(net, False, bounded)
-
-
-def _conserves(net: PetriNet) -> bool:
-    """Whether P-semiflows cover the net, so that it is bounded: no coverability tree is needed then."""
-    try:
-        flows = p_semiflows(net)
-    except LimitError:
-        return False
-    return set[int]().union(*flows) == set(range(len(net.places)))
 
 
 def marking_after(net: PetriNet, run: tuple[str, ...]) -> dict[str, int]:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking
-from mcpn.space.algebra import Edge, Guards
+from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.space.images import ImageStore
@@ -78,9 +78,9 @@ class Diagrams:
         """All places."""
         return range(len(self.net.places))
 
-    def pieces(self, states: Zdd) -> Iterator[Zdd]:
+    def pieces(self, states: Zdd) -> Iterator[Piece[Zdd]]:
         """One piece, unless there is none."""
-        return iter((states,) if states else ())
+        return iter((Piece(states),) if states else ())
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> Zdd:
         """States whose weighted sum of tokens is at most a bound."""

@@ -24,6 +24,9 @@ class Encoding:
         store: A store that others use too, whose first levels are for the places; a new one by default.
     """
 
+    widths: tuple[int, ...] | None = None
+    """By place, how many levels it has, where places hold several tokens."""
+
     def __init__(self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None) -> None:
         self.net = net
         self.memory_limit = memory_limit
@@ -112,6 +115,11 @@ class Encoding:
         marked = {self.places[level] for level in levels if level < len(self.places)}
         marked.update(dropped for dropped, kept in self.partner.items() if kept not in marked)
         return tuple(int(p in marked) for p in range(len(self.net.places)))
+
+    def most(self, markings: Zdd) -> list[int]:
+        """The most tokens of each place in some markings, of which there are some."""
+        weights = (self.weigh({place: 1}) for place in range(len(self.net.places)))
+        return [markings.largest(levels) + always for levels, always in weights]
 
     def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
         """A weighted sum of tokens by what each marked level adds to it, and what is always there.

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain, islice
-from typing import Any
+from typing import Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
@@ -26,6 +26,9 @@ from mcpn.space.markings.firing import unsafe_at_start
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
 EXPLORER_RANK, MOST_WORKERS = 3, 4
+Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
+"""Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
+
 STEPS_OF_A_STATE = 4
 """About how many steps of a closure take the time of exploring one marking."""
 
@@ -53,7 +56,7 @@ class SymbolicSpace:
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
         stable = None if self.stable is None else self.stable.to_bytes()
-        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit
+        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit, self.encoding.widths
         return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
 
     @cached_property
@@ -101,11 +104,28 @@ class SymbolicSpace:
         weights, always = self.encoding.weigh(dict.fromkeys(range(len(self.encoding.net.places)), 1))
         return self.reachable.largest(weights) + always
 
+    @cached_property
+    def max_tokens_in_place(self) -> int:
+        """Most tokens in a place."""
+        return max(self.encoding.most(self.reachable), default=0)
+
 
 def _revived(
-    net: PetriNet, reachable: bytes, stable: bytes | None, order: str, places: Order, peak: int, memory: int
+    net: PetriNet,
+    reachable: bytes,
+    stable: bytes | None,
+    order: str,
+    places: Order,
+    peak: int,
+    memory: int,
+    widths: tuple[int, ...] | None,
 ) -> SymbolicSpace:
-    encoding = Encoding(net, places, memory)
+    if widths is None:
+        encoding = Encoding(net, places, memory)
+    else:
+        from mcpn.space.diagrams.counters import TokenEncoding
+
+        encoding = TokenEncoding(net, places, memory, widths)
     sets = [None if told is None else encoding.store.from_bytes(told) for told in (reachable, stable)]
     assert sets[0] is not None, "what is reachable is always told"
     return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak)
@@ -136,23 +156,43 @@ def reach(
     """
     if error := unsafe_at_start(net):
         raise error
-    try:
-        if order:
-            space = _close(Encoding(net, order, memory_limit), "given", order)
-        else:
-            space = _race(net, memory_limit, seed)
-    except MemoryLimit as error:
-        raise LimitError(str(error)) from error
-    _refuse_unsafe(space)
+    from mcpn.space.diagrams.unsafe import refuse_unsafe
+
+    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit)
+    refuse_unsafe(space)
     return space
 
 
-def _race(net: PetriNet, memory_limit: int, seed: int | None) -> SymbolicSpace:
+def closure(
+    net: PetriNet, encode: Encode, *, order: Order | None, seed: int | None, memory_limit: int
+) -> SymbolicSpace:
+    """The markings that firings lead to as far as an encoding can say them.
+
+    Args:
+        net: The net.
+        encode: Puts it on levels; a firing that has no event there is left out.
+        order: Places from the top on; by default orders race.
+        seed: Draws one more order for the race.
+        memory_limit: Bytes that diagrams may take.
+
+    Raises:
+        UnsafeError: Met where the encoding is of 1-safe nets; what it leaves out is not looked for.
+        LimitError: The memory limit was hit.
+    """
+    try:
+        if order:
+            return _close(encode(net, order, memory_limit), "given", order)
+        return _race(net, encode, memory_limit, seed)
+    except MemoryLimit as error:
+        raise LimitError(str(error)) from error
+
+
+def _race(net: PetriNet, encode: Encode, memory_limit: int, seed: int | None) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(_runners(net, seed, memory_limit // workers), memory_limit, workers, first)
+        race = Race(_runners(net, encode, seed, memory_limit // workers), memory_limit, workers, first)
         found = race.run()
         if isinstance(found, UnsafeError):
             raise found
@@ -162,14 +202,19 @@ def _race(net: PetriNet, memory_limit: int, seed: int | None) -> SymbolicSpace:
     raise LimitError(f"no order of places stays within memory: {limit}")
 
 
-def _runners(net: PetriNet, seed: int | None, memory_limit: int) -> Iterator[_ByOrder | _OneByOne]:
+def _runners(
+    net: PetriNet, encode: Encode, seed: int | None, memory_limit: int
+) -> Iterator[_ByOrder | _OneByOne]:
     """Orders of places, the most often good first, and exploration one by one among them."""
     orders = candidates(net, seed)
-    leading = [_ByOrder(net, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)]
+    leading = [
+        _ByOrder(net, encode, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)
+    ]
     yield from leading
-    yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
+    if encode is Encoding:  # markings of 1-safe nets
+        yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
     for name, order in orders:
-        yield _ByOrder(net, name, order, memory_limit)
+        yield _ByOrder(net, encode, name, order, memory_limit)
 
 
 @dataclass
@@ -177,6 +222,7 @@ class _ByOrder:
     """The closure on a diagram of one order, for the race."""
 
     net: PetriNet
+    encode: Encode
     name: str
     order: Order
     memory_limit: int
@@ -189,7 +235,7 @@ class _ByOrder:
 
     def run(self, steps: int) -> SymbolicSpace:
         if self._encoding is None:
-            self._encoding = Encoding(self.net, self.order, self.memory_limit)
+            self._encoding = self.encode(self.net, self.order, self.memory_limit)
         if self._cancelled:
             raise Cancelled
         return _close(self._encoding, self.name, self.order, steps)
@@ -312,99 +358,3 @@ def chained(begin: Zdd, steps: Sequence[Callable[[Zdd], Zdd]]) -> Zdd:
                 found |= after
                 changed = True
     return found
-
-
-def _refuse_unsafe(space: SymbolicSpace) -> None:
-    """Looks for a reachable marking in which a transition that fires puts a second token in a place.
-
-    Markings beyond an unsafe firing are not followed, so the first unsafe firing of any run is seen.
-    """
-    suspects = _suspects(space.encoding)
-    if any(markings.first([c for _, _, c in of]) >= 0 for markings, of in _divided(space, suspects)):
-        raise _unsafe(space, suspects)
-
-
-Suspect = tuple[int, int, int]
-"""A transition, a place that it produces into, and the condition under which that is one token too many."""
-
-
-def _suspects(encoding: Encoding) -> list[Suspect]:
-    found = []
-    for t in encoding.transitions:
-        safe = encoding.net.safe_transitions[t]
-        for place in dict.fromkeys((*safe.produce, *safe.overflow)):
-            before = (*safe.consume, *safe.read, *(() if place in safe.overflow else (place,)))
-            condition = encoding.condition(before)
-            if condition is not None:
-                found.append((t, place, condition))
-    return found
-
-
-def _divided(space: SymbolicSpace, suspects: list[Suspect]) -> list[tuple[Zdd, list[Suspect]]]:
-    """Suspects beside the markings in which priorities let them fire."""
-    if space.stable is None:
-        return [(space.reachable, suspects)]
-    net = space.encoding.net
-    return [
-        (space.reachable, [s for s in suspects if net.transitions[s[0]].internal]),
-        (space.stable, [s for s in suspects if not net.transitions[s[0]].internal]),
-    ]
-
-
-def _unsafe(space: SymbolicSpace, suspects: list[Suspect]) -> UnsafeError:
-    """The error for the nearest unsafe firing: layers of a breadth-first search, then back through them."""
-    encoding, net = space.encoding, space.encoding.net
-    seen = layer = encoding.initial()
-    layers = [layer]
-    while True:
-        for t, place, condition in suspects:
-            if layer.first([condition]) < 0:
-                continue
-            conflict = layer & (
-                space.reachable if net.transitions[t].internal or space.stable is None else space.stable
-            )
-            before = conflict.subset(*_sides(encoding, t, place))
-            marking = before.pick()
-            if marking is None:
-                continue
-            run = _back(space, layers, marking)
-            names = net.marked(encoding.marking(marking))
-            return UnsafeError(net.places[place].name, net.transitions[t].name, names, run)
-        layer = _step(space, layer) - seen
-        seen |= layer
-        layers.append(layer)
-
-
-def _sides(encoding: Encoding, transition: int, place: int) -> tuple[list[int], list[int]]:
-    safe = encoding.net.safe_transitions[transition]
-    marked = {*safe.consume, *safe.read, *(() if place in safe.overflow else (place,))}
-    return sorted(encoding.levels(marked)), sorted(set(encoding.partners(marked)))
-
-
-def _step(space: SymbolicSpace, layer: Zdd) -> Zdd:
-    net, events = space.encoding.net, space.encoding.events
-    if space.stable is None:
-        return layer.images(list(events.values()))
-    internal = layer.images([e for t, e in events.items() if net.transitions[t].internal])
-    return internal | (layer & space.stable).images(
-        [e for t, e in events.items() if not net.transitions[t].internal]
-    )
-
-
-def _back(space: SymbolicSpace, layers: list[Zdd], marking: list[int]) -> list[str]:
-    """A run through the layers to a marking of the last one."""
-    encoding, net = space.encoding, space.encoding.net
-    run: list[str] = []
-    goal = encoding.store.singleton(marking)
-    for layer in reversed(layers[:-1]):
-        for t, event in encoding.events.items():
-            usable = layer
-            if space.stable is not None and not net.transitions[t].internal:
-                usable = layer & space.stable
-            if usable.images([event]) & goal:
-                earlier = (goal.images([encoding.undoing[t]]) & usable).pick()
-                assert earlier is not None
-                goal = encoding.store.singleton(earlier)
-                run.append(net.transitions[t].name)
-                break
-    return run[::-1]

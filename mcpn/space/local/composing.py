@@ -102,8 +102,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     types = {k: SectionType(parts[name], nets[k], explored[k], layout) for k, name in first.items()}
     for kind, name in first.items():
         types[kind].check_premise(name, explored[kind])
-    whole = mortal(mission_net) if options.mortal else mission_net
-    elements = Elements(whole)
+    elements = Elements(mortal(mission_net) if options.mortal else mission_net)
     placements: dict[tuple[SectionType, Used], Placement] = {}
     placed = []
     for section in graph.sections:
@@ -112,7 +111,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         if key not in placements:
             placements[key] = Placement(type_, part, elements, templates)
         placed.append(PlacedSection(section, part, placements[key]))
-    composite = CompositeSpace(whole, layout, placed)
+    composite = CompositeSpace(elements, layout, placed)
     if not options.mortal:  # what may die behaves as what may not
         if templates is not None:
             refuse_open_junctions(composite)

@@ -6,7 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TypeVar
@@ -148,10 +148,6 @@ class LocalStates:
             found += [([events[t]], guarded[t]) for t in wanted if t in guarded]
         return found
 
-    def _beside(self, allowed: Allowed, *, undone: bool) -> list[int]:
-        """Events of the store for what hardware beside the section does, or what undoes it."""
-        return beside(self.layout, allowed, undone=undone)
-
     def settled(self, after: Zdd) -> Zdd:
         """The stable markings in which internal evolution ends."""
         return after.saturate(self.encoding.internal) & self.stable
@@ -218,9 +214,13 @@ class LocalStates:
 
     def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
         """Event transitions that lead from some states inside to a goal, each with the states before."""
-        ending, undoing = self.ending(goal), self.encoding.undoing
-        ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self._every))
-        return [(t, states) for t, states in ways if states]
+
+        def compute() -> list[tuple[int, Zdd]]:
+            ending, undoing = self.ending(goal), self.encoding.undoing
+            ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self._every))
+            return [(t, states) for t, states in ways if states]
+
+        return self.remembered(("crossing", among, goal), compute)
 
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
@@ -233,7 +233,7 @@ class LocalStates:
                 partial(ahead, events=events, where=where)
                 for events, where in self._local(self.encoding.events, allowed)
             ]
-            toggles = self._beside(allowed, undone=False)
+            toggles = self.layout.beside(allowed.beside, undone=False)
             return chained(begin & along, [*steps, lambda states: states.saturate(toggles, within=along)])
 
         return self.remembered(("reached", begin, along, allowed), compute)
@@ -250,28 +250,7 @@ class LocalStates:
                 partial(back, events=events, where=where)
                 for events, where in self._local(self.encoding.undoing, allowed)
             ]
-            toggles = self._beside(allowed, undone=True)
+            toggles = self.layout.beside(allowed.beside, undone=True)
             return chained(goal, [*steps, lambda states: states.saturate(toggles, within=within) & within])
 
         return self.remembered(("reaching", goal, along, allowed), compute)
-
-
-def beside(layout: Layout, allowed: Allowed, *, undone: bool, but: Collection[str] = ()) -> list[int]:
-    """Events of the store for what idle hardware does, or what undoes it.
-
-    Args:
-        layout: The store.
-        allowed: Which of them are wanted.
-        undone: Whether those are wanted that undo it.
-        but: Hardware whose events are not wanted.
-    """
-    key = allowed.beside, undone, tuple(but)
-    if key not in layout.known:
-        layout.known[key] = [
-            pair[undone]
-            for name in layout.hardware
-            if name not in but
-            for kind, pair in layout.toggles(name).items()
-            if allowed.beside is None or (name, kind) in allowed.beside
-        ]
-    return layout.known[key]

@@ -104,8 +104,7 @@ class StateGraph(Drawn):
             edges = order[rows(offsets, frontier)]
             if along is not None:
                 edges = edges[along[edges]]
-            before = np.unique(self.sources[edges])
-            frontier = before[~found[before]]
+            frontier = _fresh(self.sources[edges], found)
             found[frontier] = True
         return found
 
@@ -124,8 +123,7 @@ class StateGraph(Drawn):
         frontier = np.atleast_1d(np.asarray(start, np.int64))
         while len(frontier):
             edges = rows(self.offsets, frontier)
-            after = np.unique(self.targets[edges[along[edges]]])
-            frontier = after[~found[after]]
+            frontier = _fresh(self.targets[edges[along[edges]]], found)
             found[frontier] = True
         return found
 
@@ -167,6 +165,12 @@ class StateGraph(Drawn):
             run.append(edge)
             state = int(self.sources[edge])
         return run[::-1]
+
+
+def _fresh(states: Ints, found: Mask) -> Ints:
+    """Those of some states that were not found yet, each once, in ascending order."""
+    fresh = np.sort(states[~found[states]])  # np.unique would load numpy.ma
+    return fresh[np.concatenate(([True], fresh[1:] != fresh[:-1]))[: len(fresh)]]
 
 
 def rows(offsets: Ints, states: Ints) -> Ints:

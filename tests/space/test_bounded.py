@@ -1,0 +1,259 @@
+"""Nets with several tokens in a place: engines against the plain rule, closed forms, published counts."""
+
+from __future__ import annotations
+
+from math import comb
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.resolve import resolve
+from mcpn.check.nets.behaviour import behaviour
+from mcpn.check.nets.properties import check_net
+from mcpn.errors import LimitError, UnboundedError, UnsafeError
+from mcpn.net.events import Event
+from mcpn.net.formats import read_net
+from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.space.algebra import Space
+from mcpn.space.diagrams.bounded import reach_markings, reach_tokens
+from mcpn.space.diagrams.order import candidates
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import SymbolicSpace
+from tests.check.formulas import formulas, satisfying
+from tests.check.test_behaviour import ahead
+from tests.check.test_ctl import names, satisfy
+from tests.draws import fewer
+from tests.net.nets import graph_of, nets, token_nets
+from tests.shares import returns_early
+from tests.space.test_tokens import check_pump, producer_consumer, replay
+
+
+def tokens_in_a_ring(tokens: int, places: int, weight: int = 1) -> PetriNet:
+    """C(n + k - 1, k - 1) markings: n tokens, or stacks of them, over k places."""
+    builder = NetBuilder("ring")
+    for place in range(places):
+        builder.place(f"p{place}", initial=0 if place else tokens * weight)
+    for place in range(places):
+        arcs = {f"p{place}": weight}, {f"p{(place + 1) % places}": weight}
+        builder.transition(f"t{place}", consume=arcs[0], produce=arcs[1])
+    return builder.build()
+
+
+def kanban(cards: int) -> PetriNet:
+    """The Kanban system: G. Ciardo, M. Tilgner, ICASE report 96-35, 1996."""
+    builder = NetBuilder("kanban")
+    for cell in range(1, 5):
+        for part in ("m", "back", "out"):
+            builder.place(f"{part}{cell}")
+        builder.place(f"kan{cell}", initial=cards)
+        builder.transition(f"redo{cell}", consume=[f"m{cell}"], produce=[f"back{cell}"])
+        builder.transition(f"ok{cell}", consume=[f"m{cell}"], produce=[f"out{cell}"])
+        builder.transition(f"again{cell}", consume=[f"back{cell}"], produce=[f"m{cell}"])
+    for name, before, after in (
+        ("in", ["kan1"], ["m1"]),
+        ("synch1", ["out1", "kan2", "kan3"], ["kan1", "m2", "m3"]),
+        ("synch2", ["out2", "out3", "kan4"], ["kan2", "kan3", "m4"]),
+        ("out", ["out4"], ["kan4"]),
+    ):
+        builder.transition(name, consume=before, produce=after)
+    return builder.build()
+
+
+def sizes(space: SymbolicSpace) -> tuple[int, int, int, int, int]:
+    return space.states, space.edges, space.dead_states, space.max_tokens, space.max_tokens_in_place
+
+
+@given(token_nets(), st.integers(0, 3))
+@example(tokens_in_a_ring(9, 3, 2), 0)
+def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
+    graph = graph_of(net)
+    if graph is None:
+        returns_early("too many markings")
+        return
+    orders = [order for _, order in candidates(net)]
+    space = reach_tokens(net, order=orders[rank] if rank < len(orders) else None)
+    assert {space.encoding.marking(levels) for levels in space.reachable} == set(graph)
+    assert sizes(space) == (
+        len(graph),
+        sum(map(len, graph.values())),
+        sum(not firings for firings in graph.values()),
+        max(map(sum, graph)),
+        max(map(max, graph)),
+    )
+    bounds = [max(marking[p] for marking in graph) for p in range(len(net.places))]
+    assert space.encoding.most(space.reachable) == bounds
+    for t in range(len(net.transitions)):
+        assert space.fired[t] == sum(any(u == t for u, _ in firings) for firings in graph.values())
+    assert sizes(reach_markings(net)) == sizes(space)
+
+
+@fewer(0.5)
+@given(token_nets(), st.data())
+def test_formulas_hold_where_the_definitions_say(net: PetriNet, data: st.DataObject) -> None:
+    graph = graph_of(net, 150)
+    if graph is None:
+        returns_early("too many markings")
+        return
+    evaluations = [Evaluation(space) for space in spaces(net)]
+    for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
+        expected = satisfying(formula, net, graph)
+        core = resolve(formula, net)
+        for evaluation in evaluations:
+            assert satisfy(evaluation, core) == expected
+            assert evaluation.holds(core) == (net.initial in expected)
+
+
+def spaces(net: PetriNet) -> list[Space[Any]]:
+    return [DiagramMarkings(reach_tokens(net))]
+
+
+@fewer(0.5)
+@given(token_nets())
+def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
+    graph = graph_of(net, 100)
+    if graph is None:
+        returns_early("too many markings")
+        return
+    from_each = {marking: ahead(graph, marking) for marking in graph}
+    fired = {marking: {t for at in found for t, _ in graph[at]} for marking, found in from_each.items()}
+    for space in spaces(net):
+        found = behaviour(space)
+        assert found.quasi_live == fired[net.initial]
+        assert found.live == {
+            t for t in range(len(net.transitions)) if all(t in later for later in fired.values())
+        }
+        assert found.reversible == all(net.initial in later for later in from_each.values())
+        assert found.home_markings == sum(all(m in later for later in from_each.values()) for m in graph)
+        constant = {p for p in range(len(net.places)) if len({m[p] for m in graph}) == 1}
+        assert found.constant_places == constant
+        run = space.run(space.initial.pick(), space.dead)
+        assert (run is not None) == any(not firings for firings in graph.values())
+        marking = net.initial
+        for edge in run or []:
+            after = space.marking(edge.target)
+            assert (edge.transition, after) in graph[marking]
+            marking = after
+        assert run is None or not graph[marking]
+        # Each transition, forward and back.
+        for t in range(len(net.transitions)):
+            edges = {m: after for m in graph for u, after in graph[m] if u == t}
+            assert listed(space, space.after(space.everything, [t])) == set(edges.values())
+            assert listed(space, space.before(space.everything, [t])) == set(edges)
+
+
+def listed(space: Space[Any], states: Any) -> set[tuple[int, ...]]:
+    found = set()
+    while states:
+        state = states.pick()
+        found.add(space.marking(state))
+        states = states - space.single(state)
+    return found
+
+
+@fewer(0.5)
+@given(nets(max_weight=2, max_places=4, max_transitions=4, events=False))
+def test_what_is_unbounded_is_said_with_a_run_that_can_be_repeated(net: PetriNet) -> None:
+    try:
+        found = reach_markings(net, memory_limit=1 << 28)
+    except UnboundedError as error:
+        check_unbounded(net, error)
+        return
+    except LimitError as error:
+        returns_early(type(error).__name__)
+        return
+    graph = graph_of(net, 2000)
+    if graph is None:
+        returns_early("too many markings")
+        return
+    assert found.states == len(graph)
+
+
+def check_unbounded(net: PetriNet, error: UnboundedError) -> None:
+    """The run can be repeated, and leaves more tokens in one of the places named."""
+    check_pump(net, error.run, error.pump)
+    start = replay(net, error.run, net.initial)
+    after = replay(net, error.pump, start)
+    grown = {place.name for p, place in enumerate(net.places) if after[p] > start[p]}
+    assert grown.intersection(error.places)
+
+
+def test_an_unbounded_buffer_is_named() -> None:
+    with pytest.raises(UnboundedError, match="buffer can hold any number of tokens"):
+        reach_markings(producer_consumer())
+    assert check_net(producer_consumer()).bounded.bounded is False
+
+
+def test_with_priorities_a_second_token_is_an_error_still() -> None:
+    builder = NetBuilder("two", priorities=True)
+    builder.place("p", initial=1)
+    builder.place("q", initial=1)
+    builder.transition("t", consume=["p"], produce=["q"], event=Event.parse("t"))
+    with pytest.raises(UnsafeError, match="second token in q"):
+        reach_markings(builder.build())
+
+
+@pytest.mark.parametrize(("tokens", "places", "weight"), [(1, 2, 1), (7, 4, 1), (7, 4, 3), (40, 12, 1)])
+def test_tokens_in_a_ring(tokens: int, places: int, weight: int) -> None:
+    space = reach_markings(tokens_in_a_ring(tokens, places, weight))
+    states = comb(tokens + places - 1, places - 1)
+    # A place feeds the next one wherever a token is in it: the others are anywhere.
+    edges = places * comb(tokens - 1 + places - 1, places - 1)
+    assert sizes(space) == (states, edges, 0, tokens * weight, tokens * weight)
+
+
+@pytest.mark.parametrize("bound", [1, 2, 3, 4, 7, 8, 100, 1000])
+def test_a_place_that_no_invariant_bounds_grows_as_far_as_it_must(bound: int) -> None:
+    """What is read bounds the pump: a bag is filled while its room is not taken, in two steps each."""
+    builder = NetBuilder("bag")
+    for name, tokens in (("room", bound), ("bag", 0), ("twice", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("fill", consume=["room"], produce={"bag": 1, "twice": 2})
+    space = reach_markings(builder.build())
+    assert sizes(space) == (bound + 1, bound, 1, 3 * bound, 2 * bound)
+
+
+@pytest.mark.parametrize(
+    ("cards", "states"),
+    [
+        (1, 160),
+        (2, 4_600),
+        (3, 58_400),
+        (4, 454_475),
+        (5, 2_546_432),
+        (10, 1_005_927_208),
+    ],
+)
+def test_kanban_has_the_published_number_of_markings(cards: int, states: int) -> None:
+    space = reach_markings(kanban(cards))
+    assert (space.states, space.dead_states) == (states, 0)
+    assert space.max_tokens_in_place == cards
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        "HouseConstruction-PT-00002",
+        "RobotManipulation-PT-00001",
+        "Szymanski-PT-a02",
+        "Kanban-PT-00005",
+        "FMS-PT-00005",
+    ],
+)
+def test_the_contest_s_nets_that_are_not_safe(
+    mcc: Path, mcc_oracles: dict[str, dict[str, str]], model: str
+) -> None:
+    row = mcc_oracles[model]
+    space = reach_markings(read_net(mcc / model / "model.pnml"))
+    assert (space.states, space.edges) == (int(row["states"]), int(row["edges"]))
+    assert space.max_tokens == int(row["max_tokens_per_marking"])
+    assert row["safe"] == f"bound {space.max_tokens_in_place}"
+    assert (space.dead_states > 0) == (row["deadlock_exists"] == "TRUE")
+    found = behaviour(DiagramMarkings(space))
+    everything = frozenset(range(len(space.encoding.net.transitions)))
+    assert (found.live == everything) == (row["live"] == "TRUE")
+    assert (found.quasi_live == everything) == (row["quasi_live"] == "TRUE")
+    assert bool(found.constant_places) == (row["stable_marking_exists"] == "TRUE")

@@ -1,0 +1,181 @@
+"""Limits are exact: what has N states is built under a limit of N, and refused under N - 1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from mcpn.check.spaces import mortal_space, stable_space
+from mcpn.controller.generate import generate
+from mcpn.errors import LimitError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import compose
+from mcpn.net.events import Event
+from mcpn.net.mortal import mortal
+from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
+from mcpn.space.diagrams.spaces import DiagramAlternatives
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.local.composing import composite_space
+from mcpn.space.markings.explicit import count, explore
+from mcpn.space.markings.tokens import boundedness, explore_tokens
+from mcpn.space.search.goal import AnyOf
+from mcpn.space.search.searches import Searches
+from mcpn.space.stable.alternatives import direct
+from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.listing import written_out
+from mcpn.testing import missions
+from tests.commands import mcpn
+from tests.conftest import ULYSSE
+from tests.draws import fewer
+from tests.net.nets import nets, reachable, state_machines
+from tests.shares import returns_early
+from tests.space.search.goals import all_markings
+
+
+def assert_exact(build: Callable[..., object], size: int, message: str, limit: str = "max_states") -> None:
+    """Something of a size is built under that limit; one less is refused by a message that says it."""
+    build(**{limit: size})
+    if size == 1:  # no limit is below one
+        return
+    with pytest.raises(LimitError, match=message.format(limit=f"{size - 1:,}")):
+        build(**{limit: size - 1})
+
+
+@fewer(0.5)
+@given(nets(max_weight=2))
+def test_markings(net: PetriNet) -> None:
+    markings, edges, safe = reachable(net)
+    if safe:
+        assert_exact(partial(explore, net), len(markings), "more than {limit} states")
+        assert_exact(partial(count, net), len(markings), "more than {limit} states")
+        if not net.priorities:
+            # Karp and Miller's tree of a 1-safe net: each marking has its children once.
+            assert_exact(partial(boundedness, net), edges + 1, "more than {limit} nodes")
+        elif len(markings) > 1:
+            assert boundedness(net, max_states=len(markings)).bounded
+            left_open = boundedness(net, max_states=len(markings) - 1)
+            assert left_open.bounded is None
+            assert f"more than {len(markings) - 1} markings" in left_open.reason
+
+
+@given(nets(max_weight=2, max_places=4, max_transitions=4, events=False))
+def test_markings_of_several_tokens(net: PetriNet) -> None:
+    try:
+        found = explore_tokens(net, max_states=200, max_tokens=50)
+    except LimitError as error:
+        returns_early(type(error).__name__)
+        return
+    assert_exact(partial(explore_tokens, net), found.states, "more than {limit} states")
+    assert_exact(partial(explore_tokens, net), max(found.bounds), "more than {limit} tokens", "max_tokens")
+
+
+@fewer(0.5)
+@given(nets(max_weight=2) | state_machines().map(lambda pair: pair[0]))
+def test_search(net: PetriNet) -> None:
+    markings = all_markings(net)
+    if markings is None:
+        returns_early("too many markings")
+        return
+    # What holds nowhere: every marking is looked at.
+    for limit, outcome in ((len(markings), "unreachable"), (len(markings) - 1, "states")):
+        if limit == 0:
+            continue
+        found = Searches(net).seek(AnyOf(()), max_states=limit, stubborn=False)
+        assert found.outcome == outcome, (limit, len(markings))
+
+
+@fewer(0.1)
+@given(missions(max_objectives=2, max_sections=3, max_hardware=3, disjoint_branches=True))
+def test_stable_markings(mission: Mission) -> None:
+    found = compose(mission)
+    net = found.net
+    space = DiagramAlternatives(reach(net))
+    size = space.everything.count()  # diagrams list nothing
+    for proof in (True, False):
+        assert_exact(partial(direct, net, proof=proof), size, "more than {limit} stable states")
+    assert_exact(partial(direct_with_proof, net), size, "more than {limit} stable states")
+    assert_exact(partial(written_out, space, "symbolic"), size, f"{size} states, more than {{limit}}")
+    assert_exact(partial(stable_space, found, engine="explicit"), size, "limit on states")
+    dying = DiagramAlternatives(reach(mortal(found).net)).everything.count()
+    assert_exact(partial(mortal_space, found, engine="explicit"), dying, "more than {limit} stable")
+
+
+@fewer(0.05)
+@given(missions(max_objectives=2, max_sections=4, max_hardware=3, own_hardware=True, shared_activities=False))
+def test_sections(mission: Mission) -> None:
+    found = compose(mission)
+    composite = composite_space(found)
+    largest = max(placed.type.size for placed in composite.sections.values())
+    name = next(n for n, placed in composite.sections.items() if placed.type.size == largest)
+    wanted = f"section .* has {largest:,} states: .*, the limit is {{limit}} "
+    assert_exact(partial(generate, found), largest, wanted)
+    kind = composite.sections[name].type
+    assert_exact(partial(kind.listed, name, why="a test"), largest, wanted)
+    assert kind.listed(name, largest, "a test").states == largest
+
+
+def swaps(count: int) -> PetriNet:
+    """Pairs of places between which a token goes to and fro."""
+    builder = NetBuilder("swaps")
+    for i in range(count):
+        builder.place(f"a{i}", initial=1)
+        builder.place(f"b{i}")
+        builder.transition(f"to{i}", consume=[f"a{i}"], produce=[f"b{i}"])
+        builder.transition(f"fro{i}", consume=[f"b{i}"], produce=[f"a{i}"])
+    return builder.build()
+
+
+def test_siphons_traps_and_semiflows() -> None:
+    # Each of the six places is looked at alone, then with its partner; a pair is looked at once.
+    net = swaps(3)
+    for search in (siphons, traps):
+        assert len(search(net)) == 3
+        assert_exact(partial(search, net), 9, "more than {limit} sets looked at", "max_steps")
+    # Five vectors are left of six once the places of one pair are balanced, three in the end.
+    for flows in (p_semiflows, t_semiflows):
+        assert [sorted(flow.values()) for flow in flows(net)] == [[1, 1]] * 3
+        assert_exact(partial(flows, net), 5, "more than {limit} vectors", "max_rows")
+
+
+def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The start, and behind the event eight: three tokens that each take one internal step, in any order.
+    builder = NetBuilder("cube", priorities=True)
+    builder.place("begin", initial=1)
+    for i in range(3):
+        builder.place(f"a{i}")
+        builder.place(f"b{i}")
+        builder.transition(f"t{i}", consume=[f"a{i}"], produce=[f"b{i}"])
+    builder.transition("go", consume=["begin"], produce=["a0", "a1", "a2"], event=Event.parse("GO"))
+    net = builder.build()
+    assert explore(net).states == 9
+
+    def built(max_states: int) -> None:
+        monkeypatch.setattr("mcpn.space.stable.alternatives.DEFAULT_MAX_TRANSIENT", max_states)
+        assert direct(net).states == 2
+
+    assert_exact(built, 9, "more than {limit} markings behind events")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "size"),
+    [
+        ("states {} --engine explicit", 44_299),
+        ("check {} --engine explicit", 44_299),
+        ("alternatives {} --method reduction", 44_299),
+        ("alternatives {} --method direct", 260),
+        ("controller {} --flat -o {out}", 260),
+    ],
+)
+def test_the_option(arguments: str, size: int, tmp_path: Path) -> None:
+    filled = arguments.replace("{out}", str(tmp_path / "out")).replace("{}", str(ULYSSE)).split()
+    refused = mcpn(*filled, "--max-states", size - 1)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert f"more than {size - 1} " in refused.stderr
+    assert "limit" in refused.stderr
+    assert not (tmp_path / "out").exists()
+    assert mcpn(*filled, "--max-states", size).returncode == 0
