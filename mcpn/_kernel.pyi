@@ -304,8 +304,8 @@ class TokenNet:
 class Checker:
     """Decides formulas of CTL at a marking, looking at no more markings than a depth-first search needs.
 
-    Each operator is a kind (``goal``, ``not``, ``all``, ``any``, ``next``, ``until``, ``always``) and the numbers
-    of earlier operators inside it; of ``goal`` the number of a node of the goals. Paths are maximal.
+    Each operator is a kind (``goal``, ``not``, ``all``, ``any``, ``next``, ``until``, ``always``) and the
+    numbers of earlier operators inside it; of ``goal`` the number of a node of the goals. Paths are maximal.
     """
 
     def __init__(

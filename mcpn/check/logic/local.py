@@ -1,6 +1,7 @@
 """CTL on the markings of a net as they are needed: no space is built, and places may hold several tokens.
 
-Source: Vergauwen, Lewi, *A linear local model checking algorithm for CTL* (CONCUR 1993); in the native kernel.
+Source: Vergauwen, Lewi, *A linear local model checking algorithm for CTL* (CONCUR 1993); the native kernel
+has it.
 """
 
 from __future__ import annotations
@@ -39,12 +40,16 @@ class LocalCheck:
         assert not net.priorities, "atoms are conditions on tokens alone"
         self.net = net
         self._numbers: dict[Core, int] = {}
+        self._given_up: set[int] = set()
         self._operators: list[tuple[str, list[int]]] = []
         goals: list[Goal] = []
         for formula in formulas:
             self._add(formula, goals)
         encoded, roots = encode(goals, len(net.places))
-        told = [(kind, [roots[i] for i in inside] if kind == "goal" else inside) for kind, inside in self._operators]
+        told = [
+            (kind, [roots[i] for i in inside] if kind == "goal" else inside)
+            for kind, inside in self._operators
+        ]
         self._kernel = Checker(Searches(net).kernel, net.initial, encoded, told, max_bytes)
 
     def _add(self, formula: Core, goals: list[Goal]) -> int:
@@ -55,7 +60,10 @@ class LocalCheck:
                 inside = operands(formula)
                 if isinstance(formula, And | Or):
                     inside = tuple(sorted(inside, key=lambda part: as_goal(part, self.net) is None))
-                told: tuple[str, list[int]] = KINDS[type(formula)], [self._add(part, goals) for part in inside]
+                told: tuple[str, list[int]] = (
+                    KINDS[type(formula)],
+                    [self._add(part, goals) for part in inside],
+                )
             else:
                 told = "goal", [len(goals)]
                 goals.append(goal)
@@ -67,13 +75,17 @@ class LocalCheck:
         """Whether a formula holds, or ``None`` where a limit was hit.
 
         Args:
-            formula: One of those given, or a part of one.
+            formula: One of those given, or a part of one that begins with a temporal operator.
             max_steps: How often an operator may be asked at a marking, or an edge be followed.
             seed: Draws the order in which successors are tried; 0 for that of the transitions.
         """
         if isinstance(formula, Const):
             return formula.value
-        return {"yes": True, "no": False}.get(self._kernel.decide(self._numbers[formula], max_steps, seed))
+        number = self._numbers[formula]
+        answer = "" if number in self._given_up else self._kernel.decide(number, max_steps, seed)
+        if answer in ("bytes", "tokens"):
+            self._given_up.add(number)
+        return {"yes": True, "no": False}.get(answer)
 
     @property
     def markings(self) -> int:

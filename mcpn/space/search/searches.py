@@ -62,6 +62,7 @@ class Searches:
 
     @cached_property
     def kernel(self) -> TokenNet:
+        """The net as the kernel walks it."""
         transitions = []
         for t, transition in enumerate(self.net.transitions):
             change = dict(transition.produce)
