@@ -100,7 +100,7 @@ class Encoding:
 
     def marked_levels(self, marking: Sequence[int]) -> list[int]:
         """The marked levels of a marking, given as tokens by place."""
-        return sorted(self.levels(p for p, tokens in enumerate(marking) if tokens))
+        return [level for level, place in enumerate(self.places) if marking[place]]
 
     def initial(self) -> Zdd:
         """The set that holds the initial marking."""

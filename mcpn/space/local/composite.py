@@ -78,12 +78,10 @@ class CompositeSpace(Runs):
             if place in self._of_mission:
                 name = self._of_mission[place]
                 marking = {name: parts.get(name)}
-            elif place in self._slot_of_place or self.net.initial[place]:
-                marking = (self.everything - self.at_most({place: 1}, 0)).parts
             else:
-                marking = {
-                    name: self._those(name, parts.get(name), [place], ()) for name in self._holding(place)
-                }
+                shared = place in self._slot_of_place or self.net.initial[place]
+                names = parts if shared else self._holding(place)
+                marking = {name: self._those(name, parts.get(name), [place], ()) for name in names}
             for name, part in marking.items():
                 if part:
                     found[name] = found[name] | part if name in found else part

@@ -155,7 +155,8 @@ class Glued:
                 add(name, placed.type.before_step(part, allowed(name)))
             add(name, part.images(self.beside_it(name, allowed(name), undone=True)))
             for before, exit_ in self.into.get(name, ()):
-                add(before, self.leaving(before, exit_, self.entries(name, part), allowed(before)))
+                if allowed(before).local != frozenset():
+                    add(before, self.leaving(before, exit_, self.entries(name, part), allowed(before)))
         return CompositeSet(self, found)
 
     def after(

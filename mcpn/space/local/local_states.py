@@ -6,7 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TypeVar
@@ -136,17 +136,23 @@ class LocalStates:
     def _every(self) -> list[int]:
         return [t for of in self._by_element for t in of]
 
-    def _local(self, events: Mapping[int, int], allowed: Allowed) -> list[tuple[list[int], Zdd]]:
-        """Events of the store for local transitions that are allowed, with the states to take them from."""
-        guarded = dict(allowed.guards)
-        found: list[tuple[list[int], Zdd]] = []
-        for of in self._by_element:
-            wanted = [t for t in of if allowed.local is None or t in allowed.local]
-            free = distinct(events[t] for t in wanted if t not in guarded)
-            if free:
-                found.append((free, self.inside))
-            found += [([events[t]], guarded[t]) for t in wanted if t in guarded]
-        return found
+    def _local(
+        self, events: Mapping[int, int], allowed: Allowed, groups: list[list[int]]
+    ) -> list[tuple[list[int], Zdd]]:
+        """Events of the store for groups of transitions that are allowed, with where to take them from."""
+
+        def compute() -> list[tuple[list[int], Zdd]]:
+            guarded = dict(allowed.guards)
+            found: list[tuple[list[int], Zdd]] = []
+            for of in groups:
+                wanted = [t for t in of if allowed.local is None or t in allowed.local]
+                free = distinct(events[t] for t in wanted if t not in guarded)
+                if free:
+                    found.append((free, self.inside))
+                found += [([events[t]], guarded[t]) for t in wanted if t in guarded]
+            return found
+
+        return self.remembered((id(events), allowed, len(groups)), compute)
 
     def _beside(self, allowed: Allowed, *, undone: bool) -> list[int]:
         """Events of the store for what hardware beside the section does, or what undoes it."""
@@ -158,7 +164,9 @@ class LocalStates:
 
     def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
-        return goal.saturate(self.encoding.internal_back, within=self.reachable)
+        return self.remembered(
+            ("ending", goal), lambda: goal.saturate(self.encoding.internal_back, within=self.reachable)
+        )
 
     def enabling(self, allowed: Allowed) -> Zdd:
         """States inside with an event of the section that is allowed."""
@@ -172,13 +180,18 @@ class LocalStates:
         counts = states.counts([c for _, c in wanted])
         return {t: n for (t, _), n in zip(wanted, counts, strict=True) if n}
 
-    def fired(self, levels: Sequence[int]) -> list[tuple[int, Marking, Exit | None]]:
-        """The events of a local state, each with the stable marking after it, and its exit if it has one."""
-        marking, found = self.encoding.marking(levels), []
-        for t in self.net.net.enabled(marking):
-            _, after = self.completion.after(marking, t)
-            found.append((t, after, next((e for e, place in self.ends.items() if after[place]), None)))
-        return found
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, Marking, list[int], Exit | None]]:
+        """The events of a local state: each with the stable marking after it, its levels, and its exit."""
+
+        def compute() -> list[tuple[int, Marking, list[int], Exit | None]]:
+            marking, found = self.encoding.marking(levels), []
+            for t in self.net.net.enabled(marking):
+                _, after = self.completion.after(marking, t)
+                exit_ = next((e for e, place in self.ends.items() if after[place]), None)
+                found.append((t, after, self.encoding.marked_levels(after), exit_))
+            return found
+
+        return self.remembered(("fired", levels), compute)
 
     def begun(self, inside: Zdd, entering: Zdd) -> Zdd:
         """Markings just after an event, before any internal firing.
@@ -199,7 +212,7 @@ class LocalStates:
 
         def compute() -> Zdd:
             begun = self.layout.store.empty()
-            for events, where in self._local(self.encoding.events, allowed):
+            for events, where in self._local(self.encoding.events, allowed, [self._every]):
                 begun |= (states & where).images(events)
             return self.settled(begun)
 
@@ -209,8 +222,9 @@ class LocalStates:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
 
         def compute() -> Zdd:
-            ending, found = self.ending(goal), self.layout.store.empty()
-            for events, where in self._local(self.encoding.undoing, allowed):
+            found = self.layout.store.empty()
+            for events, where in self._local(self.encoding.undoing, allowed, [self._every]):
+                ending = self.ending(goal)
                 found |= ending.images(events, within=where)
             return found & self.inside
 
@@ -235,7 +249,7 @@ class LocalStates:
         def compute() -> Zdd:
             steps = [
                 partial(ahead, events=events, where=where)
-                for events, where in self._local(self.encoding.events, allowed)
+                for events, where in self._local(self.encoding.events, allowed, self._by_element)
             ]
             toggles = self._beside(allowed, undone=False)
             return chained(begin & along, [*steps, lambda states: states.saturate(toggles, within=along)])
@@ -252,7 +266,7 @@ class LocalStates:
         def compute() -> Zdd:
             steps = [
                 partial(back, events=events, where=where)
-                for events, where in self._local(self.encoding.undoing, allowed)
+                for events, where in self._local(self.encoding.undoing, allowed, self._by_element)
             ]
             toggles = self._beside(allowed, undone=True)
             return chained(goal, [*steps, lambda states: states.saturate(toggles, within=within) & within])

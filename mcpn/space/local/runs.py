@@ -57,13 +57,13 @@ class Runs(Glued):
         type_, routes = placed.type, placed.routes
         local = tuple(level for level in state[1] if level < first)
         beside_it = {level for level in state[1] if level >= first}
-        for t, after, exit_ in type_.remembered(("fired", local), lambda: type_.fired(local)):
+        for t, after, inside, exit_ in type_.fired(local):
             name = placed.name if exit_ is None else routes[exit_]
             barred = allowed.local is not None and t not in allowed.local
             if barred or name not in into or (t in guards and not self._in(state, guards[t])):
                 continue
             if exit_ is None:
-                target = (name, tuple(sorted({*type_.encoding.marked_levels(after), *beside_it})))
+                target = (name, tuple(sorted({*inside, *beside_it})))
             else:
                 target = self._entered(name, beside_it | self.own_bits(placed, after))
             yield Edge(placed.transitions[t], target)
