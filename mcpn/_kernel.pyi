@@ -15,6 +15,28 @@ class MemoryLimit(MemoryError):
 class Cancelled(RuntimeError):
     """The store was told to give up: :meth:`Store.cancel`."""
 
+def force(groups: Sequence[Sequence[int]], start: Sequence[int], rounds: int) -> list[int]:
+    """An order that keeps the numbers of each group near each other: FORCE from a given order.
+
+    Args:
+        groups: Numbers below ``len(start)``, each group without repeats; the wider, the less it pulls.
+        start: The order to begin with.
+        rounds: How many to make at most.
+
+    Returns:
+        The order of least total span that was passed, with each span divided by the group's width.
+    """
+
+def stable_ends(
+    offsets: npt.NDArray[np.int64], targets: npt.NDArray[np.int64], transient: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.int64], int]:
+    """The one stable end of each state of a graph in compressed sparse rows; a stable state is its own.
+
+    Returns:
+        The ends, -1 where internal evolution need not end, and -1; or what was found of them up to a state
+        whose successors have two ends, and that state.
+    """
+
 @disjoint_base
 class Zdd:
     """A set of markings; a marking is the set of its marked levels. Equal sets are equal handles.
@@ -186,6 +208,10 @@ class Exploration:
     @property
     def most_tokens(self) -> int: ...
     @property
+    def bounds(self) -> list[int]:
+        """Most tokens by place, of a :class:`CountedNet`."""
+
+    @property
     def trouble(self) -> tuple[int, int, bool] | None:
         """Where it ended early: a state, the transition fired there, and whether what followed is endless."""
 
@@ -231,6 +257,30 @@ class SafeNet:
         progress: Callable[[int, int], object] | None = ...,
     ) -> Exploration:
         """Stable markings and events only: each event is run to completion along one interleaving."""
+
+class CountedNet:
+    """A net with several tokens in a place; a marking is a row of words, a field for each place.
+
+    Each field is given by its word, its lowest bit there and its width of at most 62 bits; fields do not
+    overlap. Each transition is given by the tokens that it needs, by what it changes, and whether it is
+    internal.
+    """
+
+    def __init__(
+        self,
+        fields: Sequence[tuple[int, int, int]],
+        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], bool]],
+        priorities: bool,
+    ) -> None: ...
+    def explore(
+        self,
+        initial: Sequence[int],
+        edges: bool,
+        max_states: int,
+        max_bytes: int,
+        progress: Callable[[int, int], object] | None = ...,
+    ) -> Exploration:
+        """Every reachable marking, as :meth:`SafeNet.explore`; trouble is a firing beyond a field."""
 
 class Goals:
     """Conditions on markings, as nodes that name earlier ones.

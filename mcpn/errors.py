@@ -168,3 +168,22 @@ class DivergenceError(SemanticsError):
     """Internal evolution need not end: an infinite internal run exists."""
 
     kind = "divergent"
+
+
+class PremiseError(SemanticsError):
+    """A section hands on more than the state of its hardware, so local graphs do not give the mission's.
+
+    Args:
+        section: The section's name.
+        place: A place that differs at the section's exit from what it was at its entry.
+        run: The events of a run of the local net that shows it.
+    """
+
+    def __init__(self, section: str, place: str, run: Sequence[str]) -> None:
+        self.section = section
+        self.place = place
+        super().__init__(
+            f"section {section} does not leave the place {place} as it was at its entry, so local graphs do "
+            "not give the mission's: use --engine explicit or symbolic",
+            [run],
+        )

@@ -12,12 +12,12 @@ from mcpn.errors import (
     InputError,
     LimitError,
     McpnError,
+    PremiseError,
     Problem,
     Source,
     UnsafeError,
 )
 from mcpn.space.compare import Disagreement
-from mcpn.space.local.section_type import PremiseError
 
 
 def kinds(kind: type[McpnError]) -> set[type[McpnError]]:

@@ -29,6 +29,10 @@ using namespace mcpn;
 
 void bind_explorer(nb::module_& module);
 void bind_search(nb::module_& module);    // search_module.cpp
+namespace mcpn {
+using Groups = std::vector<std::vector<std::uint32_t>>;
+std::vector<std::uint32_t> force(const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds);
+}
 
 namespace {
 
@@ -317,6 +321,18 @@ NB_MODULE(_kernel, module) {
 
   bind_explorer(module);
   bind_search(module);
+
+  module.def("force", [](const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds) {
+    std::vector<std::uint32_t> sorted = start;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+      if (sorted[i] != i) throw std::invalid_argument("an order holds each number once");
+    for (const auto& group : groups)
+      for (const std::uint32_t member : group)
+        if (member >= start.size()) throw std::invalid_argument("a group holds numbers of the order");
+    const nb::gil_scoped_release release;
+    return force(groups, start, rounds);
+  }, nb::arg("groups"), nb::arg("start"), nb::arg("rounds"));
 
   using Levels = std::vector<std::int64_t>;
 

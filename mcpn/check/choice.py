@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 from mcpn.check.spaces import Engine, On, space_of, stable_space
-from mcpn.errors import LimitError
-from mcpn.net.compose import MissionNet
+from mcpn.errors import LimitError, PremiseError
 from mcpn.space.algebra import Space
-from mcpn.space.local.section_type import PremiseError
 from mcpn.space.markings.explicit import Progress
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
 
 Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
 """An engine by name, or ``auto``."""

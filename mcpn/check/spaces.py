@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from mcpn.errors import InputError, LimitError
-from mcpn.net.compose import MissionNet
-from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
-from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
-from mcpn.space.stable.alternatives import by_reduction, direct
-from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.confluence import direct_with_proof, prove_confluent
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+    from mcpn.space.arrays import ArraySpace
+
+# Each engine is loaded when it is asked.
 
 On: TypeAlias = Literal["markings", "alternatives"]
 Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
@@ -60,12 +60,17 @@ def space_of(
                 None,
                 "composition makes the alternatives graph of a mission: sections hand on stable states only",
             )
+        from mcpn.space.local.composing import Options, composite_space
+        from mcpn.space.stable.clash import in_mission_words
+
         options = Options() if max_states is None else Options(max_states=max_states)
         with in_mission_words(mission_net):
             return composite_space(mission_net, options)
     markings = markings_by(net, engine, limit, tokens=tokens)
     if on == "markings":
         return markings
+    from mcpn.space.stable.clash import in_mission_words
+
     with in_mission_words(mission_net):
         return alternatives_by(markings, limit)[0]
 
@@ -90,8 +95,12 @@ def stable_space(
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit.
     """
+    from mcpn.space.stable.clash import in_mission_words
+
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if engine == "local":
+        from mcpn.space.local.composing import Options, composite_space
+
         with in_mission_words(mission_net):
             return composite_space(mission_net, Options(max_states=limit, progress=progress))
     if engine == "symbolic":
@@ -101,6 +110,9 @@ def stable_space(
     if 2**faulty > limit:
         found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
         raise LimitError(f"{found}, the limit on states is {limit}: use --engine local")
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.stable.confluence import direct_with_proof
+
     with in_mission_words(mission_net):
         return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
 
@@ -120,10 +132,17 @@ def mortal_space(
     """
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if engine == "local":
+        from mcpn.space.local.composing import Options, composite_space
+
         return composite_space(mission_net, Options(max_states=limit, mortal=True))
+    from mcpn.net.mortal import mortal
+
     net = mortal(mission_net).net
     # Dying changes nothing but what may be repaired: what was confluent still is.
     if engine == "explicit":
+        from mcpn.space.arrays import ArraySpace
+        from mcpn.space.stable.alternatives import direct
+
         return ArraySpace(direct(net, proof=False, max_states=limit))
     return DiagramAlternatives(reach(net))
 
@@ -138,14 +157,21 @@ def markings_by(
 ) -> ArraySpace | DiagramMarkings:
     """The markings graph of a net; see :func:`space_of`."""
     if engine == "explicit":
-        return ArraySpace(explore(net, max_states=max_states, progress=progress))
+        from mcpn.space.arrays import ArraySpace
+
+        listed = explore_markings if tokens else explore
+        return ArraySpace(listed(net, max_states=max_states, progress=progress))
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 
 def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> tuple[Space[Any], str]:
     """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
-    if isinstance(markings, ArraySpace):
+    if not isinstance(markings, DiagramMarkings):
+        from mcpn.space.stable.alternatives import by_reduction
+
         graph = by_reduction(markings.graph)
-        return ArraySpace(graph), graph.proof or ""
+        return type(markings)(graph), graph.proof or ""
+    from mcpn.space.stable.confluence import prove_confluent
+
     proof = prove_confluent(markings.net, max_states=max_states, space=markings.space)
     return DiagramAlternatives(markings.space), proof

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from importlib import resources
 from pathlib import Path
 
 import click
@@ -21,6 +20,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 @json_option
 def init(folder: Path, as_json: bool) -> None:
     """Write a small mission to start from into the new folder NAME."""
+    from importlib import resources
+
     from mcpn.files import write_folder
 
     name = folder.name
@@ -53,6 +54,8 @@ def schema(of: str, as_json: bool) -> None:
     <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
     of Debian): trang mission.rng mission.xsd.
     """
+    from importlib import resources
+
     if of == LANGUAGE:
         language, file = "RELAX NG", resources.files("mcpn.mission").joinpath("schema.rng")
     else:

@@ -27,6 +27,7 @@ from mcpn.cli.shared import (
     net_of,
     progress_line,
     scheduler_option,
+    without_threads_of_numpy,
 )
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def check(
     as_json: bool,
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
+    without_threads_of_numpy()
     if structure or is_net(file):
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return

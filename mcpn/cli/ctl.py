@@ -20,6 +20,7 @@ from mcpn.cli.shared import (
     json_option,
     limit_option,
     mission_net_of,
+    without_threads_of_numpy,
 )
 
 if TYPE_CHECKING:
@@ -72,6 +73,7 @@ def ctl(
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
+    without_threads_of_numpy()
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -111,6 +112,11 @@ def executor_of(jobs: int, scheduler: str | None) -> Iterator[Executor | None]:
                 raise
     else:
         yield None
+
+
+def without_threads_of_numpy() -> None:
+    """Keeps numpy from starting threads for its linear algebra, which most commands do not use."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
 from mcpn.report.words import in_words
-from mcpn.space.local.composite import CompositeSpace
 
 if TYPE_CHECKING:
     from mcpn.check.choice import Choice
@@ -187,9 +186,12 @@ def _sizes(check: MissionCheck, seconds: float) -> str:
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
         sizes.append(f"{states} stable states, {edges} event edges")
-    if isinstance(check.alternatives, CompositeSpace):
-        sections = check.alternatives.sections.values()
-        sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
+    if check.choice.engine == "local":
+        from mcpn.space.local.composite import CompositeSpace
+
+        if isinstance(check.alternatives, CompositeSpace):
+            sections = check.alternatives.sections.values()
+            sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
     return "; ".join([*sizes, f"{seconds:.2f} s"])
 
 

@@ -43,7 +43,7 @@ def ulysse() -> MissionNet:
 
 
 def overlapping(placed: Placed) -> Iterator[tuple[Any, Any]]:
-    frames = placed.nodes
+    frames = [*placed.nodes.values()]
     for i, a in enumerate(frames):
         for b in frames[:i]:
             apart = (
@@ -73,7 +73,7 @@ def test_boxes_stand_apart(mission: Mission) -> None:
     assert len(placed.nodes) == len(graph.nodes)
     assert len(placed.curves) == len(graph.edges)
     assert list(overlapping(placed)) == []
-    for frame in placed.nodes:
+    for frame in placed.nodes.values():
         assert frame.x >= 0
         assert frame.x + frame.width <= placed.width + 1
         assert frame.y >= 0

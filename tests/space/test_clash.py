@@ -112,6 +112,10 @@ def test_a_clash_is_of_the_mission(mission: Mission) -> None:
         elif clash.kind == "activity":
             for name in names:
                 assert set(running[name]) >= set(clash.wanted)
+        elif clash.kind == "stop":
+            assert {rival.name for rival in clash.rivals} == set(clash.wanted)
+            assert len(activities[names[0]].alternatives) > 1
+            continue
         else:
             assert clash.kind == "producer"
             (producer,) = clash.wanted
@@ -212,3 +216,31 @@ def test_two_branches_start_one_activity() -> None:
     assert (clash.kind, clash.wanted) == ("activity", ("film",))
     assert "objectives a and b, both in parallel block both, start activity film" in str(clash)
     assert "an activity of its own" in str(clash)
+
+
+def test_an_activity_is_stopped_while_it_changes_its_alternative() -> None:
+    ways = {
+        "locate": (("h",), ("k",)),
+        "map": (("h",), ("position",), ()),
+        "hear": (("h",),),
+        "follow": (("sound", "chart"), ("k", "position")),
+    }
+    products = {"locate": ("position",), "map": ("chart",), "hear": ("sound",)}
+    activities = tuple(
+        Activity(
+            name=name,
+            alternatives=tuple(Alternative(name=f"{name}{i}", consumes=way) for i, way in enumerate(each)),
+            produces=products.get(name, ()),
+            switch_back=True,
+        )
+        for name, each in ways.items()
+    )
+    hardware = (Hardware(name="h"), Hardware(name="k", faulty=False))
+    software = tuple(Software(name=s) for (s,) in products.values())
+    robots = (Robot(name="r", hardware=hardware, software=software, activities=activities),)
+    found = compose(Mission(name="m", robots=robots, blocks=(Objective(name="x", activities=("follow",)),)))
+    torn = direct(found.net, tear=True).torn
+    clashes = [find_clash(found, t.error) for t in torn if isinstance(t.error, ConfluenceError)]
+    stops = [clash for clash in clashes if clash.kind == "stop"]
+    assert {clash.wanted for clash in stops} == {("map",)}
+    assert "activity map may be stopped at the moment at which it changes its alternative" in str(stops[0])

@@ -14,7 +14,7 @@ from hypothesis import event, given, reject
 from hypothesis.strategies import booleans
 
 from mcpn.controller.generate import generate
-from mcpn.errors import ConfluenceError, DivergenceError, LimitError
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError
 from mcpn.mission.model import (
     Activity,
     Alternative,
@@ -33,7 +33,7 @@ from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
-from mcpn.space.local.section_type import PremiseError, SectionType
+from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import NOWHERE, PlacedSection
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
@@ -129,13 +129,15 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
     for placed in composite.sections.values():
         local = placed.part.net()
         own = (mortal(local) if may_die else local).net
-        assert placed.places == [whole.place_index.get(place.name, NOWHERE) for place in own.places]
-        assert placed.transitions == [whole.transition_index[t.name] for t in own.transitions]
-        for find, there in (
-            (placed.local_place, placed.places),
-            (placed.local_transition, placed.transitions),
-        ):
-            assert all(find(where) == i for i, where in enumerate(there) if where != NOWHERE)
+        both = (
+            (placed.places, own.places, whole.place_index),
+            (placed.transitions, own.transitions, whole.transition_index),
+        )
+        for found, drawn, index in both:
+            of_mission = [d.provenance is not None and d.provenance.kind == "mission" for d in drawn]
+            there = [index.get(d.name, NOWHERE) for d in drawn]
+            assert found.whole == [NOWHERE if m else t for m, t in zip(of_mission, there, strict=True)]
+            assert all(found.local(where) == i for i, where in enumerate(found.whole) if where != NOWHERE)
     shared = len({placed.placement for placed in composite.sections.values()}) < len(composite.sections)
     event(f"sections that use the same: {shared}")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
@@ -15,9 +15,11 @@ from mcpn.check.logic.resolve import progress, resolve
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.check.spaces import On, space_of
 from mcpn.errors import InputError, UnsafeError
-from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
 
 PROGRESS = "progress"
 

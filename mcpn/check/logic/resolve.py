@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Collection
 from difflib import get_close_matches
 from itertools import repeat
+from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import (
     EG,
@@ -37,10 +38,12 @@ from mcpn.check.logic.formulas import (
     operands,
 )
 from mcpn.errors import InputError, LimitError
-from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import AtMost
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
 
 MAX_CORE = 50_000
 

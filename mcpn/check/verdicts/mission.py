@@ -25,7 +25,6 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
-from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash import explained
@@ -170,6 +169,8 @@ def _checked(
     alternatives: Space[Any] | None = None
     try:
         if engine == "local":
+            from mcpn.space.local.composing import Options, composite_space
+
             options = Options(templates, executor, limit, progress)
             alternatives = composite_space(mission_net, options)
             proof = "each type of section, and each way from one to the next, proved on its own net"

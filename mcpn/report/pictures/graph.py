@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.report.pictures.drawing import Drawing, rendered
@@ -114,20 +114,26 @@ Point: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Frame:
-    """A rectangle: a node or a cluster."""
+class Item:
+    """What has a place in the picture."""
 
     x: float
     y: float
+
+    def moved(self, by: Point) -> Self:
+        """The same elsewhere."""
+        return replace(self, x=self.x + by[0], y=self.y + by[1])
+
+
+@dataclass(frozen=True)
+class Frame(Item):
+    """A rectangle: a node or a cluster."""
+
     width: float
     height: float
     kind: str
     title: str
     data: tuple[tuple[str, str], ...] = ()
-
-    def moved(self, by: Point) -> Frame:
-        """The same elsewhere."""
-        return replace(self, x=self.x + by[0], y=self.y + by[1])
 
 
 @dataclass(frozen=True)
@@ -166,38 +172,30 @@ def _sum(one: Point, other: Point) -> Point:
 
 
 @dataclass(frozen=True)
-class Text:
+class Text(Item):
     """A line of text around the middle ``x``."""
 
-    x: float
-    y: float
     text: str
     kind: str
-
-    def moved(self, by: Point) -> Text:
-        """The same elsewhere."""
-        return replace(self, x=self.x + by[0], y=self.y + by[1])
 
 
 @dataclass
 class Placed:
-    """A graph that has been laid out; nodes also by their keys."""
+    """A graph that has been laid out, its nodes by their keys."""
 
     width: float = 0
     height: float = 0
     clusters: list[Frame] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
-    nodes: list[Frame] = field(default_factory=list)
     texts: list[Text] = field(default_factory=list)
-    by_key: dict[str, Frame] = field(default_factory=dict)
+    nodes: dict[str, Frame] = field(default_factory=dict)
 
     def put(self, other: Placed, by: Point) -> None:
         """Adds what another has, moved."""
         self.clusters += [frame.moved(by) for frame in other.clusters]
         self.curves += [curve.moved(by) for curve in other.curves]
-        self.nodes += [frame.moved(by) for frame in other.nodes]
         self.texts += [text.moved(by) for text in other.texts]
-        self.by_key |= {key: frame.moved(by) for key, frame in other.by_key.items()}
+        self.nodes |= {key: frame.moved(by) for key, frame in other.nodes.items()}
 
 
 def drawing(graph: Graph) -> Drawing:
@@ -226,8 +224,8 @@ def lay_out_all(graphs: Sequence[Graph]) -> list[Placed]:
             (len(graph.edges), MOST_EDGES if graph.nested else MOST_AT_ONCE, "curves"),
         ):
             if count > most:
-                limit = f"the limit of what one drawing shows is {most}"
-                raise LimitError(f"{graph.name}: {count:,} {what}, {limit}")
+                told = f"{graph.name}: {count:,} {what}"
+                raise LimitError(f"{told}, the limit of what one drawing shows is {most}")
     inner = [part for graph in graphs for part in (_parts(graph) if graph.nested else [graph])]
     placed = iter(_layered(inner))
     found = []
@@ -296,31 +294,26 @@ def _nested(graph: Graph, inside: Mapping[str, Placed]) -> Placed:
     (outer,) = _layered([Graph(graph.name, [*boxes, *free], joints, sideways=graph.sideways)])
     placed = Placed(outer.width, outer.height)
     for cluster in graph.clusters:
-        box = outer.by_key[cluster.key]
+        box = outer.nodes[cluster.key]
         _frame(placed, cluster, box)
         placed.put(inside[cluster.key], (box.x, box.y + NAME))
     for node in free:
-        box = outer.by_key[node.key]
+        box = outer.nodes[node.key]
         _place(placed, node, (box.x + box.width / 2, box.y + box.height / 2))
     for edge in crossing:
-        start, end = (_towards(placed.by_key[a], placed.by_key[b]) for a, b in _both_ways(edge))
-        placed.curves.append(
-            Curve((start, start, end, end), f"{edge.kind} joins", edge.title, edge.both, edge.arrow)
-        )
+        source, target = placed.nodes[edge.source], placed.nodes[edge.target]
+        start, end = _towards(source, target), _towards(target, source)
+        kind = f"{edge.kind} joins"
+        placed.curves.append(Curve((start, start, end, end), kind, edge.title, edge.both, edge.arrow))
     return placed
-
-
-def _both_ways(edge: Edge) -> tuple[tuple[str, str], tuple[str, str]]:
-    return (edge.source, edge.target), (edge.target, edge.source)
 
 
 def _towards(frame: Frame, other: Frame) -> Point:
     """Where the straight line from one box to the middle of another leaves it."""
     x, y = frame.x + frame.width / 2, frame.y + frame.height / 2
     dx, dy = other.x + other.width / 2 - x, other.y + other.height / 2 - y
-    share = min(
-        1.0, *(half / abs(d) for half, d in ((frame.width / 2, dx), (frame.height / 2, dy)) if d), 1.0
-    )
+    sides = (frame.width / 2, dx), (frame.height / 2, dy)
+    share = min([1.0, *(half / abs(d) for half, d in sides if d)])
     return x + dx * share, y + dy * share
 
 
@@ -334,8 +327,7 @@ def _place(placed: Placed, node: Node, middle: Point) -> None:
     x, y = middle
     title = shown(node.title or node.lines[0], 1000)
     frame = Frame(x - width / 2, y - height / 2, width, height, node.kind, title, node.data)
-    placed.nodes.append(frame)
-    placed.by_key[node.key] = frame
+    placed.nodes[node.key] = frame
     first = y - LINE * (len(node.lines) - 1) / 2 + 4.5
     for number, line in enumerate(node.lines):
         kind = "small" if _small(node) else "note" if number else "name"

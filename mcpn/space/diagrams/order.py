@@ -12,10 +12,9 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from random import Random
+from statistics import fmean
 
-import numpy as np
-import numpy.typing as npt
-
+from mcpn._kernel import force as kernel_force
 from mcpn.errors import InputError, Problem, Source
 from mcpn.files import read_bounded, write_atomically
 from mcpn.net.petri import PetriNet
@@ -129,7 +128,7 @@ def _stands_on_hardware(net: PetriNet, order: Order) -> bool:
         [level for level, p in enumerate(order) if kinds[p] in wanted]
         for wanted in (("mission", "objective", "parallel"), ("hardware",))
     )
-    return bool(control and hardware and np.mean(control) < np.mean(hardware))
+    return bool(control and hardware and fmean(control) < fmean(hardware))
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
@@ -216,32 +215,4 @@ def force(net: PetriNet, start: Order) -> Order:
         The order of least total span that was passed, with each span divided by the transition's width.
     """
     touched = [places for places in _touched(net) if len(places) > 1]
-    if not touched:
-        return start
-    widths = np.array([len(places) for places in touched])
-    edge = np.repeat(np.arange(len(touched)), widths)
-    place = np.array([p for places in touched for p in places])
-    first = np.concatenate(([0], np.cumsum(widths)[:-1]))
-    pull = 1.0 / widths[edge]
-    total = np.bincount(place, weights=pull, minlength=len(start))
-    position = np.empty(len(start))
-    position[list(start)] = np.arange(len(start))
-
-    def span(at: npt.NDArray[np.float64]) -> float:
-        here = at[place]
-        return float(((np.maximum.reduceat(here, first) - np.minimum.reduceat(here, first)) / widths).sum())
-
-    best, least, stale = position, span(position), 0
-    for _ in range(MAX_ROUNDS):
-        centres = np.bincount(edge, weights=position[place]) / widths
-        pulled = np.bincount(place, weights=pull * centres[edge], minlength=len(start))
-        moved = np.where(total > 0, pulled / np.where(total > 0, total, 1), position)
-        position = np.empty(len(start))
-        position[np.argsort(moved, kind="stable")] = np.arange(len(start))
-        now = span(position)
-        stale = 0 if now < least else stale + 1
-        if now < least:
-            best, least = position, now
-        if stale > 10:
-            break
-    return tuple(np.argsort(best, kind="stable").tolist())
+    return tuple(kernel_force(touched, list(start), MAX_ROUNDS))

@@ -5,16 +5,15 @@ A set of states is a diagram for each section; places and transitions are those 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 from mcpn._kernel import Zdd
-from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.petri import Marking, Transition
 from mcpn.space.algebra import Piece
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.runs import Runs
-from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, PlacedSection, Placement
+from mcpn.space.local.sections import BEGIN, ENDS, KINDS, NOWHERE, Kind, Stage
 from mcpn.space.local.sets import CompositeSet, Member
 
 FARTHEST = 2**62
@@ -25,28 +24,18 @@ class CompositeSpace(Runs):
 
     def marking(self, state: Member) -> Marking:
         """The marking of a member in the whole net, as tokens by place."""
-        name, levels = state
-        tokens, marked = list(self.net.initial), set(levels)
-        tokens[self.mission_net.beginning] = int(name == BEGIN)
-        placed = self.sections.get(name)
-        local_marking = () if placed is None else placed.type.encoding.marking(levels)
-        if placed is not None:
-            marked |= self.own_bits(placed, local_marking)
-        for hardware in self.layout.hardware:
-            bits = tuple(b for b, slot in enumerate(self.layout.slots[hardware]) if slot in marked)
+        stage, marked = self.stages[state[0]], set(state[1])
+        tokens, local = list(self.net.initial), stage.type.encoding.marking(state[1])
+        tokens[self.mission_net.beginning] = 0
+        marked |= {slot for slot, place in stage.own_bits.items() if local[place]}
+        for hardware, slots in self.layout.slots.items():
+            bits = tuple(b for b, slot in enumerate(slots) if slot in marked)
             for place, value in self._beside[hardware].get(bits, {}).items():
                 tokens[place] = value
-        if placed is not None:
-            places = placed.places
-            for local, value in enumerate(local_marking):
-                tokens[places[local]] = value
-            tokens[self.mission_net.beginning] = 0
-        elif name in ENDS:
-            tokens[self._end_place(name)] = 1
+        for where, value in zip(stage.places.whole, local, strict=True):
+            if where != NOWHERE:
+                tokens[where] = value
         return tuple(tokens)
-
-    def _end_place(self, name: str) -> int:
-        return self.mission_net.success if name == SUCCEED else self.mission_net.failure
 
     @cached_property
     def _beside(self) -> dict[str, dict[tuple[int, ...], dict[int, int]]]:
@@ -55,8 +44,8 @@ class CompositeSpace(Runs):
 
     def _idle_tokens(self, name: str) -> dict[tuple[int, ...], dict[int, int]]:
         net = self.net
-        own = self.elements.transitions["hardware", name]
-        tokens = {p: net.initial[p] for p in self.elements.places["hardware", name]}
+        own = self.elements.of["transitions"]["hardware", name]
+        tokens = {p: net.initial[p] for p in self.elements.of["places"]["hardware", name]}
         found: dict[tuple[int, ...], dict[int, int]] = {}
         wanted = self.layout.statuses()
         kinds = self.toggles[name]
@@ -73,50 +62,40 @@ class CompositeSpace(Runs):
     def marked(self, places: Collection[int]) -> CompositeSet:
         """States that mark at least one of some places."""
         found, parts = dict[str, Zdd](), self.everything.parts
-        marking: Mapping[str, Zdd | None]
         for place in places:
-            if place in self._of_mission:
-                name = self._of_mission[place]
-                marking = {name: parts.get(name)}
-            else:
-                shared = place in self._slot_of_place or self.net.initial[place]
-                names = parts if shared else self._holding(place)
-                marking = {name: self._those(name, parts.get(name), [place], ()) for name in names}
+            shared = self.net.initial[place] and place not in self._outside
+            having = parts if shared or place in self._slot_of_place else self._having("places", place)
+            marking = {name: self._those(name, parts.get(name), [place], ()) for name in having}
             for name, part in marking.items():
                 if part:
                     found[name] = found[name] | part if name in found else part
         return CompositeSet(self, found)
 
     @cached_property
-    def _of_mission(self) -> Mapping[int, str]:
-        """The places of the mission itself, each with what stands for a section while it is marked."""
-        mission = self.mission_net
-        return {mission.beginning: BEGIN, mission.success: SUCCEED, mission.failure: FAIL}
+    def _outside(self) -> frozenset[int]:
+        """The places that say that the mission has not begun, or how it has ended."""
+        return frozenset().union(*(self.stages[name].places.own for name in (BEGIN, *ENDS)))
 
     @cached_property
-    def _users(self) -> Mapping[Placement, list[str]]:
-        """Sections by placement."""
-        found: dict[Placement, list[str]] = {}
-        for name, placed in self.sections.items():
-            found.setdefault(placed.placement, []).append(name)
+    def _holders(self) -> Mapping[Kind, tuple[dict[int, str], dict[int, list[list[str]]]]]:
+        """By place, and by transition: the stage that it is of; or the groups of those that share it."""
+        alike: dict[Hashable, list[str]] = {}
+        for name, stage in self.stages.items():
+            alike.setdefault(stage.alike, []).append(name)
+        found: dict[Kind, tuple[dict[int, str], dict[int, list[list[str]]]]] = {}
+        for kind in KINDS:
+            owner = {i: n for n, s in self.stages.items() for i in getattr(s, kind).own}
+            users: dict[int, list[list[str]]] = {}
+            for names in alike.values():
+                for index in getattr(self.stages[names[0]], kind).locals:
+                    users.setdefault(index, []).append(names)
+            found[kind] = owner, users
         return found
 
-    def _holding(self, place: int) -> Iterator[str]:
-        """The sections whose local nets have a place of the whole net, if it is not the mission's."""
-        if place in self._place_owners:
-            yield self._place_owners[place]
-        for placement in self._place_users.get(place, ()):
-            yield from self._users[placement]
-
-    @cached_property
-    def _place_users(self) -> Mapping[int, list[Placement]]:
-        """By place that is of no section, the placements whose local nets have it."""
-        return _reversed((placement, placement.places.locals) for placement in self._users)
-
-    @cached_property
-    def _place_owners(self) -> Mapping[int, str]:
-        """By place that is of a section's objectives and blocks, the section."""
-        return {place: name for name, placed in self.sections.items() for place in placed.own_places}
+    def _having(self, kind: Kind, index: int) -> list[str]:
+        """The stages whose local nets have a place, or a transition, of the whole net."""
+        owner, users = self._holders[kind]
+        return [owner[index]] if index in owner else [n for names in users.get(index, ()) for n in names]
 
     def restricted(
         self, states: CompositeSet, marked: Collection[int], unmarked: Collection[int]
@@ -129,11 +108,10 @@ class CompositeSpace(Runs):
         self, name: str, part: Zdd | None, marked: Collection[int], unmarked: Collection[int]
     ) -> Zdd | None:
         """The same of one section's states; ``None`` where there are none."""
-        placed = self.sections.get(name)
         yes, no = set[int](), set[int]()
         for wanted, places in ((True, marked), (False, unmarked)):
             for place in places:
-                bit = self._bit(name, placed, place)
+                bit = self._bit(name, place)
                 if not isinstance(bit, bool):
                     (yes if bit[1] != wanted else no).add(bit[0])
                 elif bit != wanted:
@@ -146,8 +124,8 @@ class CompositeSpace(Runs):
 
     @cached_property
     def _own_places(self) -> Mapping[str, frozenset[int]]:
-        shared = {NOWHERE, *self._slot_of_place, *self._of_mission}
-        return {name: frozenset(placed.places) - shared for name, placed in self.sections.items()}
+        shared = {NOWHERE, *self._slot_of_place}
+        return {name: frozenset(placed.places.whole) - shared for name, placed in self.sections.items()}
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
         """States whose weighted sum of tokens is at most a bound."""
@@ -164,9 +142,9 @@ class CompositeSpace(Runs):
     def _weigh(self, name: str, weights: Mapping[int, int]) -> tuple[dict[int, int], int]:
         """A weighted sum of tokens in a section, as weights of marked levels and a constant."""
         levels: dict[int, int] = {}
-        constant, placed = 0, self.sections.get(name)
+        constant = 0
         for place, weight in weights.items():
-            where = self._bit(name, placed, place)
+            where = self._bit(name, place)
             if isinstance(where, bool):
                 constant += weight * where
             else:
@@ -175,20 +153,19 @@ class CompositeSpace(Runs):
                 constant += weight if reverse else 0
         return levels, constant
 
-    def _bit(self, name: str, placed: PlacedSection | None, place: int) -> Bit:
+    def _bit(self, name: str, place: int) -> Bit:
         """Where a part of a set says whether a place of the whole net is marked."""
-        if place in self._of_mission:
-            return name == self._of_mission[place]
-        if placed is not None and (local := placed.local_place(place)) is not None:
-            return placed.type.encoding.bit(local)
+        stage = self.stages[name]
+        if (local := stage.places.local(place)) is not None:
+            return stage.type.encoding.bit(local)
         if place in self._slot_of_place:
             slot, reverse = self._slot_of_place[place]
-            if placed is None or slot not in placed.slots:
+            if slot not in stage.own_bits:
                 return slot, reverse
             # An interface of the section's own hardware that the section does not use follows its state.
-            level, opposite = placed.bit_of(slot)
+            level, opposite = stage.type.encoding.bit(stage.own_bits[slot])
             return level, reverse != opposite
-        return bool(self.net.initial[place])
+        return bool(self.net.initial[place]) and place not in self._outside
 
     @cached_property
     def _slot_of_place(self) -> dict[int, tuple[int, bool]]:
@@ -208,82 +185,38 @@ class CompositeSpace(Runs):
         wanted, found = frozenset(transitions), dict[str, Zdd]()
         allowed_in = self.filtered(wanted)
         beside_all = any(t in wanted for kinds in self.toggles.values() for t in kinds.values())
-        names = self.everything.parts if beside_all else {n for t in wanted for n in self._firing(t)}
+        names = (
+            self.everything.parts
+            if beside_all
+            else {n for t in wanted for n in self._having("transitions", t)}
+        )
         for name in names:
-            part, placed = self.everything.parts.get(name), self.sections.get(name)
-            if part is None:
-                continue
-            allowed = allowed_in(name)
-            states = part & self._able(name, part, allowed)
-            if placed is not None:
-                states |= part & placed.type.enabling(allowed)
-            elif name == BEGIN and self.mission_net.start in wanted:
-                states = part
-            found[name] = states
+            part, stage = self.everything.parts.get(name), self.stages[name]
+            if part is not None:
+                allowed = allowed_in(name)
+                found[name] = stage.able(part, allowed) | (part & stage.type.enabling(allowed))
         return self.of(found)
-
-    def _firing(self, transition: int) -> Iterator[str]:
-        """The sections whose local nets have a transition of the whole net."""
-        if transition == self.mission_net.start:
-            yield BEGIN
-        if transition in self._transition_owners:
-            yield self._transition_owners[transition]
-        for placement in self._transition_users.get(transition, ()):
-            yield from self._users[placement]
-
-    @cached_property
-    def _transition_users(self) -> Mapping[int, list[Placement]]:
-        """By transition that is of no section, the placements whose local nets have it."""
-        return _reversed((placement, placement.transitions.locals) for placement in self._users)
-
-    @cached_property
-    def _transition_owners(self) -> Mapping[int, str]:
-        """By transition that is of a section's objectives and blocks, the section."""
-        return {t: name for name, placed in self.sections.items() for t in placed.own_transitions}
 
     def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
         """Transitions with edges from some states into others, each with the states before it."""
         found: dict[int, dict[str, Zdd]] = {}
         for name, part in (self.before(into) & among).parts.items():
-            placed, inside = self.sections.get(name), into.parts.get(name, self.layout.store.empty())
+            stage, inside = self.stages[name], into.parts.get(name, self.layout.store.empty())
             goal = inside
-            for route, exit_ in self.exits(name):
-                onward = self.entries(route, into.parts[route]) if route in into.parts else None
-                if onward and placed is not None:
-                    ended = placed.type.from_slots(onward, placed.faulty, exit_)
-                    goal |= ended & placed.type.ended[exit_]
-                elif onward and onward & part:
-                    found.setdefault(self.mission_net.start, {})[name] = onward & part
-            if placed is not None:
-                for t, before in placed.type.crossing(part, goal):
-                    found.setdefault(placed.transitions[t], {})[name] = before
-            for hardware, kind, before in self._toggling(placed, part, inside):
+            for exit_, route in stage.routes.items():
+                if route in into.parts:
+                    goal |= stage.ending(exit_, self.stages[route].entries(into.parts[route]))
+            for t, before in stage.type.crossing(part, goal):
+                found.setdefault(stage.transitions.whole[t], {})[name] = before
+            for hardware, kind, before in stage.toggling(part, inside):
                 found.setdefault(self.toggles[hardware][kind], {})[name] = before
         return ((t, CompositeSet(self, found[t])) for t in sorted(found))
-
-    def _toggling(self, placed: PlacedSection | None, part: Zdd, goal: Zdd) -> list[tuple[str, str, Zdd]]:
-        """Events of hardware beside a section that lead from some states of it into others."""
-
-        def compute() -> list[tuple[str, str, Zdd]]:
-            own = () if placed is None else placed.faulty
-            return [
-                (hardware, kind, before)
-                for hardware in self.layout.hardware
-                if hardware not in own
-                for kind, (_, undo) in self.layout.toggles(hardware).items()
-                if (before := goal.images([undo]) & part)
-            ]
-
-        if placed is None:
-            return compute()
-        return placed.type.remembered(("toggling", part, goal, placed.faulty), compute)
 
     def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
         """The states, section by section."""
         for name, part in states.parts.items():
-            placed = self.sections.get(name)
-            piece = CompositeSet(self, {name: part})
-            yield Piece(piece) if placed is None else Piece(piece, (*placed.kind, part), placed.objectives)
+            stage = self.stages[name]
+            yield Piece(CompositeSet(self, {name: part}), (stage.alike, part), stage.objectives)
 
     def firings(self, states: CompositeSet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
@@ -292,27 +225,25 @@ class CompositeSpace(Runs):
         def add(transition: int, number: int) -> None:
             counts[transition] = counts.get(transition, 0) + number
 
-        alike: dict[tuple[Placement | None, Zdd], list[str]] = {}
+        alike: dict[tuple[Hashable, Zdd], list[Stage]] = {}
         for name, part in states.parts.items():
-            placed = self.sections.get(name)
-            placement = None if placed is None else placed.placement
-            alike.setdefault((placement, part), []).append(name)
-        for (placement, part), names in alike.items():
-            once, own = self.closed(names[0], part), () if placement is None else placement.part.faulty
-            if placement is None:
-                add(self.mission_net.start, once.count() * names.count(BEGIN))
-            else:
-                shared, inside = placement.transitions.shared, placement.type.firings(once)
-                for local, number in inside.items():
-                    if shared[local] != NOWHERE:
-                        add(shared[local], number * len(names))
-                for name in names:
-                    for t, local in self.sections[name].own_transitions.items():
-                        add(t, inside.get(local, 0))
-            beside_it = [(t, c) for h in self.layout.hardware if h not in own for t, c in self._needing[h]]
+            stage = self.stages[name]
+            alike.setdefault((stage.alike, part), []).append(stage)
+        for (_, part), stages in alike.items():
+            once, one = self.closed(stages[0].name, part), stages[0]
+            inside = one.type.firings(once)
+            for local, number in inside.items():
+                if one.transitions.shared[local] != NOWHERE:
+                    add(one.transitions.shared[local], number * len(stages))
+            for stage in stages:
+                for t, local in stage.transitions.own.items():
+                    add(t, inside.get(local, 0))
+            beside_it = [
+                (t, c) for h in self.layout.hardware if h not in one.faulty for t, c in self._needing[h]
+            ]
             numbers = once.counts([condition for _, condition in beside_it])
             for (t, _), number in zip(beside_it, numbers, strict=True):
-                add(t, number * len(names))
+                add(t, number * len(stages))
         return {t: number for t, number in counts.items() if number}
 
     @cached_property
@@ -320,10 +251,10 @@ class CompositeSpace(Runs):
         """By hardware, its transitions while nobody uses it, each with the condition on slots for it."""
         return {
             name: [
-                (self.toggles[name][kind], self.layout.store.condition(marked, unmarked))
-                for kind, (marked, unmarked) in self.layout.needs(name).items()
+                (self.toggles[name][kind], self.layout.store.condition(toggle.marked, toggle.unmarked))
+                for kind, toggle in toggles.items()
             ]
-            for name in self.layout.hardware
+            for name, toggles in self.layout.toggles.items()
         }
 
     @cached_property
@@ -337,8 +268,7 @@ class CompositeSpace(Runs):
         known = self._bits.setdefault(tuple(places), {})
         for name, part in states.parts.items():
             if name not in known:
-                placed = self.sections.get(name)
-                known[name] = tuple(self._bit(name, placed, place) for place in places)
+                known[name] = tuple(self._bit(name, place) for place in places)
             bits = known[name]
             if (part, bits) not in images.known:
                 told = {bit[0] for bit in bits if not isinstance(bit, bool)}
@@ -348,14 +278,6 @@ class CompositeSpace(Runs):
                 images.known[part, bits] = images.known[projected, bits]
             found |= images.known[part, bits]
         return found
-
-
-def _reversed(having: Iterable[tuple[Placement, Iterable[int]]]) -> dict[int, list[Placement]]:
-    found: dict[int, list[Placement]] = {}
-    for placement, indices in having:
-        for index in indices:
-            found.setdefault(index, []).append(placement)
-    return found
 
 
 def _can_fire(transition: Transition, tokens: Mapping[int, int]) -> bool:

@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, cached_property
 
-import numpy as np
-
 from mcpn._kernel import Zdd
 from mcpn.net.events import What
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.local_states import ALL, Allowed, Exit, beside
-from mcpn.space.local.sections import BEGIN, ENDS, Elements, PlacedSection
+from mcpn.space.local.local_states import ALL, Allowed, Exit
+from mcpn.space.local.sections import BEGIN, ENDS, Elements, Outside, PlacedSection, Stage
 from mcpn.space.local.sets import CompositeSet, Waiting
 
 
@@ -36,14 +34,14 @@ class Glued:
         self.net = self.mission_net.net
         self.layout = layout
         self.sections = {placed.name: placed for placed in sections}
+        begin, *ends = (Outside(name, self.mission_net, layout) for name in (BEGIN, *ENDS))
+        self.stages: dict[str, Stage] = {s.name: s for s in (begin, *sections, *ends)}
         self.nothing = CompositeSet(self, {})
-        self._order = {name: i for i, name in enumerate((BEGIN, *self.sections, *ENDS))}
-        self.into: dict[str, list[tuple[str, Exit]]] = {}
-        for placed in sections:
-            for exit_, route in placed.routes.items():
-                self.into.setdefault(route, []).append((placed.name, exit_))
-        entry = self.mission_net.graph.entry
-        self.into.setdefault(entry, []).append((BEGIN, "success"))
+        self._order = {name: i for i, name in enumerate(self.stages)}
+        self.into: dict[str, list[tuple[Stage, Exit]]] = {name: [] for name in self.stages}
+        for stage in self.stages.values():
+            for exit_, route in stage.routes.items():
+                self.into[route].append((stage, exit_))
 
     def in_order(self, names: Iterable[str]) -> list[str]:
         """Names of sections, and of what is before and after them, in the mission's order."""
@@ -51,8 +49,7 @@ class Glued:
 
     def closed(self, name: str, part: Zdd) -> Zdd:
         """A part of a set with the section's own slots unmarked, so that each state is there once."""
-        placed = self.sections.get(name)
-        return part if placed is None else part.subset(unmarked=placed.slots)
+        return part.subset(unmarked=self.stages[name].slots)
 
     def of(self, parts: Mapping[str, Zdd]) -> CompositeSet:
         """The set of some parts, of which some may be empty."""
@@ -61,7 +58,7 @@ class Glued:
     @cached_property
     def initial(self) -> CompositeSet:
         """The state before the mission with all hardware in service."""
-        return CompositeSet(self, {BEGIN: self.layout.store.singleton([])})
+        return CompositeSet(self, {BEGIN: self.stages[BEGIN].entered(self.layout.store.singleton([]))})
 
     @cached_property
     def everything(self) -> CompositeSet:
@@ -98,15 +95,10 @@ class Glued:
         pairs = None if wanted is None else self._toggled_by(wanted)
 
         def of(name: str) -> Allowed:
-            if name not in self.sections:
-                start = wanted is None or self.mission_net.start in wanted
-                return Allowed(None if start else frozenset(), pairs)
-            placed, local = self.sections[name], None
-            if wanted is not None:
-                local = frozenset([own for own, t in enumerate(placed.transitions) if t in wanted])
-            guarded = [(own, t) for own, t in enumerate(placed.transitions) if t in limits] if limits else []
-            empty = self.layout.store.empty()
-            return Allowed(local, pairs, tuple((own, limits[t].parts.get(name, empty)) for own, t in guarded))
+            whole, empty = self.stages[name].transitions.whole, self.layout.store.empty()
+            local = None if wanted is None else frozenset(i for i, t in enumerate(whole) if t in wanted)
+            guarded = [(i, t) for i, t in enumerate(whole) if t in limits] if limits else []
+            return Allowed(local, pairs, tuple((i, limits[t].parts.get(name, empty)) for i, t in guarded))
 
         return cache(of)
 
@@ -115,25 +107,6 @@ class Glued:
         return frozenset(
             (name, kind) for name, kinds in self.toggles.items() for kind, t in kinds.items() if t in wanted
         )
-
-    def entries(self, name: str, inside: Zdd) -> Zdd:
-        """The states of all hardware with which a section, or an end, is entered in some of its states."""
-        placed = self.sections.get(name)
-        return inside if placed is None else placed.type.entries(inside, placed.faulty)
-
-    def enter(self, name: str, hardware: Zdd) -> Zdd:
-        """First states of a section, or of an end, entered with all hardware in some states."""
-        placed = self.sections.get(name)
-        return hardware if placed is None else placed.type.entered(hardware, placed.faulty)
-
-    def leaving(self, before: str, exit_: Exit, hardware: Zdd, allowed: Allowed) -> Zdd:
-        """States with an event that ends a section by an exit with all hardware in some states."""
-        if before == BEGIN:
-            start = allowed.local is None or bool(allowed.local)
-            return hardware if start else self.layout.store.empty()
-        placed = self.sections[before]
-        ended = placed.type.from_slots(hardware, placed.faulty, exit_) & placed.type.ended[exit_]
-        return placed.type.before_step(ended, allowed)
 
     def before(
         self,
@@ -150,13 +123,12 @@ class Glued:
                 found[name] = found[name] | part if name in found else part
 
         for name, part in states.parts.items():
-            placed = self.sections.get(name)
-            if placed is not None:
-                add(name, placed.type.before_step(part, allowed(name)))
-            add(name, part.images(self.beside_it(name, allowed(name), undone=True)))
-            for before, exit_ in self.into.get(name, ()):
-                if allowed(before).local != frozenset():
-                    add(before, self.leaving(before, exit_, self.entries(name, part), allowed(before)))
+            stage = self.stages[name]
+            add(name, stage.type.before_step(part, allowed(name)))
+            add(name, part.images(stage.beside(allowed(name), undone=True)))
+            for before, exit_ in self.into[name]:
+                if allowed(before.name).local != frozenset():
+                    add(before.name, before.leaving(exit_, stage.entries(part), allowed(before.name)))
         return CompositeSet(self, found)
 
     def after(
@@ -173,28 +145,13 @@ class Glued:
                 found[name] = found[name] | part if name in found else part
 
         for name, part in states.parts.items():
-            inside, leaving = self.step(name, part, allowed(name))
+            stage = self.stages[name]
+            inside, leaving = stage.step(part, allowed(name))
             add(name, inside)
-            add(name, part.images(self.beside_it(name, allowed(name), undone=False)))
+            add(name, part.images(stage.beside(allowed(name), undone=False)))
             for route, hardware in leaving:
-                add(route, self.enter(route, hardware))
+                add(route, self.stages[route].entered(hardware))
         return CompositeSet(self, found)
-
-    def step(self, name: str, part: Zdd, allowed: Allowed) -> tuple[Zdd, list[tuple[str, Zdd]]]:
-        """States of the section one of its own events later, and how all hardware is where it ends."""
-        if name in ENDS:
-            return self.layout.store.empty(), []
-        if name == BEGIN:
-            start = allowed.local is None or bool(allowed.local)
-            return self.layout.store.empty(), [(self.mission_net.graph.entry, part)] if start else []
-        placed = self.sections[name]
-        after = placed.type.after(part, allowed)
-        leaving = [
-            (route, placed.type.to_slots(ended, placed.faulty, exit_))
-            for exit_, route in placed.routes.items()
-            if (ended := after & placed.type.ended[exit_])
-        ]
-        return after & placed.type.inside, leaving
 
     def reaching(
         self,
@@ -210,22 +167,15 @@ class Glued:
         waiting = Waiting(found, lambda name: -self._order[name])
         for name in waiting:
             found[name] = self.reaching_inside(name, found[name], within.get(name), allowed(name))
-            entries = self.entries(name, found[name])
-            for before, exit_ in self.into.get(name, ()):
-                if before in within:
-                    waiting.widen(
-                        before, self.leaving(before, exit_, entries, allowed(before)) & within[before]
-                    )
+            entries = self.stages[name].entries(found[name])
+            for before, exit_ in self.into[name]:
+                if (room := within.get(before.name)) is not None:
+                    waiting.widen(before.name, before.leaving(exit_, entries, allowed(before.name)) & room)
         return self.of(found)
 
     def reaching_inside(self, name: str, goal: Zdd, along: Zdd | None, allowed: Allowed) -> Zdd:
-        """The closure within one section, or within what is before or after them."""
-        if along is None:
-            return goal
-        placed = self.sections.get(name)
-        if placed is not None:
-            return placed.type.reaching(goal, along, allowed)
-        return goal.saturate(beside(self.layout, allowed, undone=True), within=along | goal)
+        """The closure within one stage."""
+        return goal if along is None else self.stages[name].type.reaching(goal, along, allowed)
 
     def reached(
         self,
@@ -248,10 +198,7 @@ class Glued:
         allowed = self.filtered(transitions, guards)
 
         def within(name: str) -> Zdd | None:
-            if along is not None:
-                return along.parts.get(name)
-            placed = self.sections.get(name)
-            return self.layout.universe if placed is None else placed.type.inside
+            return self.stages[name].type.inside if along is None else along.parts.get(name)
 
         found = {
             name: part & room for name, part in begin.parts.items() if (room := within(name)) is not None
@@ -259,17 +206,13 @@ class Glued:
         found = {name: part for name, part in found.items() if part}
         waiting = Waiting(found, self._order.__getitem__)
         for name in waiting:
-            room, placed = within(name), self.sections.get(name)
+            room, stage = within(name), self.stages[name]
             assert room is not None, "only parts of what runs may pass are found"
-            if placed is not None:
-                found[name] = placed.type.reached(found[name], room, allowed(name))
-            else:
-                toggles = beside(self.layout, allowed(name), undone=False)
-                found[name] = found[name].saturate(toggles, within=room)
-            for route, hardware in self.step(name, found[name], allowed(name))[1]:
+            found[name] = stage.type.reached(found[name], room, allowed(name))
+            for route, hardware in stage.step(found[name], allowed(name))[1]:
                 onward = within(route)
                 if onward is not None:
-                    waiting.widen(route, self.enter(route, hardware) & onward)
+                    waiting.widen(route, self.stages[route].entered(hardware) & onward)
         return self.of(found)
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
@@ -279,23 +222,21 @@ class Glued:
         empty = self.layout.store.empty()
         waiting = Waiting(found, lambda name: -self._order[name])
         for name in waiting:
-            part, placed = found.get(name, empty), self.sections.get(name)
-            onward = empty
-            for route, exit_ in self.exits(name):
+            part, stage = found.get(name, empty), self.stages[name]
+            onward = ends.get(name, empty)
+            for exit_, route in stage.routes.items():
                 if route in found:
-                    onward |= self.leaving(name, exit_, self.entries(route, found[route]), ALL)
-            dead, before = ends.get(name, empty), None
+                    onward |= stage.leaving(exit_, self.stages[route].entries(found[route]))
+            before = None
             while before != part:
                 before = part
-                ways = part.images(self.beside_it(name, ALL, undone=True))
-                if placed is not None:
-                    ways |= placed.type.before_step(part)
-                part = part & (ways | onward | dead)
+                ways = part.images(stage.beside(undone=True)) | stage.type.before_step(part)
+                part = part & (ways | onward)
             if part != found.get(name, empty):
                 found[name] = part
-                for earlier, _ in self.into.get(name, ()):
-                    if earlier in found:
-                        waiting.again(earlier)
+                for earlier, _ in self.into[name]:
+                    if earlier.name in found:
+                        waiting.again(earlier.name)
         return self.of(found)
 
     @cached_property
@@ -303,57 +244,26 @@ class Glued:
         """States in which neither the section nor hardware beside it can do anything."""
         found = {}
         for name, part in self.everything.parts.items():
-            placed = self.sections.get(name)
-            if name != BEGIN:
-                resting = part if placed is None else part & placed.type.dead
-                found[name] = resting - self._able(name, resting, ALL) if resting else resting
+            if resting := part & self.stages[name].type.dead:
+                found[name] = resting - self.stages[name].able(resting)
         return self.of(found)
-
-    def _able(self, name: str, part: Zdd, allowed: Allowed) -> Zdd:
-        """Those of some states in which hardware beside the section can do something that is allowed."""
-        placed = self.sections.get(name)
-        own = set() if placed is None else set(placed.faulty)
-        found = self.layout.store.empty()
-        for hardware in self.layout.hardware:
-            if hardware in own:
-                continue
-            for kind, (marked, unmarked) in self.layout.needs(hardware).items():
-                if allowed.beside is None or (hardware, kind) in allowed.beside:
-                    found |= part.subset(marked, unmarked)
-        return found
-
-    def beside_it(self, name: str, allowed: Allowed, *, undone: bool) -> list[int]:
-        """Events of the store for what hardware beside a section does, or what undoes it.
-
-        Closures may take those of all hardware (:func:`mcpn.space.local.section_type.beside`), since a
-        section's own slots are open: they change nothing there, but they would look like steps.
-        """
-        placed = self.sections.get(name)
-        return beside(self.layout, allowed, undone=undone, but=() if placed is None else placed.faulty)
-
-    def exits(self, name: str) -> list[tuple[str, Exit]]:
-        """Where a section leads, and by which exit."""
-        if name == BEGIN:
-            return [(self.mission_net.graph.entry, "success")]
-        placed = self.sections.get(name)
-        return [] if placed is None else [(route, exit_) for exit_, route in placed.routes.items()]
 
     def leaving_for(self, name: str, hardware: Zdd) -> CompositeSet:
         """States with an event that enters a section with all hardware in some states."""
         found = self.nothing
-        for before, exit_ in self.into.get(name, ()):
-            part = self.everything.parts.get(before)
+        for before, exit_ in self.into[name]:
+            part = self.everything.parts.get(before.name)
             if part is not None:
-                found |= self.of({before: self.leaving(before, exit_, hardware, ALL) & part})
+                found |= self.of({before.name: before.leaving(exit_, hardware) & part})
         return found
 
     def entering(self, placed: PlacedSection) -> Zdd:
         """States before the entry of a section, as the mission comes to enter it."""
         hardware = self.layout.store.empty()
-        for before, _ in self.into.get(placed.name, ()):
-            part = self.everything.parts.get(before)
+        for before, _ in self.into[placed.name]:
+            part = self.everything.parts.get(before.name)
             if part is not None:
-                for route, states in self.step(before, part, ALL)[1]:
+                for route, states in before.step(part)[1]:
                     if route == placed.name:
                         hardware |= states
         return placed.type.from_slots(hardware, placed.faulty)
@@ -361,21 +271,13 @@ class Glued:
     @cached_property
     def regions(self) -> Sequence[CompositeSet]:
         """Sections that lead to each other, and each other section alone: no cycle leaves a region."""
-        from scipy.sparse import coo_matrix
-        from scipy.sparse.csgraph import connected_components
+        import networkx as nx
 
-        names = list(self.everything.parts)
-        number = {name: i for i, name in enumerate(names)}
-        pairs = [
-            (number[before], number[name])
-            for name in names
-            for before, _ in self.into.get(name, ())
-            if before in number
-        ]
-        ends = np.array(pairs, np.int64).reshape(-1, 2)
-        matrix = coo_matrix((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), (len(names),) * 2)
-        _, component = connected_components(matrix.tocsr(), directed=True, connection="strong")
-        found: dict[int, dict[str, Zdd]] = {}
-        for name, part in self.everything.parts.items():
-            found.setdefault(int(component[number[name]]), {})[name] = part
-        return [CompositeSet(self, parts) for parts in found.values()]
+        parts = self.everything.parts
+        graph: nx.DiGraph[str] = nx.DiGraph()
+        graph.add_nodes_from(parts)
+        graph.add_edges_from(
+            (name, route) for name in parts for route in self.stages[name].routes.values() if route in parts
+        )
+        regions = nx.strongly_connected_components(graph)
+        return [CompositeSet(self, {name: parts[name] for name in self.in_order(r)}) for r in regions]

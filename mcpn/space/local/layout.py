@@ -8,10 +8,10 @@ open (in either state), so that sections of one type have equal diagrams whateve
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Collection, Hashable, Iterable, Sequence
 from functools import cached_property
 from itertools import chain
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from mcpn._kernel import Store, Zdd
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
@@ -21,6 +21,24 @@ Bits = tuple[Literal["oos", "dead"], ...]
 
 IMMORTAL: Bits = ("oos",)
 MORTAL: Bits = ("oos", "dead")
+
+
+class Toggle(NamedTuple):
+    """What an idle resource may do.
+
+    Args:
+        event: The event of the store.
+        undo: The one that undoes it.
+        marked: Slots that must be marked for it.
+        unmarked: Slots that must be unmarked.
+        changed: Slots that it changes.
+    """
+
+    event: int
+    undo: int
+    marked: list[int]
+    unmarked: list[int]
+    changed: frozenset[int]
 
 
 class Layout:
@@ -45,8 +63,7 @@ class Layout:
             for i, name in enumerate(self.hardware)
         }
         self._events: dict[tuple[tuple[int, ...], ...], int] = {}
-        self._toggles: dict[str, dict[str, tuple[int, int]]] = {}
-        self.known: dict[Hashable, list[int]] = {}
+        self._known: dict[Hashable, list[int]] = {}
 
     @cached_property
     def all_slots(self) -> list[int]:
@@ -77,46 +94,50 @@ class Layout:
     # --- hardware beside a section ---
 
     @cached_property
-    def universe(self) -> Zdd:
-        """All states of all hardware."""
-        ways = [event for name in self.hardware for event, _ in self.toggles(name).values()]
-        return self.store.singleton([]).saturate(ways)
-
-    def toggles(self, name: str) -> dict[str, tuple[int, int]]:
-        """What a resource that nobody uses does: by its event's kind, the event and the one that undoes it.
+    def toggles(self) -> dict[str, dict[str, Toggle]]:
+        """What each resource that nobody uses does, by the kind of its event.
 
         ``fails`` and ``repaired``; ``dies`` where hardware may die.
         """
-        if name not in self._toggles:
-            self._toggles[name] = self._drawn_toggles(name)
-        return self._toggles[name]
+        found: dict[str, dict[str, Toggle]] = {}
+        for name, (oos, *dead) in self.slots.items():
+            found[name] = {"fails": self._toggle([], [oos], dead), "repaired": self._toggle([oos], [], dead)}
+            if dead:
+                found[name]["dies"] = self._toggle([], dead, [], [oos])
+        return found
 
-    def _drawn_toggles(self, name: str) -> dict[str, tuple[int, int]]:
-        oos, *rest = self.slots[name]
-        if not rest:
-            return {
-                "fails": (self.event(produce=[oos]), self.event(consume=[oos])),
-                "repaired": (self.event(consume=[oos]), self.event(produce=[oos])),
-            }
-        (dead,) = rest
-        return {
-            "fails": (self.event(produce=[oos], zero=[dead]), self.event(consume=[oos], zero=[dead])),
-            "repaired": (self.event(consume=[oos], zero=[dead]), self.event(produce=[oos], zero=[dead])),
-            "dies": (self.event(produce=[dead], read=[oos]), self.event(consume=[dead], read=[oos])),
-        }
+    def _toggle(
+        self, consume: list[int], produce: list[int], zero: list[int], read: Sequence[int] = ()
+    ) -> Toggle:
+        marked, unmarked = [*consume, *read], [*produce, *zero]
+        events = self.event(consume, produce, read, zero), self.event(produce, consume, read, zero)
+        return Toggle(*events, sorted(marked), sorted(unmarked), frozenset((*consume, *produce)))
+
+    @cached_property
+    def universe(self) -> Zdd:
+        """All states of all hardware."""
+        return self.store.singleton([]).saturate(self.beside(None, undone=False))
+
+    def beside(
+        self, kinds: Collection[tuple[str, str]] | None, *, undone: bool, but: Collection[str] = ()
+    ) -> list[int]:
+        """Events of the store for what idle hardware does, or what undoes it.
+
+        Args:
+            kinds: Those that are wanted, as pairs (resource, kind); ``None`` for all.
+            undone: Whether those are wanted that undo it.
+            but: Hardware whose events are not wanted.
+        """
+        key = kinds, undone, tuple(but)
+        if key not in self._known:
+            self._known[key] = [
+                toggle.undo if undone else toggle.event
+                for name, toggles in self.toggles.items()
+                for kind, toggle in toggles.items()
+                if name not in but and (kinds is None or (name, kind) in kinds)
+            ]
+        return self._known[key]
 
     def statuses(self) -> list[tuple[int, ...]]:
         """The states of one resource but for *in service*, each as the bits that are marked."""
         return [(0,)] if len(self.bits) == 1 else [(0,), (0, 1)]
-
-    def needs(self, name: str) -> dict[str, tuple[list[int], list[int]]]:
-        """By kind of event of an idle resource, the slots that must be marked for it, and unmarked."""
-        oos, *rest = self.slots[name]
-        needed: dict[str, tuple[list[int], list[int]]] = {"fails": ([], [oos]), "repaired": ([oos], [*rest])}
-        if rest:
-            needed["dies"] = [oos], [*rest]
-        return needed
-
-    def changes(self, kind: str, name: str) -> set[int]:
-        """The slots that an event of an idle resource changes."""
-        return {self.slots[name][-1 if kind == "dies" else 0]}

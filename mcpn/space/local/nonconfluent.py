@@ -138,7 +138,7 @@ def _met_at(
     if transition != placed.type.net.start:
         here = composite.of({placed.name: composite.everything.parts[placed.name] & states})
         if here:
-            yield here, placed.transitions[transition]
+            yield here, placed.transitions.whole[transition]
         return
     hardware = placed.type.to_slots(states & placed.type.before, placed.faulty)
     here = composite.leaving_for(placed.name, hardware)
@@ -182,7 +182,7 @@ def refuse_open_junctions(composite: CompositeSpace) -> None:
     """
     for first, second in sharing_pairs(composite):
         part = junction_part(composite.mission_net.usage, first.section, second.section)
-        prove_confluent(part.net(first.templates).net)
+        prove_confluent(part.net(first.placement.templates).net)
 
 
 def sharing_pairs(composite: CompositeSpace) -> Iterator[tuple[PlacedSection, PlacedSection]]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cached_property
+from itertools import chain
 
 from mcpn._kernel import Zdd
-from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, Guards
 from mcpn.space.local.glued import Glued
 from mcpn.space.local.local_states import ALL, Allowed
-from mcpn.space.local.sections import BEGIN, ENDS, PlacedSection
 from mcpn.space.local.sets import CompositeSet, Member
 
 
@@ -19,33 +18,29 @@ class Runs(Glued):
 
     def single(self, state: Member) -> CompositeSet:
         """The set that holds one member."""
-        name, levels = state
-        part, placed = self.layout.store.singleton(list(levels)), self.sections.get(name)
-        return CompositeSet(self, {name: part if placed is None else self.layout.opened(part, placed.slots)})
+        part, slots = self.layout.store.singleton(list(state[1])), self.stages[state[0]].slots
+        return CompositeSet(self, {state[0]: self.layout.opened(part, slots)})
 
     def edges(self, state: Member) -> Iterator[Edge]:
         """The edges of one member, in the order of the whole net's transitions."""
-        return self._edges(state, ALL, (*self.sections, *ENDS, BEGIN))
+        return self._edges(state, ALL, self.stages)
 
     def _edges(self, state: Member, allowed: Allowed, into: Collection[str]) -> Iterator[Edge]:
-        """Those of them that are allowed and lead into some sections."""
-        found = list(self._toggled(state, allowed)) if state[0] in into else []
-        if state[0] in self.sections:
-            found += self._fired(state, allowed, into)
-        elif state[0] == BEGIN and (allowed.local is None or allowed.local):
-            graph = self.mission_net.graph
-            found.append(Edge(self.mission_net.start, self._entered(graph.entry, set(state[1]))))
-        return iter(sorted(found, key=lambda edge: edge.transition))
+        """Those of them that are allowed and lead into some stages."""
+        toggled = self._toggled(state, allowed) if state[0] in into else ()
+        edges = chain(toggled, self._fired(state, allowed, into))
+        return iter(sorted(edges, key=lambda edge: edge.transition))
 
     def _toggled(self, state: Member, allowed: Allowed) -> Iterator[Edge]:
-        name, levels = state
-        placed, marked = self.sections.get(name), set(levels)
-        own = () if placed is None else placed.faulty
+        name, marked = state[0], set(state[1])
         for hardware, kind in self._kinds if allowed.beside is None else allowed.beside:
-            needed, unmarked = self.layout.needs(hardware)[kind]
-            if hardware not in own and marked.issuperset(needed) and marked.isdisjoint(unmarked):
-                after = marked ^ self.layout.changes(kind, hardware)
-                yield Edge(self.toggles[hardware][kind], (name, tuple(sorted(after))))
+            toggle, own = self.layout.toggles[hardware][kind], self.stages[name].faulty
+            if (
+                hardware not in own
+                and marked.issuperset(toggle.marked)
+                and marked.isdisjoint(toggle.unmarked)
+            ):
+                yield Edge(self.toggles[hardware][kind], (name, tuple(sorted(marked ^ toggle.changed))))
 
     @cached_property
     def _kinds(self) -> list[tuple[str, str]]:
@@ -53,34 +48,24 @@ class Runs(Glued):
         return [(hardware, kind) for hardware, kinds in self.toggles.items() for kind in kinds]
 
     def _fired(self, state: Member, allowed: Allowed, into: Collection[str]) -> Iterator[Edge]:
-        placed, first, guards = self.sections[state[0]], self.layout.first_slot, dict(allowed.guards)
-        type_, routes = placed.type, placed.routes
+        stage, first, guards = self.stages[state[0]], self.layout.first_slot, dict(allowed.guards)
         local = tuple(level for level in state[1] if level < first)
         beside_it = {level for level in state[1] if level >= first}
-        for t, after, inside, exit_ in type_.fired(local):
-            name = placed.name if exit_ is None else routes[exit_]
+        for t, inside, after, exit_ in stage.type.fired(local):
+            name = stage.name if exit_ is None else stage.routes[exit_]
             barred = allowed.local is not None and t not in allowed.local
             if barred or name not in into or (t in guards and not self._in(state, guards[t])):
                 continue
             if exit_ is None:
                 target = (name, tuple(sorted({*inside, *beside_it})))
             else:
-                target = self._entered(name, beside_it | self.own_bits(placed, after))
-            yield Edge(placed.transitions[t], target)
-
-    def own_bits(self, placed: PlacedSection, marking: Marking) -> set[int]:
-        """The slots that say of a section's own hardware what a marking of its local net says."""
-        roles = placed.type.net.by_role
-        return {
-            slot
-            for theirs, mine in zip(placed.type.faulty, placed.faulty, strict=True)
-            for slot, role in zip(self.layout.slots[mine], self.layout.bits, strict=True)
-            if marking[roles[role, theirs][0]]
-        }
+                own = {slot for slot, place in stage.own_bits.items() if after[place]}
+                target = self._entered(name, beside_it | own)
+            yield Edge(stage.transitions.whole[t], target)
 
     def _entered(self, name: str, slots: set[int]) -> Member:
         """The first state of a section entered with all hardware in one state."""
-        entered = self.enter(name, self.layout.store.singleton(sorted(slots)))
+        entered = self.stages[name].entered(self.layout.store.singleton(sorted(slots)))
         levels = self.closed(name, entered).pick()
         assert levels is not None, "every state of the hardware has an entry"
         return name, tuple(levels)
@@ -151,24 +136,22 @@ class Runs(Glued):
                 return hops
             targets = {}
             for name, (closed, _) in hop.items():
-                entries = self.entries(name, closed)
-                for before, exit_ in self.into.get(name, ()):
-                    if before in within:
-                        leaving = self.leaving(before, exit_, entries, allowed(before)) & within[before]
-                        if leaving:
-                            targets[before] = targets[before] | leaving if before in targets else leaving
+                entries = self.stages[name].entries(closed)
+                for before, exit_ in self.into[name]:
+                    room, at = within.get(before.name), before.name
+                    if room and (leaving := before.leaving(exit_, entries, allowed(at)) & room):
+                        targets[at] = targets[at] | leaving if at in targets else leaving
         return None
 
     def _run_inside(self, begin: Member, goal: Zdd, along: Zdd | None, allowed: Allowed) -> list[Edge]:
         """A shortest run within one section; there is one."""
         name = begin[0]
-        placed = self.sections.get(name)
+        stage = self.stages[name]
         within = self.everything.parts[name] if along is None else along
         layers, seen = [goal], goal
         while not self._in(begin, layers[-1]):
-            earlier = layers[-1].images(self.beside_it(name, allowed, undone=True))
-            if placed is not None:
-                earlier |= placed.type.before_step(layers[-1], allowed)
+            earlier = layers[-1].images(stage.beside(allowed, undone=True))
+            earlier |= stage.type.before_step(layers[-1], allowed)
             layers.append((earlier & within) - seen)
             assert layers[-1], "the caller knows that there is a run"
             seen |= layers[-1]

@@ -7,30 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mcpn._kernel import Zdd
-from mcpn.errors import LimitError, SemanticsError
+from mcpn.errors import LimitError, PremiseError
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace
 from mcpn.space.local.local_states import Exit, LocalStates
 from mcpn.space.stable.alternatives import AlternativesGraph, direct
-
-
-class PremiseError(SemanticsError):
-    """A section hands on more than the state of its hardware, so local graphs do not give the mission's.
-
-    Args:
-        section: The section's name.
-        place: A place that differs at the section's exit from what it was at its entry.
-        run: The events of a run of the local net that shows it.
-    """
-
-    def __init__(self, section: str, place: str, run: Sequence[str]) -> None:
-        self.section = section
-        self.place = place
-        super().__init__(
-            f"section {section} does not leave the place {place} as it was at its entry, so local graphs do "
-            "not give the mission's: use --engine explicit or symbolic",
-            [run],
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,13 +143,13 @@ class SectionType(LocalStates):
         """First states inside after the section is entered with all hardware in some states."""
         before = self.from_slots(hardware, own)
         start = self.encoding.events[self.net.start]
-        return self.remembered(("entered", before), lambda: self.settled(before.images([start])))
+        return self.remembered(("entered", before), lambda: self.graph.settled(before.images([start])))
 
     def entries(self, inside: Zdd, own: Sequence[str]) -> Zdd:
         """The states of all hardware with which the section is entered in some states inside."""
         start = self.encoding.undoing[self.net.start]
         before = self.remembered(
-            ("entries", inside), lambda: self.ending(inside).images([start], within=self.before)
+            ("entries", inside), lambda: self.graph.ending(inside).images([start], within=self.before)
         )
         return self.to_slots(before, own)
 

@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
-
-import numpy as np
+from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.firing import unsafe_at_start
-from mcpn.space.markings.graph import Ints, StateGraph, Words
+
+if TYPE_CHECKING:
+    from mcpn.space.markings.graph import Ints, StateGraph, Words
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called about once a second with the states found and the edges fired so far."""
@@ -72,6 +72,8 @@ class KernelNet:
 
     def arrays(self, found: Exploration) -> tuple[Words, Ints, Ints, Ints]:
         """Markings, offsets, targets and labels of an exploration, labels as the net numbers them."""
+        import numpy as np
+
         numbers = np.array(self.transitions, np.int64)
         markings: Words = found.take_markings()
         offsets, targets = found.take_offsets().astype(np.int64), found.take_targets().astype(np.int64)
@@ -119,6 +121,8 @@ def explore(
         UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
         LimitError: A limit was hit.
     """
+    from mcpn.space.markings.graph import StateGraph
+
     prepared = KernelNet(net)
     found = _explored(prepared, True, max_states, max_memory, progress)
     return StateGraph(net, *prepared.arrays(found))

@@ -15,11 +15,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import ceil, inf
 from typing import Literal, TypeAlias
-
-import numpy as np
-import numpy.typing as npt
 
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import incidence, invariants, state_machine_units
@@ -95,7 +92,7 @@ class StateEquation:
         program = _Program(self.net, self.bounds)
         if not program.require(goal):
             return Solution("unknown")
-        traps, values = 0, np.zeros(0)
+        traps, values = 0, list[float]()
         for whole in (False, True):
             while True:
                 kind, values = program.solve(whole=whole)
@@ -111,7 +108,7 @@ class StateEquation:
                     break
                 program.at_least(dict.fromkeys(trap, 1.0), 1.0)
                 traps += 1
-        counts = tuple(int(np.ceil(value - MARGIN)) for value in values[: len(self.net.transitions)])
+        counts = tuple(ceil(value - MARGIN) for value in values[: len(self.net.transitions)])
         return Solution("possible", counts, traps)
 
     def _trap(self, within: Iterable[int]) -> frozenset[int]:
@@ -251,8 +248,9 @@ class _Program:
         self.rows.append((row, 1.0 if choice is None else 0.0))
         return True
 
-    def solve(self, *, whole: bool) -> tuple[Kind, npt.NDArray[np.float64]]:
+    def solve(self, *, whole: bool) -> tuple[Kind, list[float]]:
         """Looks for a solution; of whole numbers of tokens and choices, where so asked."""
+        import numpy as np
         from scipy.optimize import Bounds, LinearConstraint, milp
         from scipy.sparse import csr_array
 
@@ -283,5 +281,5 @@ class _Program:
             options={"node_limit": NODES, "mip_rel_gap": 1e6},
         )
         if found.x is not None:
-            return "possible", np.asarray(found.x, dtype=np.float64)
-        return ("unreachable" if found.status == 2 else "unknown"), np.zeros(0)
+            return "possible", [float(value) for value in found.x]
+        return ("unreachable" if found.status == 2 else "unknown"), []

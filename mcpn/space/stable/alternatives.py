@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mcpn._kernel import MemoryLimit, StateLimit
+from mcpn._kernel import MemoryLimit, StateLimit, stable_ends
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.markings.firing import MaskedNet
-from mcpn.space.markings.graph import Ints, Mask, StateGraph, Words, pack, rows
+from mcpn.space.markings.graph import Ints, Mask, StateGraph, Words, pack
 from mcpn.space.stable.parting import parting_runs
 
 DEFAULT_MAX_STATES = 5_000_000
@@ -99,28 +99,17 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
 
 
 def _stable_ends(graph: StateGraph) -> Ints:
-    """The one stable end of each state, found by rounds backwards from the stable ones."""
+    """The one stable end of each state."""
     internal = np.array([t.internal for t in graph.net.transitions], np.bool_)[graph.labels]
     transient = np.zeros(graph.states, np.bool_)
     transient[graph.sources[internal]] = True
-    ends = np.where(transient, -1, np.arange(graph.states))
-    open_states = np.flatnonzero(transient)
-    while len(open_states):
-        # Priorities leave a transient state internal edges only, so each of its edges counts.
-        lengths = graph.offsets[open_states + 1] - graph.offsets[open_states]
-        bounds = np.concatenate(([0], np.cumsum(lengths)[:-1]))
-        reached = ends[graph.targets[rows(graph.offsets, open_states)]]
-        least, most = np.minimum.reduceat(reached, bounds), np.maximum.reduceat(reached, bounds)
-        known = np.where(reached >= 0, reached, np.iinfo(np.int64).max)
-        least_known = np.minimum.reduceat(known, bounds)
-        clash = (most >= 0) & (least_known < most)
-        if clash.any():
-            raise _two_ends(graph, int(open_states[np.flatnonzero(clash)[0]]), ends)
-        done = least >= 0
-        if not done.any():
-            raise _endless(graph, int(open_states[0]), ends < 0)
-        ends[open_states[done]] = least[done]
-        open_states = open_states[~done]
+    # Priorities leave a transient state internal edges only, so each of its edges counts.
+    ends, clash = stable_ends(graph.offsets, graph.targets, transient)
+    if clash >= 0:
+        raise _two_ends(graph, clash, ends)
+    endless = np.flatnonzero(ends < 0)
+    if len(endless):
+        raise _endless(graph, int(endless[0]), ends < 0)
     return ends
 
 

@@ -23,6 +23,7 @@ REMEDIES = {
     "software": (*_RESOURCE, 'declare {wanted} without exclusive="true"'),
     "activity": ("give one of them an activity of its own",),
     "producer": ("put in sequence what needs its resources", "produce them by activities of their own"),
+    "stop": ("put in sequence what uses the same resources", "give it resources of its own"),
 }
 """What a designer can change, by what is wanted."""
 
@@ -59,7 +60,8 @@ class Clash:
 
     Args:
         kind: ``hardware`` or ``software`` (both ask for it), ``activity`` (both start it), ``producer`` (one
-            stops it while another asks for what it produces), or empty where it is none of these.
+            stops it while another asks for what it produces), ``stop`` (an activity is stopped while it
+            changes its alternative), or empty where it is none of these.
         wanted: Names of what is wanted, in the net's order.
         rivals: Both, in the order of their names.
         where: ``branches`` (of a parallel block), ``objective`` (both are for the same one), ``chain`` (and
@@ -83,10 +85,12 @@ class Clash:
             case "producer":
                 asked = next((r.name for r in self.rivals if r.kind == "software"), "its resource")
                 said = f"activity {wanted} may stop at the moment at which {asked} is asked for"
+            case "stop":
+                said = f"activity {wanted} may be stopped at the moment at which it changes its alternative"
             case _:
                 said = f"{who} act at the same moment"
         remedies = [remedy.format(wanted=wanted) for remedy in REMEDIES.get(self.kind, ())]
-        if self.kind != "producer" and self.where in SEQUENCE:
+        if self.kind not in ("producer", "stop") and self.where in SEQUENCE:
             remedies.insert(0, SEQUENCE[self.where])
         advice = f"; to change this, {', or '.join(remedies)}" if remedies else ""
         return f"not confluent: {said}, and what follows depends on which comes first{advice}"
@@ -156,7 +160,9 @@ class _Finding:
         rivals = sorted((self._rival(one), self._rival(other)), key=lambda r: (r.name, r.kind))
         names = tuple(name for _, name in wanted)
         objectives = {rival.kind for rival in rivals} == {"objective"}
-        if kinds and kinds <= {"hardware", "software"} and {r.kind for r in rivals} == {"activity"}:
+        if rivals[0].kind == "activity" and rivals[0] == rivals[1]:
+            kind, names = "stop", (rivals[0].name,)
+        elif kinds and kinds <= {"hardware", "software"} and {r.kind for r in rivals} == {"activity"}:
             kind = "hardware" if "hardware" in kinds else "software"
         elif kinds == {"activity"} and objectives:
             kind = "activity"
