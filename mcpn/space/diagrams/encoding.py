@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 
 from mcpn._kernel import Store, Zdd
@@ -97,6 +97,11 @@ class Encoding:
         """The level that says whether a place is marked, and whether it says the reverse."""
         partner = self.partner.get(place)
         return (self.level[place], False) if partner is None else (self.level[partner], True)
+
+    def marks(self, levels: Collection[int], place: int) -> bool:
+        """Whether a marking, given as its marked levels, marks a place."""
+        level, reverse = self.bit(place)
+        return (level in levels) != reverse
 
     def marked_levels(self, marking: Sequence[int]) -> list[int]:
         """The marked levels of a marking, given as tokens by place."""

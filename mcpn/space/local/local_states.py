@@ -6,14 +6,13 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import Marking
 from mcpn.net.sections import LocalPart
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramAlternatives
@@ -127,15 +126,15 @@ class LocalStates:
         """In how many of some states inside each event transition of the local net is enabled."""
         return self.graph.firings(states)
 
-    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, Sequence[int], Marking, Exit | None]]:
-        """The events of a local state: each with the stable state after it, its marking, and its exit."""
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, frozenset[int], Exit | None]]:
+        """The events of a local state: each with the stable state after it, and its exit if it has one."""
 
-        def compute() -> list[tuple[int, Sequence[int], Marking, Exit | None]]:
+        def compute() -> list[tuple[int, frozenset[int], Exit | None]]:
             found = []
             for edge in self.graph.edges(levels):
-                after = self.encoding.marking(edge.target)
-                exit_ = next((e for e, place in self.ends.items() if after[place]), None)
-                found.append((edge.transition, edge.target, after, exit_))
+                after = frozenset(edge.target)
+                exit_ = next((e for e, place in self.ends.items() if self.encoding.marks(after, place)), None)
+                found.append((edge.transition, after, exit_))
             return found
 
         return self.remembered(("fired", levels), compute)
