@@ -115,7 +115,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     if not options.mortal:  # what may die behaves as what may not
         if templates is not None:
             refuse_open_junctions(composite)
-        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types}, options.max_states)
+        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types})
     return composite
 
 
