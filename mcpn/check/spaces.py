@@ -10,6 +10,7 @@ from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
 
 if TYPE_CHECKING:
@@ -158,7 +159,8 @@ def markings_by(
     if engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
-        return ArraySpace(explore(net, max_states=max_states, progress=progress))
+        listed = explore_markings if tokens else explore
+        return ArraySpace(listed(net, max_states=max_states, progress=progress))
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 
