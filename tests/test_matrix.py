@@ -11,8 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes
-from mcpn.check.causes.fmeca import Severity, fmeca
+from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions

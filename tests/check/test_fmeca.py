@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from functools import cache
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.causes.fmeca import Row, Severity, fmeca
+from mcpn.check.causes.effects import Severity
+from mcpn.check.causes.fmeca import Row, fmeca
 from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
 from mcpn.space.stable.alternatives import direct
 from tests.check.asked import ENGINES, Asked
-from tests.check.oracle import Play, fragile_missions
+from tests.check.oracle import Play, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
 
@@ -45,10 +51,12 @@ def test_the_gps_is_replaced_by_the_imu(ulysse_rows: dict[tuple[str, str], Row])
     assert row.with_others == ((Severity.MISSION_LOST_UNLESS_REPAIRED, (("IMU_sensor",),)),)
 
 
-def test_a_spare_in_reserve_makes_a_difference_in_company_only(
-    ulysse_rows: dict[tuple[str, str], Row],
-) -> None:
+def test_a_spare_matters_where_it_runs_and_in_company(ulysse_rows: dict[tuple[str, str], Row]) -> None:
+    # After a repair of the GPS localisation still runs by the IMU, with all other hardware in service.
     row = ulysse_rows["IMU_sensor", "transect.diving"]
+    assert (row.severity, row.worst) == (Severity.DEGRADED, Severity.MISSION_LOST_UNLESS_REPAIRED)
+    assert row.local_effect == "localisation: imu_localisation -> gps_localisation"
+    row = ulysse_rows["IMU_sensor", "transect.filming"]
     assert (row.severity, row.worst) == (Severity.NO_EFFECT, Severity.MISSION_LOST_UNLESS_REPAIRED)
     assert row.local_effect == "none"
     assert row.detection == "by its event alone: not in use here"
@@ -66,6 +74,125 @@ def test_the_thruster_ends_the_mission(ulysse_rows: dict[tuple[str, str], Row]) 
     assert ulysse_rows["thruster_actuator", "transect.advancing"].compensation == (
         "its failure fails transect.census"
     )
+    row = ulysse_rows["thruster_actuator", "transect.filming"]
+    assert row.local_effect == (
+        "none here; in transect.advancing, advancing has no possible alternative; needed later"
+    )
+    assert (row.objective_effect, row.compensation) == ("none", "none")
+    assert row.severity is Severity.MISSION_LOST_UNLESS_REPAIRED
+
+
+RETRIED = """<mission name="sprayer" xmlns="urn:mcpn:mission:1">
+  <robot name="r">
+    <hardware name="wheels"/><hardware name="coupling"/><hardware name="pump"/><hardware name="camera"/>
+    <software name="image"/>
+    <activity name="camera_driver" produces="image" consumes="camera"/>
+    <activity name="drive" consumes="wheels"/>
+    <activity name="fill" consumes="coupling"/>
+    <activity name="look"><alternative name="by_eye" consumes="image"/><alternative name="blind"/></activity>
+    <activity name="spray"><alternative name="aimed" consumes="image pump"/></activity>
+  </robot>
+  <objective name="refill" activities="fill" retries="1" failure="go_home"/>
+  <parallel name="treat" failure="go_home">
+    <objective name="watching" activities="look"/>
+    <objective name="spraying" activities="spray"/>
+  </parallel>
+  <objective name="go_home" activities="drive" retries="1"/>
+</mission>
+"""
+
+
+@pytest.fixture(scope="module", params=ENGINES)
+def retried(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> dict[tuple[str, str], Row]:
+    path = tmp_path_factory.mktemp("retried") / "mission.xml"
+    path.write_text(RETRIED)
+    rows = fmeca(Asked(compose(read_mission(path)), request.param).prospects)
+    return {(row.hardware, row.objective): row for row in rows}
+
+
+def test_a_retry_may_run_with_all_hardware_in_service(retried: dict[tuple[str, str], Row]) -> None:
+    for name in ("refill_try1", "refill_try2", "treat.watching", "go_home_try1", "go_home_try2"):
+        row = retried["wheels", name]
+        worst = Severity.MISSION_LOST if name == "go_home_try2" else Severity.MISSION_LOST_UNLESS_REPAIRED
+        assert (row.severity, row.with_others) == (worst, ()), name
+    assert retried["coupling", "refill_try2"].severity is Severity.OBJECTIVE_LOST
+    assert retried["coupling", "refill_try2"].compensation == "its failure leads to go_home_try1"
+
+
+def test_no_pair_is_missing(retried: dict[tuple[str, str], Row]) -> None:
+    objectives = ["refill_try1", "refill_try2", "treat.watching", "treat.spraying"]
+    objectives += ["go_home_try1", "go_home_try2"]
+    hardware = ["wheels", "coupling", "pump", "camera"]
+    assert list(retried) == [(h, o) for h in hardware for o in objectives]
+    assert retried["camera", "go_home_try1"].severity is Severity.NO_EFFECT
+
+
+def test_what_happens_in_another_branch_is_no_effect_on_this_one(
+    retried: dict[tuple[str, str], Row],
+) -> None:
+    row = retried["pump", "treat.watching"]
+    assert (row.severity, row.local_effect, row.compensation) == (Severity.NO_EFFECT, "none", "none needed")
+    row = retried["wheels", "treat.watching"]
+    assert row.local_effect == "none here; needed later"
+
+
+def used_by(found: MissionNet, marking: Marking, activities: Iterable[str]) -> frozenset[tuple[str, str]]:
+    """What activities and those that serve them do: alternatives that run or are awaited, and refusals."""
+    producers = {r: a.name for a in found.mission.activities for r in a.produces}
+    consumed = {
+        f"{a.name}.{way.name}": way.consumes for a in found.mission.activities for way in a.alternatives
+    }
+    said = [role for place, role in found.roles.items() if marking[place]]
+    using, stack = set[tuple[str, str]](), list(activities)
+    seen = set(stack)
+    while stack:
+        activity = stack.pop()
+        for kind, name in said:
+            if kind == "refused" and name == activity:
+                using.add((kind, name))
+            elif kind in ("active", "wait") and name.split(".", 1)[0] == activity:
+                using.add((kind, name))
+                serving = {producers[r] for r in consumed[name] if r in producers} - seen
+                seen |= serving
+                stack.extend(serving)
+    return frozenset(using)
+
+
+def severities(found: MissionNet) -> dict[tuple[str, str], dict[Severity, set[frozenset[str]]]]:
+    """By hardware and objective, what its failure does, each with the other hardware out of service."""
+    play = Play(found)
+    dead = frozenset(play.hardware)
+
+    @cache
+    def mission_survives(marking: Marking, lost: frozenset[str]) -> bool:
+        return play.mission_survives(marking, lost)
+
+    def severity(before: Marking, after: Marking, section: ElementarySection) -> Severity:
+        def crosses(survives: Callable[[Marking], bool]) -> bool:
+            return survives(before) and not survives(after)
+
+        if crosses(lambda m: mission_survives(m, frozenset())):
+            return Severity.MISSION_LOST
+        if crosses(lambda m: mission_survives(m, dead)):
+            return Severity.MISSION_LOST_UNLESS_REPAIRED
+        if crosses(lambda m: play.objective_survives(m, section.name, dead)):
+            return Severity.OBJECTIVE_LOST
+        changed = used_by(found, before, section.activities) != used_by(found, after, section.activities)
+        return Severity.DEGRADED if changed else Severity.NO_EFFECT
+
+    expected: dict[tuple[str, str], dict[Severity, set[frozenset[str]]]] = {}
+    every = play.reach([play.initial])
+    for section in found.graph.walk():
+        runs = play.marks(f"OBJ_{section.name}")
+        for before in every:
+            for event, after in play.edges(before) if runs(before) else ():
+                if event.endswith("_EV_OOS"):
+                    key = event.removesuffix("_EV_OOS"), section.name
+                    costs = severity(before, after, section)
+                    expected.setdefault(key, {}).setdefault(costs, set()).add(play.out(before))
+    return expected
 
 
 @fewer(0.3)
@@ -82,47 +209,11 @@ def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) 
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
-    play = Play(found)
-    dead = frozenset(play.hardware)
-    modes = [
-        found.net.place_index[p.name] for i, p in enumerate(found.net.places) if i in found.saying("active")
-    ]
-
-    def severity(before: Marking, after: Marking, name: str) -> Severity:
-        def crosses(survives: list[bool]) -> bool:
-            return survives[0] and not survives[1]
-
-        ends = (before, after)
-        if crosses([play.mission_survives(m, frozenset()) for m in ends]):
-            return Severity.MISSION_LOST
-        if crosses([play.mission_survives(m, dead) for m in ends]):
-            return Severity.MISSION_LOST_UNLESS_REPAIRED
-        if crosses([play.objective_survives(m, name, dead) for m in ends]):
-            return Severity.OBJECTIVE_LOST
-        changed = any(before[p] != after[p] for p in modes)
-        return Severity.DEGRADED if changed else Severity.NO_EFFECT
-
-    expected: dict[tuple[str, str], dict[Severity, set[frozenset[str]]]] = {}
-    forced = play.forced()
-    for section in found.graph.walk():
-        runs = play.marks(f"OBJ_{section.name}")
-        for before in forced:
-            for event, after in play.edges(before) if runs(before) else ():
-                if event.endswith("_EV_OOS"):
-                    costs = severity(before, after, section.name)
-                    key = event.removesuffix("_EV_OOS"), section.name
-                    expected.setdefault(key, {}).setdefault(costs, set()).add(play.out(before))
-    told = {(row.hardware, row.objective): row for row in rows}
-    for key, costs_by in expected.items():
-        serious = {c for c in costs_by if c > Severity.DEGRADED}
-        if key not in told:
-            assert not serious
-            continue
-        row = told[key]
-        alone = [c for c, sets in costs_by.items() if frozenset() in sets]
-        assert max(row.severity, Severity.DEGRADED) == max([*alone, Severity.DEGRADED])
-        for severity_told, sets in row.with_others:
-            if severity_told > Severity.DEGRADED:
-                known = costs_by[severity_told]
-                assert {frozenset(s) for s in sets} == {s for s in known if not any(t < s for t in known)}
-        assert {s for s, _ in row.with_others} >= {c for c in serious if c > row.severity}
+    expected = severities(found)
+    assert {(row.hardware, row.objective) for row in rows} == set(expected)
+    for row in rows:
+        costs = expected[row.hardware, row.objective]
+        alone = max(severity for severity, sets in costs.items() if frozenset() in sets)
+        worse = {severity: minimal(sets) for severity, sets in costs.items() if severity > alone}
+        assert row.severity == alone
+        assert {severity: list(sets) for severity, sets in row.with_others} == worse
