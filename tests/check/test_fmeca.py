@@ -79,6 +79,7 @@ def test_the_thruster_ends_the_mission(ulysse_rows: dict[tuple[str, str], Row]) 
         "none here; in transect.advancing, advancing has no possible alternative; needed later"
     )
     assert (row.objective_effect, row.compensation) == ("none", "none")
+    assert row.recovery == "the mission can succeed again"
     assert row.severity is Severity.MISSION_LOST_UNLESS_REPAIRED
 
 
@@ -113,7 +114,7 @@ def retried(
 
 
 def test_a_retry_may_run_with_all_hardware_in_service(retried: dict[tuple[str, str], Row]) -> None:
-    for name in ("refill_try1", "refill_try2", "treat.watching", "go_home_try1", "go_home_try2"):
+    for name in ("refill_try1", "refill_try2", "watching", "go_home_try1", "go_home_try2"):
         row = retried["wheels", name]
         worst = Severity.MISSION_LOST if name == "go_home_try2" else Severity.MISSION_LOST_UNLESS_REPAIRED
         assert (row.severity, row.with_others) == (worst, ()), name
@@ -122,7 +123,7 @@ def test_a_retry_may_run_with_all_hardware_in_service(retried: dict[tuple[str, s
 
 
 def test_no_pair_is_missing(retried: dict[tuple[str, str], Row]) -> None:
-    objectives = ["refill_try1", "refill_try2", "treat.watching", "treat.spraying"]
+    objectives = ["refill_try1", "refill_try2", "watching", "spraying"]
     objectives += ["go_home_try1", "go_home_try2"]
     hardware = ["wheels", "coupling", "pump", "camera"]
     assert list(retried) == [(h, o) for h in hardware for o in objectives]
@@ -132,9 +133,9 @@ def test_no_pair_is_missing(retried: dict[tuple[str, str], Row]) -> None:
 def test_what_happens_in_another_branch_is_no_effect_on_this_one(
     retried: dict[tuple[str, str], Row],
 ) -> None:
-    row = retried["pump", "treat.watching"]
+    row = retried["pump", "watching"]
     assert (row.severity, row.local_effect, row.compensation) == (Severity.NO_EFFECT, "none", "none needed")
-    row = retried["wheels", "treat.watching"]
+    row = retried["wheels", "watching"]
     assert row.local_effect == "none here; needed later"
 
 

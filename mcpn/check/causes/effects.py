@@ -178,6 +178,8 @@ def recovery(case: Case) -> str:
         if case.objective_regained:
             return f"the objective can succeed again{again}"
         return f"none before the objective has failed{again}"
+    if case.mission_lost and case.before == case.after:
+        return "the mission can succeed again" if case.mission_regained else "none"
     if case.back.mode == case.after.mode:
         return "none needed" if case.back.mode == case.before.mode else "at the next start of the activity"
     return "the former mode" if case.back.mode == case.before.mode else "another mode"
