@@ -22,8 +22,8 @@ from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
 from mcpn.space.stable.alternatives import direct, fault_after
-from mcpn.space.stable.confluence import has_endless_run, open_conflicts, prove_confluent
-from mcpn.space.stable.joining import EndlessRun, Joining, judged
+from mcpn.space.stable.confluence import open_conflicts, prove_confluent
+from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among
 from mcpn.space.stable.nearest import fault_by
 
 
@@ -68,21 +68,20 @@ def _rejoin(
     begun = type_.layout.store.empty()
     for placed in sections:
         begun |= type_.begun(composite.everything.parts[placed.name], composite.entering(placed))
-    transient = begun.saturate(type_.encoding.internal)
     if space.endless:
         endless = type_.layout.opened(
             type_.layout.store.from_bytes(space.endless.to_bytes()), type_.layout.all_slots
         )
-        if transient & endless:
+        if begun.saturate(type_.encoding.internal) & endless:
             return False
     try:
-        found = judged(type_.encoding, transient, conflicts, Joining(type_.net.net))
+        markings = calm(type_.encoding, begun, conflicts)
+        found = parting_among(type_.encoding, markings, conflicts, Joining(type_.net.net))
     except EndlessRun:
         return False
-    if found.parting is not None:
-        _raise_before(composite, type_, sections, transient, found.parting[0])
-        return False
-    return found.balanced or not has_endless_run(type_.encoding, transient)
+    if found is not None:
+        _raise_before(composite, type_, sections, begun.saturate(type_.encoding.internal), found[0])
+    return found is None
 
 
 def _raise_before(
