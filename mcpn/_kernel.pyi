@@ -208,6 +208,10 @@ class Exploration:
     @property
     def most_tokens(self) -> int: ...
     @property
+    def bounds(self) -> list[int]:
+        """Most tokens by place, of a :class:`CountedNet`."""
+
+    @property
     def trouble(self) -> tuple[int, int, bool] | None:
         """Where it ended early: a state, the transition fired there, and whether what followed is endless."""
 
@@ -253,6 +257,30 @@ class SafeNet:
         progress: Callable[[int, int], object] | None = ...,
     ) -> Exploration:
         """Stable markings and events only: each event is run to completion along one interleaving."""
+
+class CountedNet:
+    """A net with several tokens in a place; a marking is a row of words, a field for each place.
+
+    Each field is given by its word, its lowest bit there and its width of at most 62 bits; fields do not
+    overlap. Each transition is given by the tokens that it needs, by what it changes, and whether it is
+    internal.
+    """
+
+    def __init__(
+        self,
+        fields: Sequence[tuple[int, int, int]],
+        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], bool]],
+        priorities: bool,
+    ) -> None: ...
+    def explore(
+        self,
+        initial: Sequence[int],
+        edges: bool,
+        max_states: int,
+        max_bytes: int,
+        progress: Callable[[int, int], object] | None = ...,
+    ) -> Exploration:
+        """Every reachable marking, as :meth:`SafeNet.explore`; trouble is a firing beyond a field."""
 
 class Goals:
     """Conditions on markings, as nodes that name earlier ones.

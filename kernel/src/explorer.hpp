@@ -26,6 +26,7 @@ struct Limits {
 // Markings in the order in which they were found, and the firings between them if they were asked for.
 struct Exploration {
   std::uint64_t words = 1, edges = 0, dead = 0, stable = 0, most_tokens = 0;
+  std::vector<std::uint64_t> bounds;   // most tokens by place, of nets whose places may hold several
   std::vector<Word> markings;          // words for each state
   std::vector<State> parents;          // the state that each was found from; its own number for the first
   std::vector<std::uint32_t> via;      // by which transition
@@ -62,7 +63,6 @@ class SafeNet {
     std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need
     std::vector<std::uint32_t> always;                         // those that need none
   };
-  class Table;
 
   bool covers(const Word* marking, std::uint32_t t) const {
     for (std::uint32_t i = begin_[t]; i < begin_[t + 1]; ++i)

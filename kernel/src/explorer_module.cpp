@@ -9,6 +9,7 @@
 #include <memory>
 #include <tuple>
 
+#include "counted.hpp"
 #include "explorer.hpp"
 #include "store.hpp"
 
@@ -18,6 +19,9 @@ using namespace mcpn;
 namespace {
 
 using Places = std::vector<std::uint32_t>;
+using Arcs = std::vector<std::tuple<std::uint32_t, std::int64_t>>;
+using Counted = std::tuple<Arcs, Arcs, bool>;                   // need, change, internal
+using Field = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;  // word, shift, width
 using Given = std::tuple<Places, Places, Places, bool, bool>;  // need, take, put, internal, overflow
 
 // The values of a vector as an array, which owns them from now on.
@@ -62,6 +66,40 @@ const Places& checked(const SafeNet& net, const Places& places) {
   return places;
 }
 
+constexpr std::uint32_t kMostWords = 1u << 20;
+
+// A net whose places hold several tokens, its numbers checked.
+CountedNet counted(const std::vector<Field>& given, const std::vector<Counted>& transitions, bool priorities) {
+  std::vector<CountedNet::Field> fields;
+  std::uint32_t words = 1;
+  for (const auto& [word, shift, width] : given) {
+    if (word >= kMostWords || width < 1 || width > 62 || shift > 64 - width) throw std::invalid_argument("no such field");
+    fields.push_back({word, shift, width});
+    words = std::max(words, word + 1);
+  }
+  const auto arcs = [&](const Arcs& side, std::int64_t least) {
+    std::vector<CountedNet::Arc> found;
+    for (const auto& [place, tokens] : side) {
+      if (place >= fields.size()) throw std::invalid_argument("no such place");
+      if (tokens < least || tokens > std::int64_t(1) << 62) throw std::invalid_argument("no such weight");
+      found.push_back({place, tokens});
+    }
+    return found;
+  };
+  std::vector<CountedNet::Rule> rules;
+  for (const auto& [need, change, internal] : transitions) {
+    CountedNet::Rule rule{arcs(need, 0), arcs(change, -(std::int64_t(1) << 62)), internal};
+    for (const CountedNet::Arc& taken : rule.change) {  // what is taken is there
+      std::int64_t wanted = 0;
+      for (const CountedNet::Arc& arc : rule.need)
+        if (arc.place == taken.place) wanted = arc.tokens;
+      if (wanted + taken.tokens < 0) throw std::invalid_argument("a transition takes more than it needs");
+    }
+    rules.push_back(std::move(rule));
+  }
+  return {std::move(fields), words, std::move(rules), priorities};
+}
+
 }  // namespace
 
 void bind_explorer(nb::module_& module) {
@@ -86,6 +124,7 @@ void bind_explorer(nb::module_& module) {
       .def_ro("dead", &Exploration::dead)
       .def_ro("stable", &Exploration::stable)
       .def_ro("most_tokens", &Exploration::most_tokens)
+      .def_ro("bounds", &Exploration::bounds)
       .def_prop_ro("trouble", [](const Exploration& e) -> std::optional<std::tuple<State, std::uint32_t, bool>> {
         if (!e.trouble) return std::nullopt;
         return std::tuple(e.trouble->state, e.trouble->transition, e.trouble->endless);
@@ -122,4 +161,16 @@ void bind_explorer(nb::module_& module) {
                         const nb::object& progress) {
         return run([&](const Limits& limits) { return net.settle(checked(net, initial), limits); }, max_states, max_bytes, progress);
       }, nb::arg("initial"), nb::arg("max_states"), nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
+
+  nb::class_<CountedNet>(module, "CountedNet")
+      .def("__init__", [](CountedNet* self, const std::vector<Field>& fields, const std::vector<Counted>& transitions,
+                          bool priorities) {
+        new (self) CountedNet(counted(fields, transitions, priorities));
+      }, nb::arg("fields"), nb::arg("transitions"), nb::arg("priorities"))
+      .def("explore", [](const CountedNet& net, const std::vector<std::int64_t>& initial, bool edges,
+                         std::uint64_t max_states, std::uint64_t max_bytes, const nb::object& progress) {
+        return run([&](const Limits& limits) { return net.explore(net.checked(initial), edges, limits); }, max_states,
+                   max_bytes, progress);
+      }, nb::arg("initial"), nb::arg("edges"), nb::arg("max_states"), nb::arg("max_bytes"),
+         nb::arg("progress").none() = nb::none());
 }

@@ -10,6 +10,7 @@ from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
 
 if TYPE_CHECKING:
@@ -59,12 +60,11 @@ def space_of(
                 None,
                 "composition makes the alternatives graph of a mission: sections hand on stable states only",
             )
-        from mcpn.space.local.composing import Options, composite_space
+        from mcpn.space.local.composing import composite_space
         from mcpn.space.stable.clash import in_mission_words
 
-        options = Options() if max_states is None else Options(max_states=max_states)
         with in_mission_words(mission_net):
-            return composite_space(mission_net, options)
+            return composite_space(mission_net)
     markings = markings_by(net, engine, limit, tokens=tokens)
     if on == "markings":
         return markings
@@ -101,7 +101,7 @@ def stable_space(
         from mcpn.space.local.composing import Options, composite_space
 
         with in_mission_words(mission_net):
-            return composite_space(mission_net, Options(max_states=limit, progress=progress))
+            return composite_space(mission_net, Options(progress=progress))
     if engine == "symbolic":
         return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
@@ -133,7 +133,7 @@ def mortal_space(
     if engine == "local":
         from mcpn.space.local.composing import Options, composite_space
 
-        return composite_space(mission_net, Options(max_states=limit, mortal=True))
+        return composite_space(mission_net, Options(mortal=True))
     from mcpn.net.mortal import mortal
 
     net = mortal(mission_net).net
@@ -158,7 +158,8 @@ def markings_by(
     if engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
-        return ArraySpace(explore(net, max_states=max_states, progress=progress))
+        listed = explore_markings if tokens else explore
+        return ArraySpace(listed(net, max_states=max_states, progress=progress))
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 

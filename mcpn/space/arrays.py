@@ -129,7 +129,7 @@ class ArraySpace:
         """States whose weighted sum of tokens is at most a bound."""
         total = np.zeros(self.graph.states, np.int64)
         for place, weight in weights.items():
-            total += weight * self.graph.marked(place)
+            total += weight * self.graph.tokens(place)
         return ArraySet(np.asarray(total <= bound, np.bool_))
 
     def enabling(self, transitions: Collection[int]) -> ArraySet:

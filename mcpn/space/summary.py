@@ -70,7 +70,7 @@ def summarise(
         The sizes.
 
     Raises:
-        UnsafeError: The net is not 1-safe, and has priorities or the engine is of 1-safe nets only.
+        UnsafeError: The net is not 1-safe, and has priorities or the engine is pyeda.
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit, or the engine is not installed.
     """
@@ -83,10 +83,9 @@ def summarise(
         counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
     else:
         counts = _pyeda(net)
-    states, edges, stable, dead, tokens = counts
+    states, edges, stable, dead, tokens, in_place = counts
     seconds = time.perf_counter() - started
     sizes = len(net.places), len(net.transitions)
-    in_place = min(tokens, 1)
     return SpaceSummary(*sizes, states, edges, stable, dead, tokens, in_place, None, engine, seconds)
 
 
@@ -115,15 +114,18 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
     )
 
 
-_Counts = tuple[int, int, int | None, int, int]
+_Counts = tuple[int, int, int | None, int, int, int]
 
 
 def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
-    from mcpn.space.markings.explicit import count
+    from mcpn.space.markings.counted import TokenCounts, count_markings
 
-    found = count(net, max_states=max_states, progress=progress)
+    found = count_markings(net, max_states=max_states, progress=progress)
     stable = found.stable if net.priorities else None
-    return found.states, found.edges, stable, found.dead, found.max_tokens
+    in_place = min(found.max_tokens, 1)
+    if isinstance(found, TokenCounts):
+        in_place = max(found.bounds, default=0)
+    return found.states, found.edges, stable, found.dead, found.max_tokens, in_place
 
 
 def _pyeda(net: PetriNet) -> _Counts:
@@ -135,4 +137,5 @@ def _pyeda(net: PetriNet) -> _Counts:
         found = count(net)
     except ImportError as error:
         raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
-    return found.states, found.edges, found.stable_states, found.dead_states, found.max_tokens
+    sizes = found.states, found.edges, found.stable_states, found.dead_states, found.max_tokens
+    return *sizes, min(found.max_tokens, 1)

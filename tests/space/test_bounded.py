@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from math import comb
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,13 @@ from mcpn.net.events import Event
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.algebra import Space
+from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.bounded import reach_markings, reach_tokens
 from mcpn.space.diagrams.order import candidates
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace
+from mcpn.space.markings.counted import count_tokens, explore_tokens
+from mcpn.space.summary import summarise
 from tests.check.formulas import formulas, satisfying
 from tests.check.test_behaviour import ahead
 from tests.check.test_ctl import names, satisfy
@@ -30,6 +34,8 @@ from tests.draws import fewer
 from tests.net.nets import graph_of, nets, token_nets
 from tests.shares import returns_early
 from tests.space.test_tokens import check_pump, producer_consumer, replay
+
+SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens", "max_tokens_in_place")
 
 
 def tokens_in_a_ring(tokens: int, places: int, weight: int = 1) -> PetriNet:
@@ -67,6 +73,7 @@ def sizes(space: SymbolicSpace) -> tuple[int, int, int, int, int]:
     return space.states, space.edges, space.dead_states, space.max_tokens, space.max_tokens_in_place
 
 
+@fewer(0.5)
 @given(token_nets(), st.integers(0, 3))
 @example(tokens_in_a_ring(9, 3, 2), 0)
 def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
@@ -89,9 +96,36 @@ def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
     for t in range(len(net.transitions)):
         assert space.fired[t] == sum(any(u == t for u, _ in firings) for firings in graph.values())
     assert sizes(reach_markings(net)) == sizes(space)
+    counted = count_tokens(net)
+    assert counted.bounds == tuple(bounds)
+    expected = *sizes(space)[:3], space.max_tokens
+    assert (counted.states, counted.edges, counted.dead, counted.max_tokens) == expected
+    assert {field: asdict(summarise(net, "explicit"))[field] for field in SIZES} == {
+        field: asdict(summarise(net, "symbolic"))[field] for field in SIZES
+    }
 
 
 @fewer(0.5)
+@given(nets(max_weight=2, max_places=4, max_transitions=4))
+def test_priorities_are_respected_with_several_tokens(net: PetriNet) -> None:
+    graph = graph_of(net)
+    if graph is None:
+        returns_early("too many markings")
+        return
+    found = explore_tokens(net)
+    assert {found.marking(state) for state in range(found.states)} == set(graph)
+    assert found.edges == sum(map(len, graph.values()))
+    for state in range(found.states):
+        after = [(t, found.marking(target)) for t, target in found.successors(state)]
+        assert after == graph[found.marking(state)]
+    counted = count_tokens(net)
+    assert (counted.states, counted.edges) == (found.states, found.edges)
+    if net.priorities:
+        unstable = [m for m in graph if any(net.transitions[t].internal for t in net.enabled(m))]
+        assert counted.stable == len(graph) - len(unstable)
+
+
+@fewer(0.25)
 @given(token_nets(), st.data())
 def test_formulas_hold_where_the_definitions_say(net: PetriNet, data: st.DataObject) -> None:
     graph = graph_of(net, 150)
@@ -108,7 +142,7 @@ def test_formulas_hold_where_the_definitions_say(net: PetriNet, data: st.DataObj
 
 
 def spaces(net: PetriNet) -> list[Space[Any]]:
-    return [DiagramMarkings(reach_tokens(net))]
+    return [DiagramMarkings(reach_tokens(net)), ArraySpace(explore_tokens(net))]
 
 
 @fewer(0.5)
@@ -233,6 +267,14 @@ def test_kanban_has_the_published_number_of_markings(cards: int, states: int) ->
     assert space.max_tokens_in_place == cards
 
 
+@pytest.mark.parametrize("cards", [1, 2, 3])
+def test_kanban_is_the_same_marking_by_marking(cards: int) -> None:
+    net = kanban(cards)
+    found, space = count_tokens(net), reach_tokens(net)
+    assert (found.states, found.edges) == (space.states, space.edges)
+    assert (found.bounds, found.max_tokens) == ((cards,) * len(net.places), space.max_tokens)
+
+
 @pytest.mark.parametrize(
     "model",
     [
@@ -252,6 +294,10 @@ def test_the_contest_s_nets_that_are_not_safe(
     assert space.max_tokens == int(row["max_tokens_per_marking"])
     assert row["safe"] == f"bound {space.max_tokens_in_place}"
     assert (space.dead_states > 0) == (row["deadlock_exists"] == "TRUE")
+    if space.states < 100_000:
+        counted = count_tokens(space.encoding.net)
+        assert (counted.states, counted.edges) == (space.states, space.edges)
+        assert list(counted.bounds) == space.encoding.most(space.reachable)
     found = behaviour(DiagramMarkings(space))
     everything = frozenset(range(len(space.encoding.net.transitions)))
     assert (found.live == everything) == (row["live"] == "TRUE")

@@ -20,7 +20,8 @@ from mcpn.net.siphons import (
 from mcpn.net.structure import Sparse
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.markings.tokens import Boundedness, boundedness, explore_tokens
+from mcpn.space.markings.counted import explore_tokens
+from mcpn.space.markings.tokens import Boundedness, boundedness
 from mcpn.space.search.goal import DEADLOCK
 from mcpn.space.search.portfolio import Portfolio
 
@@ -106,10 +107,13 @@ def _check_with_priorities(net: PetriNet, max_states: int) -> NetCheck:
     bounded = boundedness(net, max_states=max_states)
     if not bounded.bounded:
         return NetCheck(net, False, bounded)
-    space = explore_tokens(net, max_states=max_states)
-    dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in space.fired)
-    run = None if space.dead is None else space.dead[1]
-    return NetCheck(net, False, bounded, bounded.bound, space.states, run, space.dead is None, dead)
+    graph = explore_tokens(net, max_states=max_states)
+    fired = set(graph.labels.tolist())
+    dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in fired)
+    found, run = graph.run_to(graph.dead), None
+    if found is not None:
+        run = tuple(net.transitions[graph.labels[edge]].name for edge in found)
+    return NetCheck(net, False, bounded, bounded.bound, graph.states, run, run is None, dead)
 
 
 def _check_unbounded(net: PetriNet, bounded: Boundedness) -> NetCheck:

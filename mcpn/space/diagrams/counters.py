@@ -18,6 +18,7 @@ from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order
+from mcpn.space.search.goal import changes, needs
 
 MOST_BITS = 30
 """Beyond, what a place adds to a sum of tokens is no number of the kernel."""
@@ -48,6 +49,8 @@ class TokenEncoding(Encoding):
         self.level = {place: bits[0] for place, bits in self.bits.items() if bits}
         self.store = Store(at, memory_limit)
         self._anything = self.store.condition([])
+        self._needs = [needs(net, t) for t in range(len(net.transitions))]
+        self._deltas = [changes(net, t) for t in range(len(net.transitions))]
         found = {t: self._checked(self._needs[t]) for t in range(len(net.transitions))}
         self.transitions = [t for t, condition in found.items() if condition is not None]
         self.enabling = found
@@ -56,28 +59,6 @@ class TokenEncoding(Encoding):
             for t in self.transitions
             if (event := self._changed(self._needs[t], self._deltas[t])) is not None
         }
-
-    @cached_property
-    def _needs(self) -> list[dict[int, int]]:
-        """Tokens that each transition needs, by place."""
-        found = []
-        for transition in self.net.transitions:
-            needs = dict(transition.consume)
-            for place, weight in transition.read:
-                needs[place] = max(needs.get(place, 0), weight)
-            found.append(needs)
-        return found
-
-    @cached_property
-    def _deltas(self) -> list[dict[int, int]]:
-        """Tokens that each transition adds, or takes, by place."""
-        found = []
-        for transition in self.net.transitions:
-            deltas = dict(transition.produce)
-            for place, weight in transition.consume:
-                deltas[place] = deltas.get(place, 0) - weight
-            found.append({place: by for place, by in deltas.items() if by})
-        return found
 
     # --- comparisons and additions ---
 

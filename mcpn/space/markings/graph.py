@@ -1,14 +1,15 @@
 """A finite graph of markings in arrays: the shape that every explicit result shares.
 
-Markings are rows of 64-bit words, a bit for each place; edges are in compressed sparse rows (CSR), those of
-state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order of the net's transitions.
+Markings are rows of 64-bit words, a bit or a field of bits for each place; edges are in compressed sparse
+rows (CSR), those of state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order of the net's transitions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -19,11 +20,12 @@ from mcpn.notebook import Drawn
 Words = npt.NDArray[np.uint64]
 Ints = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
+Field: TypeAlias = tuple[int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class StateGraph(Drawn):
-    """Reachable 1-safe markings and the firings between them; state 0 is the initial one.
+    """Reachable markings and the firings between them; state 0 is the initial one.
 
     Args:
         net: The net.
@@ -31,6 +33,8 @@ class StateGraph(Drawn):
         offsets: Shape (states + 1,).
         targets: Shape (edges,), the state after each firing.
         labels: Shape (edges,), the transition fired.
+        fields: By place the word, the lowest bit and the number of bits that count its tokens, where places
+            hold several.
     """
 
     net: PetriNet
@@ -38,6 +42,7 @@ class StateGraph(Drawn):
     offsets: Ints
     targets: Ints
     labels: Ints
+    fields: tuple[Field, ...] | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.markings):,} states, {len(self.labels):,} edges"
@@ -60,13 +65,23 @@ class StateGraph(Drawn):
 
     def marked(self, place: int) -> Mask:
         """Which states mark a place, shape (states,)."""
+        if self.fields is not None:
+            return self.tokens(place) > 0
         word, bit = divmod(place, 64)
         column: Words = self.markings[:, word]
         return np.asarray((column >> np.uint64(bit)) & np.uint64(1), np.bool_)
 
+    def tokens(self, place: int) -> Ints:
+        """The tokens of a place, shape (states,)."""
+        word, shift, width = (*divmod(place, 64), 1) if self.fields is None else self.fields[place]
+        column: Words = self.markings[:, word]
+        return ((column >> np.uint64(shift)) & np.uint64(2**width - 1)).astype(np.int64)
+
     def marking(self, state: int) -> tuple[int, ...]:
         """The marking of a state as tokens by place."""
         row = self.markings[state]
+        if self.fields is not None:
+            return tuple(int(row[word]) >> shift & (2**width - 1) for word, shift, width in self.fields)
         return tuple(int(row[p // 64]) >> (p % 64) & 1 for p in range(len(self.net.places)))
 
     def successors(self, state: int) -> Iterator[tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""Nets whose places may hold many tokens: exploration up to limits, and what is bounded.
+"""What is bounded, in nets whose places may hold many tokens.
 
 Without priorities the coverability tree of Karp and Miller (*Parallel program schemata*, JCSS 1969) decides
 boundedness. With priorities it is undecidable in general (they can test for zero): then only a finite state
@@ -11,88 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mcpn.errors import LimitError
-from mcpn.net.petri import Arcs, Marking, PetriNet
+from mcpn.net.petri import Arcs, PetriNet
 
 OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""
 
 MAX_STATES = 1_000_000
-MAX_TOKENS = 1_000_000
-
-
-@dataclass(frozen=True)
-class TokenSpace:
-    """The markings of a bounded net.
-
-    Args:
-        states: Reachable markings.
-        edges: Firings between them, priorities respected.
-        dead: A dead marking of shortest distance, with a run to it, if there is one.
-        dead_states: Number of dead markings.
-        bounds: Most tokens of each place.
-        max_tokens: Most tokens in a marking.
-        fired: Transitions that fire somewhere.
-    """
-
-    states: int
-    edges: int
-    dead: tuple[Marking, tuple[str, ...]] | None
-    dead_states: int
-    bounds: tuple[int, ...]
-    max_tokens: int
-    fired: frozenset[int]
-
-
-def explore_tokens(
-    net: PetriNet, *, max_states: int = MAX_STATES, max_tokens: int = MAX_TOKENS
-) -> TokenSpace:
-    """Explores a net marking by marking, breadth first, with as many tokens as there are.
-
-    Args:
-        net: The net, 1-safe or not.
-        max_states: How many markings it may have.
-        max_tokens: How many tokens a place may hold.
-
-    Returns:
-        Sizes and bounds.
-
-    Raises:
-        LimitError: A limit was hit: the net may be unbounded.
-    """
-    if max(net.initial, default=0) > max_tokens:
-        raise LimitError(f"more than {max_tokens} tokens in a place: the limit on tokens was hit")
-    index = {net.initial: 0}
-    queue, parents = [net.initial], [(-1, -1)]
-    edges, dead, dead_states, fired = 0, None, 0, set[int]()
-    bounds = list(net.initial)
-    for state, marking in enumerate(queue):  # grows while it is walked
-        enabled = net.enabled(marking)
-        if not enabled:
-            dead_states += 1
-            dead = dead or (marking, tuple(_run(net, parents, state)))
-        for t in enabled:
-            after = net.fire(marking, t)
-            edges += 1
-            fired.add(t)
-            if index.setdefault(after, len(queue)) == len(queue):
-                queue.append(after)
-                parents.append((state, t))
-                bounds = [max(a, b) for a, b in zip(bounds, after, strict=True)]
-                if len(queue) > max_states:
-                    raise LimitError(f"more than {max_states} states: the limit on states was hit")
-                if max(after) > max_tokens:
-                    place = net.places[after.index(max(after))].name
-                    raise LimitError(f"more than {max_tokens} tokens in {place}: the limit on tokens was hit")
-    most = max(sum(marking) for marking in queue)
-    return TokenSpace(len(queue), edges, dead, dead_states, tuple(bounds), most, frozenset(fired))
-
-
-def _run(net: PetriNet, parents: list[tuple[int, int]], state: int) -> list[str]:
-    run = []
-    while state:
-        state, t = parents[state]
-        run.append(net.transitions[t].name)
-    return run[::-1]
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,15 @@ def needs(net: PetriNet, transition: int) -> dict[int, int]:
     return found
 
 
+def changes(net: PetriNet, transition: int) -> dict[int, int]:
+    """Tokens that a firing of a transition adds, or takes, by place that it changes."""
+    arcs = net.transitions[transition]
+    found = dict(arcs.produce)
+    for place, weight in arcs.consume:
+        found[place] = found.get(place, 0) - weight
+    return {place: by for place, by in found.items() if by}
+
+
 def negation(goal: Goal) -> Goal:
     """The markings that a goal leaves out."""
     match goal:

@@ -15,7 +15,7 @@ from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.firing import unsafe_at_start
-from mcpn.space.search.goal import Goal, encode, holds, needs
+from mcpn.space.search.goal import Goal, changes, encode, holds, needs
 
 Run: TypeAlias = tuple[int, ...]
 """Transitions by index, from the initial marking on."""
@@ -64,10 +64,7 @@ class Searches:
     def _kernel(self) -> TokenNet:
         transitions = []
         for t, transition in enumerate(self.net.transitions):
-            change = dict(transition.produce)
-            for place, weight in transition.consume:
-                change[place] = change.get(place, 0) - weight
-            changed = [(place, by) for place, by in change.items() if by]
+            changed = list(changes(self.net, t).items())
             transitions.append((list(needs(self.net, t).items()), changed, transition.internal))
         return TokenNet(len(self.net.places), transitions, self.net.priorities)
 

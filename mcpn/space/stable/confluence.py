@@ -20,7 +20,7 @@ from dataclasses import replace
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
-from mcpn.space.diagrams.encoding import distinct
+from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
@@ -147,6 +147,15 @@ def proof_by_joining(space: SymbolicSpace) -> str | None:
     if found is not None:
         raise nearest_fault(net) or _error_at(space, *found)
     return PROOF_BY_JOINING
+
+
+def endless_runs(encoding: Encoding, markings: Zdd) -> Zdd:
+    """The markings of a set from which some internal run through it goes on for ever: a greatest fixpoint."""
+    left, before = markings, None
+    while left != before:
+        before = left
+        left = left.images(encoding.internal_back, within=left)
+    return left
 
 
 def _error_at(space: SymbolicSpace, marking: tuple[int, ...], parting: Parting) -> SemanticsError:

@@ -1,0 +1,93 @@
+// The markings that an exploration has found, by their words.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "explorer.hpp"
+#include "store.hpp"
+
+namespace mcpn {
+
+template <class T> std::uint64_t room(const std::vector<T>& values) { return values.capacity() * sizeof(T); }
+
+// Finds markings by their words: open addressing on the numbers of states. A slot holds half of the marking's hash
+// beside the number, so that most other markings are told apart without being looked at, and none is hashed again.
+class StateTable {
+ public:
+  StateTable(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kFree) {}
+
+  // The number of a marking; a new one is taken note of with where it came from.
+  State number(const Word* marking, State parent, std::uint32_t via, bool& fresh) {
+    const std::uint64_t words = found_.words;
+    const std::uint64_t hashed = hash(marking), half = hashed >> 32 << 32;
+    std::uint64_t at = place(hashed);
+    for (; slots_[at] != kFree; at = (at + 1) & (slots_.size() - 1))
+      if (slots_[at] >> 32 << 32 == half &&
+          std::equal(marking, marking + words, found_.markings.data() + State(slots_[at]) * words)) {
+        fresh = false;
+        return State(slots_[at]);
+      }
+    const State state = State(found_.states());
+    if (state >= limits_.states)
+      throw StateLimit("more than " + std::to_string(limits_.states) + " states: the limit on states was hit");
+    if (state == ~State(0) - 1) throw StateLimit("more states than 32 bits can name");
+    grow(found_.markings, words);
+    grow(found_.parents, 1);
+    grow(found_.via, 1);
+    found_.markings.insert(found_.markings.end(), marking, marking + words);
+    found_.parents.push_back(state == 0 ? 0 : parent);
+    found_.via.push_back(via);
+    slots_[at] = half | state;
+    if (found_.states() * 3 > slots_.size() * 2) widen();
+    fresh = true;
+    return state;
+  }
+
+  // Room for more values at the end, within the limit on memory.
+  template <class T> void grow(std::vector<T>& values, std::uint64_t more) {
+    if (values.size() + more <= values.capacity()) return;
+    const std::uint64_t wanted = std::max<std::uint64_t>(values.capacity() + values.capacity() / 2, 1024) + more;
+    require(wanted * sizeof(T));  // both copies live while a vector moves
+    values.reserve(wanted);
+  }
+
+ private:
+  void require(std::uint64_t more) const {
+    if (found_.bytes() + room(slots_) + more > limits_.bytes)
+      throw MemoryLimit("more than " + std::to_string(limits_.bytes) + " bytes: the limit on memory was hit at " +
+                        std::to_string(found_.states()) + " states");
+  }
+  std::uint64_t hash(const Word* marking) const {
+    std::uint64_t x = 0x9E3779B97F4A7C15ull;
+    for (std::uint64_t i = 0; i < found_.words; ++i) {
+      x = (x ^ marking[i]) * 0xBF58476D1CE4E5B9ull;
+      x ^= x >> 29;
+    }
+    x *= 0x94D049BB133111EBull;
+    return x ^ x >> 32;
+  }
+  std::uint64_t place(std::uint64_t hashed) const { return (hashed >> 32) * kSpread >> shift_; }
+  void widen() {
+    require(slots_.size() * 2 * sizeof(slots_[0]));
+    std::vector<std::uint64_t> wider(slots_.size() * 2, kFree);
+    --shift_;
+    for (const std::uint64_t slot : slots_) {
+      if (slot == kFree) continue;
+      std::uint64_t at = place(slot);
+      while (wider[at] != kFree) at = (at + 1) & (wider.size() - 1);
+      wider[at] = slot;
+    }
+    slots_.swap(wider);
+  }
+
+  static constexpr std::uint64_t kFree = ~0ull, kSpread = 0x9E3779B97F4A7C15ull;
+  Exploration& found_;
+  const Limits& limits_;
+  std::vector<std::uint64_t> slots_;
+  int shift_ = 64 - 16;  // as many bits of a place as there are slots
+};
+
+}  // namespace mcpn

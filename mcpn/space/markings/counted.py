@@ -1,0 +1,161 @@
+"""Markings with several tokens in a place, explored one at a time, breadth first, priorities respected.
+
+The native kernel does the work: a marking is a row of words, each place a field of bits in it. Where a firing
+does not fit into a field, places are made wider and exploration begins anew
+(:mod:`mcpn.space.markings.widths`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from mcpn._kernel import CountedNet, Exploration, MemoryLimit, StateLimit
+from mcpn.errors import LimitError, UnsafeError
+from mcpn.net.petri import PetriNet
+from mcpn.space.markings.explicit import (
+    DEFAULT_MAX_MEMORY,
+    DEFAULT_MAX_STATES,
+    Counts,
+    Progress,
+    count,
+    explore,
+)
+from mcpn.space.markings.widths import Widths
+from mcpn.space.search.goal import changes, needs
+
+if TYPE_CHECKING:
+    from mcpn.space.markings.graph import Field, StateGraph
+
+FIRST_BITS = 4
+"""Width of a place of which no bound is known."""
+MOST_BITS = 40
+"""Sums of tokens stay within 64 bits."""
+WORD = 64
+
+
+@dataclass(frozen=True)
+class TokenCounts(Counts):
+    """Sizes of a markings graph whose places hold several tokens.
+
+    Args:
+        bounds: Most tokens by place.
+    """
+
+    bounds: tuple[int, ...]
+
+
+def explore_markings(
+    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
+) -> StateGraph:
+    """Builds the markings graph of a net, 1-safe or not.
+
+    Args:
+        net: The net; with priorities it must be 1-safe.
+        max_states: How many states it may have.
+        progress: Called now and then.
+
+    Raises:
+        UnsafeError: The net has priorities and is not 1-safe.
+        UnboundedError: The net is unbounded.
+        LimitError: A limit was hit.
+    """
+    try:
+        return explore(net, max_states=max_states, progress=progress)
+    except UnsafeError:
+        if net.priorities:
+            raise
+        return explore_tokens(net, max_states=max_states, progress=progress)
+
+
+def count_markings(
+    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
+) -> Counts:
+    """Counts what :func:`explore_markings` builds, without keeping the edges."""
+    try:
+        return count(net, max_states=max_states, progress=progress)
+    except UnsafeError:
+        if net.priorities:
+            raise
+        return count_tokens(net, max_states=max_states, progress=progress)
+
+
+def explore_tokens(
+    net: PetriNet,
+    *,
+    max_states: int = DEFAULT_MAX_STATES,
+    max_memory: int = DEFAULT_MAX_MEMORY,
+    progress: Progress | None = None,
+) -> StateGraph:
+    """Builds the markings graph of a net with as many tokens as there are, priorities respected.
+
+    Args:
+        net: The net.
+        max_states: How many states it may have.
+        max_memory: Bytes that the kernel's tables may take; the graph's own arrays come on top.
+        progress: Called now and then.
+
+    Raises:
+        UnboundedError: The net has no priorities and is unbounded.
+        LimitError: A limit was hit.
+    """
+    from mcpn.space.markings.graph import StateGraph
+
+    found, fields = _explored(net, True, max_states, max_memory, progress)
+    offsets, targets = found.take_offsets().astype("int64"), found.take_targets().astype("int64")
+    labels = found.take_labels().astype("int64")
+    return StateGraph(net, found.take_markings(), offsets, targets, labels, fields=tuple(fields))
+
+
+def count_tokens(
+    net: PetriNet,
+    *,
+    max_states: int = DEFAULT_MAX_STATES,
+    max_memory: int = DEFAULT_MAX_MEMORY,
+    progress: Progress | None = None,
+) -> TokenCounts:
+    """Counts what :func:`explore_tokens` builds, without keeping the edges."""
+    found, _ = _explored(net, False, max_states, max_memory, progress)
+    sizes = found.states, found.edges, found.dead, found.stable, found.most_tokens
+    return TokenCounts(*sizes, tuple(found.bounds))
+
+
+def layout(widths: Sequence[int]) -> list[Field]:
+    """Fields of some widths in words, none across two of them."""
+    fields: list[Field] = []
+    word, shift = 0, 0
+    for width in widths:
+        if shift + width > WORD:
+            word, shift = word + 1, 0
+        fields.append((word, shift, width))
+        shift += width
+    return fields
+
+
+def _explored(
+    net: PetriNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
+) -> tuple[Exploration, list[Field]]:
+    widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
+    given = []
+    for t, transition in enumerate(net.transitions):
+        need, change = needs(net, t), changes(net, t)
+        if max((*need.values(), *change.values()), default=0) >= 2**MOST_BITS:
+            raise LimitError(
+                f"{transition.name} has a weight of more than {2**MOST_BITS - 1}: the limit was hit"
+            )
+        given.append((list(need.items()), list(change.items()), transition.internal))
+    while True:
+        fields = layout(widths.bits)
+        kernel = CountedNet(fields, given, net.priorities)
+        try:
+            found = kernel.explore(net.initial, edges, max_states, max_memory, progress)
+        except (StateLimit, MemoryLimit) as error:
+            raise LimitError(str(error)) from error
+        if found.trouble is None:
+            return found, fields
+        state, beyond, _ = found.trouble
+        marking = net.initial
+        for t in (*found.run(state), beyond):
+            marking = net.fire(marking, t)
+        widths.widen([p for p, (_, _, width) in enumerate(fields) if marking[p] >> width])

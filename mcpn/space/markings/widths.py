@@ -1,0 +1,127 @@
+"""How many bits count the tokens of each place: from invariants, and wider where they do not do.
+
+No bound is believed. Whoever explores says which places a firing has put too many tokens in, and explores
+again with wider ones. Once they have grown, the coverability tree and linear programs are asked whether there
+is an end to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from math import isinf
+
+from mcpn.errors import LimitError, UnboundedError
+from mcpn.net.petri import PetriNet
+from mcpn.net.structure import incidence
+from mcpn.space.markings.tokens import OMEGA, boundedness
+from mcpn.space.search.equation import place_bounds
+
+UNASKED_BITS = 3
+"""Places that have grown wider ask for a bound."""
+TREE_NODES, MOST_TREE_NODES = 500, 32_000
+"""Nodes of the coverability tree, the first time and the last."""
+MOST_PROGRAMS = 500
+"""Places whose bounds linear programs are asked for."""
+
+
+class Widths:
+    """Widths of the places of a net.
+
+    Args:
+        net: The net.
+        first: Bits of a place of which no bound is known.
+        most: Bits of a place at most.
+
+    Raises:
+        LimitError: A place needs more bits.
+    """
+
+    def __init__(self, net: PetriNet, *, first: int, most: int) -> None:
+        self.net, self.first, self.most = net, first, most
+        self._hints = place_bounds(net)
+        self.bits = [
+            max(place.initial.bit_length(), self._needed(hint))
+            for place, hint in zip(net.places, self._hints, strict=True)
+        ]
+        """By place."""
+        self._patience = 0 if net.priorities else TREE_NODES
+        self._check()
+
+    def _needed(self, bound: float) -> int:
+        return self.first if isinf(bound) else max(int(bound).bit_length(), 1)
+
+    def widen(self, narrow: Collection[int]) -> None:
+        """Makes some places wider.
+
+        Args:
+            narrow: Places in which some reachable firing puts more tokens than fit.
+
+        Raises:
+            UnboundedError: The net is unbounded.
+            LimitError: A place needs too many bits.
+        """
+        for place in narrow:
+            self.bits[place] += 1 + self.bits[place] // 4
+        if self._patience and max(self.bits[place] for place in narrow) > UNASKED_BITS:
+            bounds = _by_tree(self.net, self._patience)
+            asked = [place for place in narrow if isinf(self._hints[place])]
+            if bounds is None and self._patience == TREE_NODES and len(asked) <= MOST_PROGRAMS:
+                bounds = _by_programs(self.net, asked)
+            for place, bound in bounds.items() if bounds is not None else ():
+                self.bits[place] = max(self.bits[place], self._needed(bound))
+            self._patience = self._patience * 4 if self._patience < MOST_TREE_NODES else 0
+        self._check()
+
+    def _check(self) -> None:
+        for place, bits in zip(self.net.places, self.bits, strict=True):
+            if bits > self.most:
+                raise LimitError(
+                    f"{place.name} may hold more than {2**self.most - 1} tokens: the limit on tokens was hit"
+                )
+
+
+def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
+    """The bounds of a net by place, if a small coverability tree knows them.
+
+    Raises:
+        UnboundedError: It knows that there are none.
+    """
+    try:
+        found = boundedness(net, max_states=nodes)
+    except LimitError:
+        return None
+    assert found.bounds is not None, "known without priorities"
+    if found.bounded is False:
+        places = [place.name for place, bound in zip(net.places, found.bounds, strict=True) if bound == OMEGA]
+        raise UnboundedError(places, found.run, found.pump, found.bounds)
+    return dict(enumerate(map(float, found.bounds)))
+
+
+def _by_programs(net: PetriNet, asked: Sequence[int]) -> dict[int, float]:
+    """Bounds of some places by weights whose weighted sum of tokens no firing raises; rounding may blur them.
+
+    Linear programming: of all weights ``y >= 0`` with ``y[p] >= 1`` and ``y C <= 0``, those with the least
+    ``y m0``, the bound of ``p`` (Murata 1989, section V-C; the dual of the state equation).
+    """
+    import numpy as np
+    from scipy.optimize import Bounds, LinearConstraint, milp
+    from scipy.sparse import csr_array
+
+    rows = incidence(net)
+    cells = [(t, p, change) for p, row in enumerate(rows) for t, change in row.items()]
+    matrix = csr_array(
+        (
+            np.array([change for _, _, change in cells], np.float64),
+            (np.array([t for t, _, _ in cells], np.int32), np.array([p for _, p, _ in cells], np.int32)),
+        ),
+        shape=(len(net.transitions), len(rows)),
+    )
+    cost = np.array(net.initial, np.float64)
+    found = {}
+    for place in asked:
+        least = np.zeros(len(rows))
+        least[place] = 1.0
+        solved = milp(cost, bounds=Bounds(least, np.inf), constraints=LinearConstraint(matrix, -np.inf, 0))
+        if solved.status == 0:
+            found[place] = float(np.floor(solved.fun + 1e-6))
+    return found
