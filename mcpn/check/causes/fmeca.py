@@ -138,6 +138,7 @@ class _Table(Generic[S]):
         self.lost = prospects.losing(prospects.mission, repairs=True)
         self.lost_unrepaired = prospects.losing(prospects.mission, repairs=False)
         self.oos = prospects.places("oos", prospects.hardware)
+        self.degraded = self.space.marked(self.oos)
         self.images = ImageStore(len(self.oos))
 
     def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
@@ -156,9 +157,8 @@ class _Table(Generic[S]):
         if not any(failure.severities for failure in failures):
             return None
         chosen = self.in_least_company(failures)
-        alone = self.space.marked(self.oos)
         severity = max(
-            (s for f in failures for s, states in f.severities.items() if states - alone),
+            (s for f in failures for s, states in f.severities.items() if states - self.degraded),
             default=Severity.NO_EFFECT,
         )
         cases = [self.case(hardware, state, t, goal) for t, state in self.distinct(chosen, goal)]
@@ -205,7 +205,8 @@ class _Table(Generic[S]):
         changed = self.space.nothing
         if not before:
             return changed
-        after = self.space.after(before, [transition])
+        # Wherever the objective goes on the set is the same for all events, so that spaces may remember it.
+        after = self.space.after(before, [transition]) | goal.running
         for place in self.mode_places(goal, before):
             marking = self.space.restricted(after, [place], ())
             kept = self.space.before(marking, [transition]) & before if marking else marking

@@ -117,14 +117,19 @@ class Diagrams:
 
     # --- helpers ---
 
-    def grouped(
+    def ways(
         self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
-    ) -> list[list[int]]:
-        """Events of waiting transitions without a guard, by the element of the mission that they are of."""
+    ) -> list[tuple[list[int], Zdd]]:
+        """Events of the store for what is asked for of waiting and guarded transitions.
+
+        Those of waiting transitions without a guard are together by the element of the mission that they are
+        of, and each has the states in which they may fire.
+        """
         wanted = set(self.waiting) if transitions is None else set(self.waiting).intersection(transitions)
         wanted.difference_update(guards or ())
         groups = (distinct(events[t] for t in of if t in wanted) for of in elements(self.encoding))
-        return [group for group in groups if group]
+        guarded = (([event], where) for event, where in self.guarded(events, transitions, guards))
+        return [*((group, self.stable) for group in groups if group), *guarded]
 
     def of(
         self,

@@ -8,14 +8,17 @@ element of the mission (*chaining*: Roig, Cortadella, Pastor, ICATPN 1995).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
+from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Edge, Guards
 from mcpn.space.diagrams.base import Diagrams
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.run import Completion
+
+Step: TypeAlias = Callable[[Zdd], Zdd]
 
 
 class DiagramMarkings(Diagrams):
@@ -64,16 +67,12 @@ class DiagramMarkings(Diagrams):
         within = self.everything if along is None else along | goal
         free = self.of(self.encoding.undoing, self.free, transitions, guards)
         found = goal.saturate(free, within=within)
-        settled = within & self.stable
 
         def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return states.images(events, within=where).saturate(free, within=within)
 
-        groups = self.grouped(self.encoding.undoing, transitions, guards)
-        steps = [partial(back, events=events, where=settled) for events in groups]
-        for event, where in self.guarded(self.encoding.undoing, transitions, guards):
-            steps.append(partial(back, events=[event], where=where & within))
-        return chained(found, steps)
+        ways = self.ways(self.encoding.undoing, transitions, guards)
+        return chained(found, [partial(back, events=of, where=where & within) for of, where in ways])
 
     def reached(
         self,
@@ -90,11 +89,8 @@ class DiagramMarkings(Diagrams):
         def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return ((states & where).images(events) & within).saturate(free, within=within)
 
-        groups = self.grouped(self.encoding.events, transitions, guards)
-        steps = [partial(ahead, events=events, where=self.stable) for events in groups]
-        for event, where in self.guarded(self.encoding.events, transitions, guards):
-            steps.append(partial(ahead, events=[event], where=where))
-        return chained(found, steps)
+        ways = self.ways(self.encoding.events, transitions, guards)
+        return chained(found, [partial(ahead, events=of, where=where) for of, where in ways])
 
     def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
         """Those of some states that have no edge into a set; cheaper than all states before it."""
@@ -129,11 +125,11 @@ class DiagramAlternatives(Diagrams):
     def _edges_anywhere(self) -> list[int]:
         return []
 
-    def _settled(self, after: Zdd) -> Zdd:
+    def settled(self, after: Zdd) -> Zdd:
         """The stable markings in which internal evolution ends."""
         return after.saturate(self.encoding.internal) & self.everything
 
-    def _ending(self, goal: Zdd) -> Zdd:
+    def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
         return goal.saturate(self.encoding.internal_back, within=self.space.reachable)
 
@@ -141,10 +137,16 @@ class DiagramAlternatives(Diagrams):
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
         """States with an edge into some states."""
-        ending, undoing = self._ending(states), self.encoding.undoing
-        found = ending.images(self.of(undoing, self.waiting, transitions, guards), within=self.everything)
+        return self.firing_into(self.ending(states), transitions, guards)
+
+    def firing_into(
+        self, markings: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """States with an event whose firing makes some markings, before internal evolution."""
+        undoing = self.encoding.undoing
+        found = markings.images(self.of(undoing, self.waiting, transitions, guards), within=self.everything)
         for event, where in self.guarded(undoing, transitions, guards):
-            found |= ending.images([event], within=where)
+            found |= markings.images([event], within=where)
         return found
 
     def after(
@@ -155,7 +157,7 @@ class DiagramAlternatives(Diagrams):
         begun = states.images(self.of(events, self.waiting, transitions, guards))
         for event, where in self.guarded(events, transitions, guards):
             begun |= (states & where).images([event])
-        return self._settled(begun)
+        return self.settled(begun)
 
     def reaching(
         self,
@@ -165,16 +167,18 @@ class DiagramAlternatives(Diagrams):
         guards: Guards[Zdd] = None,
     ) -> Zdd:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
-        within = self.everything if along is None else along
+        return chained(goal, self.back(self.everything if along is None else along, transitions, guards))
+
+    def back(
+        self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> list[Step]:
+        """One step back along a set, for each element of the mission."""
 
         def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
-            return self._ending(states).images(events, within=where)
+            return self.ending(states).images(events, within=where)
 
-        groups = self.grouped(self.encoding.undoing, transitions, guards)
-        steps = [partial(back, events=events, where=within) for events in groups]
-        for event, where in self.guarded(self.encoding.undoing, transitions, guards):
-            steps.append(partial(back, events=[event], where=where & within))
-        return chained(goal, steps)
+        ways = self.ways(self.encoding.undoing, transitions, guards)
+        return [partial(back, events=of, where=where & along) for of, where in ways]
 
     def reached(
         self,
@@ -185,15 +189,18 @@ class DiagramAlternatives(Diagrams):
     ) -> Zdd:
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
+        return chained(begin & within, self.ahead(within, transitions, guards))
+
+    def ahead(
+        self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> list[Step]:
+        """One step on along a set, for each element of the mission."""
 
         def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
-            return self._settled((states & where).images(events)) & within
+            return self.settled((states & where).images(events)) & along
 
-        groups = self.grouped(self.encoding.events, transitions, guards)
-        steps = [partial(ahead, events=events, where=self.everything) for events in groups]
-        for event, where in self.guarded(self.encoding.events, transitions, guards):
-            steps.append(partial(ahead, events=[event], where=where))
-        return chained(begin & within, steps)
+        ways = self.ways(self.encoding.events, transitions, guards)
+        return [partial(ahead, events=of, where=where) for of, where in ways]
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state, each with one interleaving of the internal transitions behind it."""

@@ -6,19 +6,18 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import Marking
 from mcpn.net.sections import LocalPart
 from mcpn.space.diagrams.encoding import Encoding, distinct
-from mcpn.space.diagrams.symbolic import SymbolicSpace, chained, elements
+from mcpn.space.diagrams.spaces import DiagramAlternatives
+from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.local.layout import Layout
-from mcpn.space.run import Completion
 
 Exit = str
 """The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""
@@ -61,10 +60,14 @@ class LocalStates:
         self.faulty = part.faulty
         self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
         assert explored.stable is not None, "nets of missions have priorities"
-        self._reachable, self._stable = (
+        reachable, self._stable = (
             layout.store.from_bytes(states.to_bytes()) for states in (explored.reachable, explored.stable)
         )
-        self.completion = Completion(net.net)
+        # Hardware beside the section is in any state.
+        whole, stable = (layout.opened(states, layout.all_slots) for states in (reachable, self._stable))
+        order, peak = (explored.order, explored.places), explored.peak_nodes
+        self.graph = DiagramAlternatives(SymbolicSpace(self.encoding, whole, stable, *order, peak))
+        self.stable = self.graph.everything
         self._known: dict[Hashable, object] = {}
 
     def remembered(self, key: Hashable, compute: Callable[[], Known]) -> Known:
@@ -74,20 +77,6 @@ class LocalStates:
         return self._known[key]  # type: ignore[return-value]
 
     # --- sets ---
-
-    def _opened(self, states: Zdd) -> Zdd:
-        """Local states with hardware beside them in any state."""
-        return self.layout.opened(states, self.layout.all_slots)
-
-    @cached_property
-    def reachable(self) -> Zdd:
-        """Local markings, transient ones included, beside any state of the other hardware."""
-        return self._opened(self._reachable)
-
-    @cached_property
-    def stable(self) -> Zdd:
-        """Those that are stable."""
-        return self._opened(self._stable)
 
     @cached_property
     def before(self) -> Zdd:
@@ -123,58 +112,32 @@ class LocalStates:
     @cached_property
     def dead(self) -> Zdd:
         """States inside in which no event of the section is enabled."""
-        return self.inside.without([c for t in self._every if (c := self.encoding.enabling[t]) is not None])
+        return self.inside & self.graph.dead
 
     # --- events ---
 
-    @cached_property
-    def _by_element(self) -> list[list[int]]:
-        """Event transitions of the local net but for the start, by the element that they are of."""
-        return [of for of in elements(self.encoding) if self.net.start not in of]
-
-    @cached_property
-    def _every(self) -> list[int]:
-        return [t for of in self._by_element for t in of]
-
-    def _local(self, events: Mapping[int, int], allowed: Allowed) -> list[tuple[list[int], Zdd]]:
-        """Events of the store for local transitions that are allowed, with the states to take them from."""
-        guarded = dict(allowed.guards)
-        found: list[tuple[list[int], Zdd]] = []
-        for of in self._by_element:
-            wanted = [t for t in of if allowed.local is None or t in allowed.local]
-            free = distinct(events[t] for t in wanted if t not in guarded)
-            if free:
-                found.append((free, self.inside))
-            found += [([events[t]], guarded[t]) for t in wanted if t in guarded]
-        return found
-
-    def settled(self, after: Zdd) -> Zdd:
-        """The stable markings in which internal evolution ends."""
-        return after.saturate(self.encoding.internal) & self.stable
-
-    def ending(self, goal: Zdd) -> Zdd:
-        """Markings from which internal evolution ends in a goal."""
-        return goal.saturate(self.encoding.internal_back, within=self.reachable)
-
     def enabling(self, allowed: Allowed) -> Zdd:
         """States inside with an event of the section that is allowed."""
-        wanted = [t for t in self._every if allowed.local is None or t in allowed.local]
-        conditions = [c for t in wanted if (c := self.encoding.enabling[t]) is not None]
-        return self.inside - self.inside.without(conditions) if conditions else self.inside - self.inside
+        return self.inside & self.graph.enabling(
+            self.graph.waiting if allowed.local is None else allowed.local
+        )
 
-    def firings(self, states: Zdd) -> dict[int, int]:
+    def firings(self, states: Zdd) -> Mapping[int, int]:
         """In how many of some states inside each event transition of the local net is enabled."""
-        wanted = [(t, c) for t in self._every if (c := self.encoding.enabling[t]) is not None]
-        counts = states.counts([c for _, c in wanted])
-        return {t: n for (t, _), n in zip(wanted, counts, strict=True) if n}
+        return self.graph.firings(states)
 
-    def fired(self, levels: Sequence[int]) -> list[tuple[int, Marking, Exit | None]]:
-        """The events of a local state, each with the stable marking after it, and its exit if it has one."""
-        marking, found = self.encoding.marking(levels), []
-        for t in self.net.net.enabled(marking):
-            _, after = self.completion.after(marking, t)
-            found.append((t, after, next((e for e, place in self.ends.items() if after[place]), None)))
-        return found
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, frozenset[int], Exit | None]]:
+        """The events of a local state: each with the stable state after it, and its exit if it has one."""
+
+        def compute() -> list[tuple[int, frozenset[int], Exit | None]]:
+            found = []
+            for edge in self.graph.edges(levels):
+                after = frozenset(edge.target)
+                exit_ = next((e for e, place in self.ends.items() if self.encoding.marks(after, place)), None)
+                found.append((edge.transition, after, exit_))
+            return found
+
+        return self.remembered(("fired", levels), compute)
 
     def begun(self, inside: Zdd, entering: Zdd) -> Zdd:
         """Markings just after an event, before any internal firing.
@@ -184,9 +147,8 @@ class LocalStates:
             entering: States before the entry, for the start.
         """
         events = self.encoding.events
-        return inside.images(distinct(events[t] for t in self._every)) | entering.images(
-            [events[self.net.start]]
-        )
+        own = distinct(event for t, event in events.items() if t in self.graph.waiting)
+        return inside.images(own) | entering.images([events[self.net.start]])
 
     # --- steps: inside the section, or from inside to its ends ---
 
@@ -194,20 +156,21 @@ class LocalStates:
         """States, inside or at the ends, one event of the section after some states inside."""
 
         def compute() -> Zdd:
-            begun = self.layout.store.empty()
-            for events, where in self._local(self.encoding.events, allowed):
-                begun |= (states & where).images(events)
-            return self.settled(begun)
+            return self.graph.after(states, allowed.local, dict(allowed.guards))
 
         return self.remembered(("after", states, allowed), compute)
+
+    def _ending(self, goal: Zdd) -> Zdd:
+        """Markings from which internal evolution ends in a goal."""
+        return self.remembered(("ending", goal), lambda: self.graph.ending(goal))
 
     def before_step(self, goal: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
 
         def compute() -> Zdd:
-            ending, found = self.ending(goal), self.layout.store.empty()
-            for events, where in self._local(self.encoding.undoing, allowed):
-                found |= ending.images(events, within=where)
+            if not goal or allowed.local == frozenset():
+                return self.layout.store.empty()
+            found = self.graph.firing_into(self._ending(goal), allowed.local, dict(allowed.guards))
             return found & self.inside
 
         return self.remembered(("before", goal, allowed), compute)
@@ -216,8 +179,8 @@ class LocalStates:
         """Event transitions that lead from some states inside to a goal, each with the states before."""
 
         def compute() -> list[tuple[int, Zdd]]:
-            ending, undoing = self.ending(goal), self.encoding.undoing
-            ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self._every))
+            ending, undoing = self._ending(goal), self.encoding.undoing
+            ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self.graph.waiting))
             return [(t, states) for t, states in ways if states]
 
         return self.remembered(("crossing", among, goal), compute)
@@ -225,14 +188,8 @@ class LocalStates:
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
 
-        def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
-            return self.settled((states & where).images(events)) & along
-
         def compute() -> Zdd:
-            steps = [
-                partial(ahead, events=events, where=where)
-                for events, where in self._local(self.encoding.events, allowed)
-            ]
+            steps = self.graph.ahead(along, allowed.local, dict(allowed.guards))
             toggles = self.layout.beside(allowed.beside, undone=False)
             return chained(begin & along, [*steps, lambda states: states.saturate(toggles, within=along)])
 
@@ -242,14 +199,8 @@ class LocalStates:
         """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
         within = along | goal
 
-        def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
-            return self.ending(states).images(events, within=where & along)
-
         def compute() -> Zdd:
-            steps = [
-                partial(back, events=events, where=where)
-                for events, where in self._local(self.encoding.undoing, allowed)
-            ]
+            steps = self.graph.back(along, allowed.local, dict(allowed.guards))
             toggles = self.layout.beside(allowed.beside, undone=True)
             return chained(goal, [*steps, lambda states: states.saturate(toggles, within=within) & within])
 

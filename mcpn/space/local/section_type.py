@@ -143,13 +143,13 @@ class SectionType(LocalStates):
         """First states inside after the section is entered with all hardware in some states."""
         before = self.from_slots(hardware, own)
         start = self.encoding.events[self.net.start]
-        return self.remembered(("entered", before), lambda: self.settled(before.images([start])))
+        return self.remembered(("entered", before), lambda: self.graph.settled(before.images([start])))
 
     def entries(self, inside: Zdd, own: Sequence[str]) -> Zdd:
         """The states of all hardware with which the section is entered in some states inside."""
         start = self.encoding.undoing[self.net.start]
         before = self.remembered(
-            ("entries", inside), lambda: self.ending(inside).images([start], within=self.before)
+            ("entries", inside), lambda: self.graph.ending(inside).images([start], within=self.before)
         )
         return self.to_slots(before, own)
 

@@ -143,20 +143,18 @@ def proof_by_joining(space: SymbolicSpace) -> str | None:
     if found.parting is not None:
         marking, parting = found.parting
         raise nearest_fault(net) or _error_at(space, marking, parting)
-    if not found.balanced and has_endless_run(space.encoding, space.reachable):
+    if not found.balanced and endless_runs(space.encoding, space.reachable):
         return None
     return PROOF_BY_JOINING
 
 
-def has_endless_run(encoding: Encoding, markings: Zdd) -> bool:
-    """Whether some internal run through a set of markings goes on for ever: a greatest fixpoint."""
-    left = markings
-    while left:
-        before = left.images(encoding.internal_back, within=left)
-        if before == left:
-            return True
-        left = before
-    return False
+def endless_runs(encoding: Encoding, markings: Zdd) -> Zdd:
+    """The markings of a set from which some internal run through it goes on for ever: a greatest fixpoint."""
+    left, before = markings, None
+    while left != before:
+        before = left
+        left = left.images(encoding.internal_back, within=left)
+    return left
 
 
 def _error_at(space: SymbolicSpace, marking: tuple[int, ...], parting: Parting) -> SemanticsError:
