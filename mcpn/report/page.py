@@ -26,7 +26,7 @@ from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import in_words
+from mcpn.report.words import in_words, modes_in_words
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
@@ -224,13 +224,9 @@ def _tables(findings: Findings) -> list[Table]:
             "Functioning modes",
             ("objective", "mode", "alternatives"),
             [
-                (
-                    objective,
-                    str(number),
-                    ", ".join(f"{a}: {way}" for a, way in mode.items() if a != way) or "as written",
-                )
+                (objective, str(number), mode or "as written")
                 for objective, modes in findings.check.modes.items()
-                for number, mode in enumerate(modes, 1)
+                for number, mode in enumerate(modes_in_words(modes), 1)
             ],
         )
     ]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
-from mcpn.report.words import in_words
+from mcpn.report.words import in_words, modes_in_words
 
 if TYPE_CHECKING:
     from mcpn.check.choice import Choice
@@ -216,11 +216,10 @@ def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict
 
 
 def _print_modes(terminal: Terminal, modes: Mapping[str, list[Mode]]) -> None:
-    """Objectives of the same functioning modes together; alternatives named like their activity go unsaid."""
+    """Objectives of the same functioning modes together."""
     shared: dict[tuple[str, ...], list[str]] = {}
     for objective, found in modes.items():
-        told = tuple(", ".join(f"{a}: {way}" for a, way in mode.items() if a != way) for mode in found)
-        shared.setdefault(told, []).append(objective)
+        shared.setdefault(modes_in_words(found), []).append(objective)
     terminal.print("functioning modes", style="bold")
     for ways, objectives in shared.items():
         terminal.print(", ".join(objectives), indent=2)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from mcpn.check.modes import Situation, said_by
+from mcpn.check.modes import Mode, Situation, said_by
 from mcpn.check.runs import changes, what_happens
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
@@ -44,3 +44,12 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
 def _words(mission_net: MissionNet, event: Event, before: Situation, after: Situation) -> str:
     happens, changed = what_happens(event, mission_net.mission.name), changes(before, after)
     return f"{happens}: {', '.join(changed)}" if changed else happens
+
+
+def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:
+    """Functioning modes as a person tells them apart, in their order.
+
+    Alternatives named like their activity go unsaid; what then reads the same is said once.
+    """
+    said = (", ".join(f"{a}: {way}" for a, way in mode.items() if a != way) for mode in modes)
+    return tuple(dict.fromkeys(said))

@@ -25,6 +25,7 @@ from mcpn.mission.model import (
     Objective,
     Parallel,
     Robot,
+    Software,
 )
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
@@ -132,6 +133,40 @@ def test_modes_are_those_of_the_stable_markings(mission: Mission) -> None:
                 if set(section.activities) <= {a for a, _ in mode}:
                     seen.add(frozenset(mode))
         assert {frozenset(mode.items()) for mode in modes[section.name]} == seen
+        ways = {a.name: [way.name for way in a.alternatives] for a in mission.activities}
+        own = [[ways[a].index(mode[a]) for a in section.activities] for mode in modes[section.name]]
+        assert own == sorted(own)  # the preferred ones first
+
+
+def test_modes_stand_in_the_order_of_priority() -> None:
+    """Whatever the document's order of activities: what consumes counts before what it consumes."""
+    robot = Robot(
+        name="r",
+        hardware=tuple(Hardware(name=name) for name in ("camera", "sonar", "usbl")),
+        software=(Software(name="image"), Software(name="echo"), Software(name="dock")),
+        activities=(
+            Activity(
+                name="see", produces=("image",), alternatives=(Alternative(name="see", consumes=("camera",)),)
+            ),
+            Activity(
+                name="hear", produces=("echo",), alternatives=(Alternative(name="hear", consumes=("sonar",)),)
+            ),
+            Activity(
+                name="locate",
+                produces=("dock",),
+                alternatives=tuple(
+                    Alternative(name=f"by_{way}", consumes=(way,)) for way in ("usbl", "image", "echo")
+                ),
+            ),
+            Activity(
+                name="enter",
+                alternatives=(Alternative(name="guided", consumes=("dock",)), Alternative(name="blind")),
+            ),
+        ),
+    )
+    mission = Mission(name="m", robots=(robot,), blocks=(Objective(name="x", activities=("enter",)),))
+    ways = [(m["enter"], m.get("locate")) for m in check(compose(mission)).modes["x"]]
+    assert ways == [("guided", "by_usbl"), ("guided", "by_image"), ("guided", "by_echo"), ("blind", None)]
 
 
 def test_contention_fails_confluence_with_two_runs_and_words() -> None:

@@ -18,7 +18,7 @@ from mcpn.check.causes import chain, section_chains
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.spaces import stable_space
-from mcpn.errors import ConfluenceError, InputError, LimitError
+from mcpn.errors import ConfluenceError, InputError, LimitError, Source
 from mcpn.mission.model import (
     Activity,
     Alternative,
@@ -145,6 +145,22 @@ def test_a_mission_that_never_ends_has_neither() -> None:
 def test_durations_must_be_known() -> None:
     with pytest.raises(InputError, match="objective x has no duration"):
         numbers(mission([], {"a": [()]}, Objective(name="x", activities=("a",))))
+
+
+@pytest.mark.parametrize(
+    ("tries", "named"),
+    [
+        (2, "objectives x_try1, x_try2 have no duration"),
+        (4, "objectives x_try1, x_try2, x_try3 and 1 more have"),
+    ],
+)
+def test_a_line_without_a_duration_is_told_once(tries: int, named: str) -> None:
+    source = Source("m.xml", 7)
+    again = Objective(name="x", activities=("a",), retries=tries - 1, failure="y", source=source)
+    last = Objective(name="y", activities=("a",), source=Source("m.xml", 8))
+    with pytest.raises(InputError, match=named) as error:
+        numbers(mission([], {"a": [()]}, again, last))
+    assert [p.source and p.source.line for p in error.value.problems] == [7, 8]
 
 
 def row_of_sections(count: int) -> Mission:

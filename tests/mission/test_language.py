@@ -222,7 +222,7 @@ def test_warnings_name_their_lines(tmp_path: Path) -> None:
     told = [(p.source.line, p.message) for p in find_warnings(found) if p.source]
     assert told == [
         (1, "activity look is never started"),
-        (2, "resource spare is never consumed"),
+        (2, "resource spare is never used"),
         (3, "activity idle is never started"),
         (6, "alternative never is never tried: always is always possible"),
         (7, "protocol unused is never used"),

@@ -15,11 +15,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from mcpn.check.verdicts.mission import check
 from mcpn.cli.report import findings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.progress import Steps, counted, exploring, sections
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
+from mcpn.report.words import modes_in_words
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 
@@ -53,6 +55,29 @@ def test_reports_fit_80_columns_and_break_no_name(
     names = {word.strip("():;,") for word in wide.split() if "_" in word}
     assert names <= {word.strip("():;,") for word in narrow.split()}
     assert "\x1b" not in narrow + wide
+
+
+def test_modes_that_read_the_same_are_said_once(tmp_path: Path) -> None:
+    """The other branch's driver runs or not, which nothing printed shows; a program sees both."""
+    text = """<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">
+    <hardware name="lidar"/><hardware name="camera"/><software name="scan"/><software name="image"/>
+    <activity name="scanning" produces="scan" consumes="lidar"/>
+    <activity name="seeing" produces="image" consumes="camera"/>
+    <activity name="follow"><alternative name="by_image" consumes="image"/>
+    <alternative name="by_scan" consumes="scan"/></activity>
+    <activity name="count"><alternative name="on_scan" consumes="scan"/>
+    <alternative name="on_image" consumes="image"/></activity>
+    </robot>
+    <parallel name="both"><objective name="x" activities="follow"/>
+    <objective name="y" activities="count"/></parallel>
+    </mission>"""
+    path = tmp_path / "m.xml"
+    path.write_text(text)
+    found = check(compose(read_mission(path)))
+    assert len(found.modes["x"]) > 2
+    assert modes_in_words(found.modes["x"]) == ("follow: by_image", "follow: by_scan")
+    printed = mcpn("check", path).stdout
+    assert printed.count("follow: by_image") == printed.count("follow: by_scan") == 1
 
 
 def test_the_same_is_not_said_for_each_event() -> None:

@@ -27,7 +27,8 @@ import numpy as np
 from mcpn.check.causes.chain import Chain, Listed, Rates
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.section_chains import SectionChains
-from mcpn.errors import InputError, Problem
+from mcpn.errors import InputError
+from mcpn.mission.facts.warnings import of_objectives
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES
@@ -105,12 +106,13 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
 
 
 def _refuse_unknown(prospects: Prospects[Any]) -> None:
-    needed = "which numbers of risk need: its mean in hours"
-    problems = [
-        Problem(section.source, f"objective {section.name} has no duration, {needed}")
+    needed = "no duration, which numbers of risk need: its mean in hours"
+    unknown = (
+        section
         for section in prospects.mission_net.graph.walk()
         if section.duration is None and prospects.objectives[section.name].running
-    ]
+    )
+    problems = list(of_objectives(unknown, f"has {needed}", f"have {needed}"))
     if problems:
         raise InputError(problems)
 

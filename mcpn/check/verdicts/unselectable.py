@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from mcpn.errors import Problem
 from mcpn.mission.facts.usage import Usage
-from mcpn.mission.facts.warnings import never_entered
+from mcpn.mission.facts.warnings import never_entered, never_used, of_objectives
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space
@@ -43,17 +43,15 @@ def find_unselectable(
             else:
                 why = _held(usage, activity.name, alternative.consumes)
                 found.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
-    for section in usage.graph.walk():
-        if section.name not in entered:
-            found.append(Problem(section.source, f"objective {section.name} can never be entered"))
-            continue
-        for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
-            if Event(what, section.name) not in happens:
-                found.append(Problem(section.source, f"objective {section.name} can never {verb}"))
-    found.extend(map(never_entered, usage.graph.never_entered()))
+    sections = list(usage.graph.walk())
+    found.extend(of_objectives((s for s in sections if s.name not in entered), "can never be entered"))
+    for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
+        never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
+        found.extend(of_objectives(never, f"can never {verb}"))
+    found.extend(never_entered(usage.graph.never_entered()))
     for resource in (*mission.hardware, *mission.software):
         if resource.name not in used:
-            found.append(Problem(resource.source, f"resource {resource.name} is never used"))
+            found.append(never_used(resource))
     return tuple(
         sorted(found, key=lambda p: (str(p.source and p.source.file), (p.source and p.source.line) or 0))
     )

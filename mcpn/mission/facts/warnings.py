@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from mcpn.errors import Problem
+from mcpn.errors import Problem, Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
-from mcpn.mission.model import Mission, Use, walk
+from mcpn.mission.model import Element, Mission, Use, walk
+
+MOST_NAMED = 3
+"""How many copies of one objective a message names."""
 
 
 def find_warnings(mission: Mission) -> list[Problem]:
@@ -26,9 +29,34 @@ def find_warnings(mission: Mission) -> list[Problem]:
     )
 
 
-def never_entered(section: ElementarySection) -> Problem:
-    """The warning of an objective that no route reaches, in the words of every stage that finds it."""
-    return Problem(section.source, f"objective {section.name} can never be entered: no route reaches it")
+def of_objectives(sections: Iterable[ElementarySection], one: str, several: str = "") -> Iterator[Problem]:
+    """One problem for each line of the mission, however many rounds and tries are written out from it.
+
+    Args:
+        sections: Objectives of which the same is to be said, in their order.
+        one: What is said of one of them, without its name.
+        several: The same of several; that of one by default.
+    """
+    lines: dict[Source | str, list[ElementarySection]] = {}
+    for section in sections:
+        lines.setdefault(section.source or section.name, []).append(section)
+    for same in lines.values():
+        names = ", ".join(section.name for section in same[:MOST_NAMED])
+        if len(same) > MOST_NAMED:
+            names = f"{names} and {len(same) - MOST_NAMED} more"
+        said = f"objective {names} {one}" if len(same) == 1 else f"objectives {names} {several or one}"
+        yield Problem(same[0].source, said)
+
+
+def never_entered(sections: Iterable[ElementarySection]) -> Iterator[Problem]:
+    """The warnings of objectives that no route reaches, in the words of every stage that finds them."""
+    said = "can never be entered: no route reaches"
+    return of_objectives(sections, f"{said} it", f"{said} them")
+
+
+def never_used(resource: Element) -> Problem:
+    """The warning of a resource that nobody uses, in the words of every stage that finds it."""
+    return Problem(resource.source, f"resource {resource.name} is never used")
 
 
 def _warnings(mission: Mission) -> Iterator[Problem]:
@@ -48,7 +76,7 @@ def _warnings(mission: Mission) -> Iterator[Problem]:
                 break
     for resource in (*mission.hardware, *mission.software):
         if resource.name not in consumed:
-            yield Problem(resource.source, f"resource {resource.name} is never consumed")
+            yield never_used(resource)
     handled = {i.event for section in graph.all_sections() for i in section.interruptions}
     for event in mission.events:
         if event.name not in handled:
@@ -58,4 +86,4 @@ def _warnings(mission: Mission) -> Iterator[Problem]:
     for protocol in mission.protocols:
         if protocol.name not in used:
             yield Problem(protocol.source, f"protocol {protocol.name} is never used")
-    yield from map(never_entered, graph.never_entered())
+    yield from never_entered(graph.never_entered())
