@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import event, given, settings
@@ -124,7 +126,8 @@ def test_runs_of_an_error_behind_events(endless: bool, forks: bool) -> None:
         builder.transition("to_left", consume=["at"], produce=["left"])
         builder.transition("to_right", consume=["at"], produce=["right"])
     net = builder.build()
-    for build in (lambda: by_reduction(explore(net)), lambda: direct(net)):
+    builds: tuple[Callable[[], object], ...] = (lambda: by_reduction(explore(net)), lambda: direct(net))
+    for build in builds:
         with pytest.raises(SemanticsError) as caught:
             build()
         error = caught.value
