@@ -24,8 +24,8 @@ class Encoding:
         store: A store that others use too, whose first levels are for the places; a new one by default.
     """
 
-    widths: tuple[int, ...] | None = None
-    """By place, how many levels it has, where places hold several tokens."""
+    counters: tuple[tuple[int, ...], bool] | None = None
+    """Where places hold several tokens, how many levels each has, and whether the lowest bit is on top."""
 
     def __init__(self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None) -> None:
         self.net = net
