@@ -66,7 +66,10 @@ def winner(needs: list[int]) -> int:
     """The first of those that end in the earliest round, by hand."""
     budget, done = 50_000, [0] * len(needs)
     while True:
-        done = [had + budget // (rank + 1 if rank < 4 else int((rank + 1) ** 1.5)) for rank, had in enumerate(done)]
+        done = [
+            had + budget // (rank + 1 if rank < 4 else int((rank + 1) ** 1.5))
+            for rank, had in enumerate(done)
+        ]
         ended = [rank for rank, (had, need) in enumerate(zip(done, needs, strict=True)) if had >= need]
         if ended:
             return ended[0]
