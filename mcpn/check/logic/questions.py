@@ -17,6 +17,8 @@ from mcpn.check.spaces import On, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach_briefly
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -116,6 +118,12 @@ class Questions:
         return answered(
             self._made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
         )
+
+    def brief(self) -> bool:
+        """Whether the space is there or quickly made, of a net that may be searched instead."""
+        if "_chosen" not in self.__dict__ and (found := reach_briefly(self.net)) is not None:
+            self._chosen = DiagramMarkings(found), Choice("symbolic", "a diagram soon holds all markings")
+        return "_chosen" in self.__dict__
 
     def _made(self, attempt: Attempt, *, tokens: bool = True) -> Space[Any]:
         engine, limit = attempt.engine, attempt.max_states

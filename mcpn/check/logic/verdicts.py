@@ -112,7 +112,7 @@ def _answers(
         if Searches(questions.net).fits:
             local = _Local(questions.net, waiting)
             yield from local.round(LOCAL_STEPS[0], searched=False)
-        yield from _reached(questions.net, waiting)
+        yield from _reached(questions, waiting)
         if local is not None:
             yield from local.round(LOCAL_STEPS[1], searched=False)
     if not waiting.formulas:
@@ -186,11 +186,12 @@ def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
             yield Verdict(name, _told(rest), (REWRITING if isinstance(smaller, Const) else INITIAL_STATE,))
 
 
-def _reached(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
-    """Answers what asks for reachable markings by search."""
+def _reached(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
+    """Answers what asks for reachable markings by search, until it turns out that the space is small."""
+    net = questions.net
     goals = {part: goal for part in waiting.parts() if (goal := as_reachability(part, net)) is not None}
     parts = list(goals)
-    for index, found in Portfolio(net).decide(list(goals.values())):
+    for index, found in Portfolio(net).decide(list(goals.values()), go_on=lambda: not questions.brief()):
         yield from waiting.learn(parts[index], found.reachable, found.techniques)
 
 
@@ -304,7 +305,7 @@ def answer_examination(questions: Questions, examination: str) -> Verdict:
         technique = EXPLICIT if safe is not None and safe.engine == "explicit" else DIAGRAMS
         return Verdict(name, str(safe is not None).upper(), (technique,))
     if examination == "ReachabilityDeadlock" and questions.searchable:
-        for _, found in Portfolio(net).decide([DEADLOCK]):
+        for _, found in Portfolio(net).decide([DEADLOCK], go_on=lambda: not questions.brief()):
             return Verdict(name, str(found.reachable).upper(), found.techniques)
     technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
     return Verdict(name, str(examine(examination, questions.space)).upper(), (technique,))

@@ -25,6 +25,8 @@ from mcpn.space.markings.firing import unsafe_at_start
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
+BRIEF = 200_000
+"""Steps of the first order in the last round of a race that is to end soon."""
 EXPLORER_RANK, MOST_WORKERS = 3, 4
 Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
@@ -191,6 +193,23 @@ def closure(
         return _race(net, (encode, *others), memory_limit, seed)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
+
+
+def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
+    """The markings of a 1-safe net without priorities, where few steps reach them; nothing else."""
+    if unsafe_at_start(net):
+        return None
+    from mcpn.space.diagrams.unsafe import refuse_unsafe
+
+    try:
+        runners = islice(_runners(net, (Encoding,), None, DEFAULT_MEMORY), EXPLORER_RANK + 1)
+        space = Race(runners, DEFAULT_MEMORY, 1, most=BRIEF).run()
+        if not isinstance(space, SymbolicSpace):
+            return None
+        refuse_unsafe(space)
+    except UnsafeError:
+        return None
+    return space
 
 
 def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None) -> SymbolicSpace:

@@ -8,7 +8,7 @@ Budgets are counts of firings and markings, never seconds, so that the same ques
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -76,13 +76,17 @@ class Portfolio:
         return Searches(self.net)
 
     def decide(
-        self, goals: Sequence[Goal], rounds: Sequence[Round] = ROUNDS
+        self,
+        goals: Sequence[Goal],
+        rounds: Sequence[Round] = ROUNDS,
+        go_on: Callable[[], bool] = lambda: True,
     ) -> Iterator[tuple[int, Finding]]:
         """Decides goals, the easy ones first.
 
         Args:
             goals: What may be reachable.
             rounds: Budgets, growing.
+            go_on: Asked before each round but the first: it may know a quicker way.
 
         Yields:
             The index of a goal and what was found, as it comes; goals that no way decides are left out.
@@ -97,7 +101,7 @@ class Portfolio:
             return
         tasks: dict[int, _Task] = {}
         for number, budget in enumerate(rounds):
-            if not waiting:
+            if not waiting or (number and not go_on()):
                 return
             walked = self.searches.walk(
                 [goals[index] for index in waiting],
