@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.space.diagrams import symbolic
 from mcpn.space.diagrams.order import cuthill_mckee
 from mcpn.space.diagrams.race import Race
-from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.diagrams.symbolic import reach, reach_briefly
 from tests.net.nets import nets
 
 
@@ -180,3 +181,24 @@ def test_the_winner_s_order_is_told(mcc: Path) -> None:
     assert (space.order, space.states) == ("units", 11534336)
     again = reach(space.encoding.net, order=space.places)
     assert again.states == space.states
+
+
+def test_a_brief_race_gives_all_markings_or_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def ring(places: int) -> PetriNet:
+        builder = NetBuilder("ring")
+        for place in range(places):
+            builder.place(f"p{place}", initial=int(place == 0))
+        for place in range(places):
+            builder.transition(f"t{place}", consume=[f"p{place}"], produce=[f"p{(place + 1) % places}"])
+        return builder.build()
+
+    found = reach_briefly(ring(9))
+    assert found is not None
+    assert found.states == 9
+    builder = NetBuilder("unsafe")
+    builder.place("p", initial=1)
+    builder.place("q")
+    builder.transition("t", consume=[], read=["p"], produce=["q"])
+    assert reach_briefly(builder.build()) is None
+    monkeypatch.setattr(symbolic, "BRIEF", 1)
+    assert reach_briefly(ring(9)) is None

@@ -1,0 +1,64 @@
+"""Counts of conditions and which of them holds, against markings one by one; orders by FORCE."""
+
+from __future__ import annotations
+
+from functools import reduce
+from random import Random
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn._kernel import Store, force
+
+LEVELS = 9
+MARKINGS = st.sets(st.frozensets(st.integers(0, LEVELS - 1)), max_size=12)
+CONDITIONS = st.lists(
+    st.dictionaries(st.integers(0, LEVELS - 1), st.booleans(), max_size=5), min_size=1, max_size=150
+)
+
+
+@given(MARKINGS, CONDITIONS)
+def test_conditions_hold_where_markings_say_so(
+    markings: set[frozenset[int]], conditions: list[dict[int, bool]]
+) -> None:
+    store = Store(LEVELS)
+    found = reduce(lambda a, m: a | store.singleton(sorted(m)), markings, store.empty())
+    ids = [
+        store.condition(
+            sorted(p for p, yes in c.items() if yes), sorted(p for p, yes in c.items() if not yes)
+        )
+        for c in conditions
+    ]
+    counts = [sum(all((p in m) == yes for p, yes in c.items()) for m in markings) for c in conditions]
+    assert found.counts(ids) == counts
+    assert [found.counts([i])[0] for i in ids[:5]] == counts[:5]
+    assert found.first(ids) == next((i for i, count in enumerate(counts) if count), -1)
+    for some in (ids[:2], ids[::-1]):
+        held = [counts[ids.index(i)] > 0 for i in some]
+        assert found.first(some) == (held.index(True) if any(held) else -1)
+
+
+def test_counts_are_exact_at_any_size() -> None:
+    for levels in (63, 64, 65, 127, 128, 129, 400):
+        store = Store(levels)
+        everything = store.singleton([]).saturate([store.event([], [level], []) for level in range(levels)])
+        assert everything.count() == 2**levels
+        first, last, middle = (store.condition([at]) for at in (0, levels - 1, levels // 2))
+        both, neither = store.condition([0, levels - 1]), store.condition([], [3, levels - 2])
+        halves, quarters = 2 ** (levels - 1), 2 ** (levels - 2)
+        assert everything.counts([first, last, middle, both, neither]) == [halves] * 3 + [quarters] * 2
+
+
+def test_force_keeps_groups_together() -> None:
+    draw = Random(2)
+    groups = [[i, i + 1] for i in range(39)]
+    start = list(range(40))
+    draw.shuffle(start)
+    order = force(groups, start, 200)
+    assert sorted(order) == list(range(40))
+
+    def span(at: list[int]) -> int:
+        return sum(abs(at.index(a) - at.index(b)) for a, b in groups)
+
+    assert span(order) < span(start) / 3
+    assert force([], start, 200) == start
