@@ -110,10 +110,7 @@ def main() -> None:
     used: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):
         for kind in arguments.file or (*FILES, "examinations"):
-            if kind == "examinations":
-                wanted = examined(oracles[model])
-            else:
-                wanted = expected.get((model, kind), {})
+            wanted = examined(oracles[model]) if kind == "examinations" else expected.get((model, kind), {})
             if not wanted:
                 continue
             started, before = time.perf_counter(), cpu_of_children()
