@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 
@@ -122,17 +123,24 @@ def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
             allowed = rules[outer].children if outer in rules else {tag}
             if tag not in allowed or etree.QName(element).namespace != NAMESPACE:
                 expected = ", ".join(f"<{name}>" for name in sorted(allowed)) or "nothing"
-                yield line, f"found <{tag}> inside <{outer}>, expected {expected}"
+                near = [f"<{name}>" for name in get_close_matches(tag, sorted(allowed), n=1)]
+                yield line, f"found <{tag}> inside <{outer}>, expected {expected}{did_you_mean(near)}"
                 continue
         rule = rules.get(tag, _Rule())
         for name, value in ((str(key), str(text)) for key, text in element.attrib.items()):
             if name not in rule.patterns:
-                known = ", ".join(sorted(rule.patterns))
-                yield line, f"found the attribute {name} on <{tag}>, expected one of {known}"
+                known = sorted(rule.patterns)
+                found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
+                yield line, f"{found}{did_you_mean(get_close_matches(name, known, n=1))}"
             elif (pattern := rule.patterns[name]) and not re.fullmatch(pattern, value, re.ASCII):
                 yield line, f"{name} of <{tag}> is {value!r}, expected {_expected(pattern)}"
         for name in sorted(rule.required - set(element.attrib)):
             yield line, f"<{tag}> has no attribute {name}, which is required"
+
+
+def did_you_mean(near: list[str]) -> str:
+    """A hint at the nearest known name, if there is one near."""
+    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def _expected(pattern: str) -> str:
@@ -145,6 +153,8 @@ def _expected(pattern: str) -> str:
         return "a whole number of at most 6 digits"
     if "[A-Za-z0-9_]+(" in pattern:
         return "values of letters, digits and _, separated by spaces"
+    if r"\s+" in pattern:
+        return "names of letters, digits and _, separated by spaces"
     return "letters, digits and _, no digit first, at most 255 characters"
 
 
@@ -164,6 +174,11 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
                     _line(child),
                     f"found <{name}> after a block of <{tag}>, expected before its first block",
                 )
+    rule = _rules().get(tag, _Rule())
+    if any(name not in rule.children for name in children) or any(
+        a not in rule.patterns for a in element.attrib
+    ):
+        return  # what is not known, of which something is said, may have been meant as what is missing
     if tag in ("mission", "protocol", "parallel", "each") and not blocks:
         expected = ", ".join(f"<{name}>" for name in BLOCKS if name in _rules()[tag].children)
         yield line, f"<{tag}> has no blocks, expected one of {expected} inside"
