@@ -33,7 +33,7 @@ Store::Store(Level levels, std::uint64_t memory_limit) : levels(levels), memory_
 
 std::uint64_t Store::bytes() const {
   return nodes_.capacity() * sizeof(Cell) + buckets_.capacity() * sizeof(Node) + cache_.capacity() * sizeof(Line) +
-         seen_.capacity() * sizeof(std::uint32_t) + program_bytes_ + pending_bytes_ + scratch_;
+         (seen_.capacity() + number_.capacity()) * sizeof(std::uint32_t) + program_bytes_ + pending_bytes_ + scratch_;
 }
 
 void Store::require(std::uint64_t more) const {

@@ -9,12 +9,14 @@
 // A step is a result that the operation cache did not hold: the clock of budgets, and of looking for signals.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -125,7 +127,7 @@ class Store {
     op_saturate, op_fire, op_meeting, op_images };  // from op_saturate on, results of declared lists
 
   template <class F> void walk(Node a, F body);
-  std::vector<std::vector<Node>> nodes_by_level(Node a, Scratch& scratch);
+  friend class Levelled;
   Branches split(Node a, Level at) const {
     return level(a) == at ? Branches{lo(a), hi(a)} : Branches{a, 0};
   }
@@ -182,6 +184,7 @@ class Store {
   std::vector<Node> held_;
   std::vector<std::uint32_t> seen_;  // by node, the last walk that came to it
   std::uint32_t walk_ = 0;
+  std::vector<std::uint32_t> number_;  // by node that the last walk came to, its place in a levelled diagram
   std::vector<Suffix> suffixes_;
   std::unordered_map<std::uint64_t, std::uint32_t> suffix_index_;
   std::map<std::pair<std::uint64_t, std::uint32_t>, std::uint32_t> choice_index_;  // of those with alternatives
@@ -231,5 +234,28 @@ class Scratch {
   Store& store_;
   std::uint64_t taken_ = 0;
 };
+
+// Calls a function on each node of a diagram, terminals aside, once.
+template <class F> void Store::walk(Node a, F body) {
+  if (seen_.size() < nodes_.size()) {
+    if (seen_.capacity() < nodes_.size()) require((nodes_.size() + seen_.capacity()) * sizeof(seen_[0]));
+    seen_.reserve(nodes_.size());
+    seen_.resize(nodes_.size(), walk_);
+  }
+  if (++walk_ == 0) {  // numbers of walks begin anew
+    std::fill(seen_.begin(), seen_.end(), 0);
+    walk_ = 1;
+  }
+  std::vector<Node> stack{a};
+  while (!stack.empty()) {
+    const Node n = stack.back();
+    stack.pop_back();
+    if (n < 2 || seen_[n] == walk_) continue;
+    seen_[n] = walk_;
+    body(n);
+    stack.push_back(lo(n));
+    stack.push_back(hi(n));
+  }
+}
 
 }  // namespace mcpn

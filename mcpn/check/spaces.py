@@ -60,12 +60,11 @@ def space_of(
                 None,
                 "composition makes the alternatives graph of a mission: sections hand on stable states only",
             )
-        from mcpn.space.local.composing import Options, composite_space
+        from mcpn.space.local.composing import composite_space
         from mcpn.space.stable.clash import in_mission_words
 
-        options = Options() if max_states is None else Options(max_states=max_states)
         with in_mission_words(mission_net):
-            return composite_space(mission_net, options)
+            return composite_space(mission_net)
     markings = markings_by(net, engine, limit, tokens=tokens)
     if on == "markings":
         return markings
@@ -102,7 +101,7 @@ def stable_space(
         from mcpn.space.local.composing import Options, composite_space
 
         with in_mission_words(mission_net):
-            return composite_space(mission_net, Options(max_states=limit, progress=progress))
+            return composite_space(mission_net, Options(progress=progress))
     if engine == "symbolic":
         return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
@@ -134,7 +133,7 @@ def mortal_space(
     if engine == "local":
         from mcpn.space.local.composing import Options, composite_space
 
-        return composite_space(mission_net, Options(max_states=limit, mortal=True))
+        return composite_space(mission_net, Options(mortal=True))
     from mcpn.net.mortal import mortal
 
     net = mortal(mission_net).net

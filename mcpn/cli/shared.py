@@ -127,14 +127,13 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
     return compose(read_mission(path, import_root=import_root))
 
 
-def composite_of(mission_net: MissionNet, max_states: int | None, *, quiet: bool = False) -> CompositeSpace:
+def composite_of(mission_net: MissionNet, *, quiet: bool = False) -> CompositeSpace:
     """The sections of a mission, glued."""
-    from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
+    from mcpn.space.local.composing import Options, composite_space
     from mcpn.space.stable.clash import in_mission_words
 
     with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
-        limit = DEFAULT_MAX_STATES if max_states is None else max_states
-        return composite_space(mission_net, Options(max_states=limit, progress=progress))
+        return composite_space(mission_net, Options(progress=progress))
 
 
 def is_net(path: Path) -> bool:

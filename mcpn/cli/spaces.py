@@ -73,7 +73,7 @@ def states(
     if markings and engine != "local":
         raise click.UsageError("--markings is of the local engine; the others count markings anyway")
     if engine == "local":
-        counts = _local_counts(mission_net_of(file, import_root), max_states, as_json, markings=markings)
+        counts = _local_counts(mission_net_of(file, import_root), as_json, markings=markings)
         emit_counts(counts, as_json)
         return
     net = net_of(file, import_root)
@@ -103,14 +103,12 @@ def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: P
     return summary_of(space, started)
 
 
-def _local_counts(
-    mission_net: MissionNet, max_states: int | None, quiet: bool, *, markings: bool
-) -> dict[str, object]:
+def _local_counts(mission_net: MissionNet, quiet: bool, *, markings: bool) -> dict[str, object]:
     """Stable states are exact; what local spaces do not tell is null, or asked of the whole net's diagram."""
     from mcpn.space.summary import summarise
 
     started = time.perf_counter()
-    composite = composite_of(mission_net, max_states, quiet=quiet)
+    composite = composite_of(mission_net, quiet=quiet)
     names = ("states", "edges", "dead_states", "max_tokens", "max_tokens_in_place", "nodes", "order")
     whole = summarise(mission_net.net, "symbolic") if markings else None
     return {

@@ -60,7 +60,7 @@ def generate(
         return flat_controller(mission_net, graph)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_mission_words(mission_net):
-        composite = composite_space(mission_net, Options(max_states=limit, progress=progress))
+        composite = composite_space(mission_net, Options(progress=progress))
     names: dict[SectionType, str] = {}
     for placed in composite.sections.values():
         names.setdefault(placed.type, placed.name)

@@ -12,7 +12,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
-from mcpn.space.local.composing import DEFAULT_MAX_STATES, Options, composite_space
+from mcpn.space.local.composing import composite_space
 from mcpn.space.summary import ENGINES, summarise
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
@@ -44,7 +44,7 @@ def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> li
 
     Args:
         subject: A mission, or a net, to which composition does not apply.
-        max_states: Limit for the explicit engine, and for the states that local graphs list.
+        max_states: Limit for the explicit engine.
 
     Returns:
         A measurement for each engine; see :func:`disagreement`.
@@ -74,7 +74,7 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Me
     seconds, reason = 0.0, ""
     try:
         if isinstance(subject, Mission):
-            sizes, seconds = _local(subject, max_states or DEFAULT_MAX_STATES)
+            sizes, seconds = _local(subject)
         else:
             summary = summarise(subject, engine, max_states=max_states)
             sizes, seconds = {name: getattr(summary, name) for name in (*SIZES, "nodes")}, summary.seconds
@@ -84,10 +84,10 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Me
     return Measurement(engine, sizes, seconds, megabytes, reason)
 
 
-def _local(mission: Mission, max_states: int) -> tuple[dict[str, int | None], float]:
+def _local(mission: Mission) -> tuple[dict[str, int | None], float]:
     mission_net = compose(mission)
     started = time.perf_counter()
-    stable = composite_space(mission_net, Options(max_states=max_states)).everything.count()
+    stable = composite_space(mission_net).everything.count()
     return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
 
 

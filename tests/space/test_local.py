@@ -243,6 +243,39 @@ def test_a_section_that_leaves_something_behind_is_refused(
     assert caught.value.runs
 
 
+class Blinking(PaperTemplates):
+    """A user's templates in which a light blinks for ever, by internal firings, while an activity runs."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def activity(self, canvas: Canvas, activity: Activity) -> None:
+        super().activity(canvas, activity)
+        if activity.name == self.name:
+            pen = canvas.of("activity", activity.name, activity.source)
+            dark, light, running = pen.place("dark", initial=1), pen.place("light"), f"{self.name}_active1"
+            pen.transition("on", [dark], [light], read=[running])
+            pen.transition("off", [light], [dark])
+
+
+@pytest.mark.parametrize("name", ["manual_moving", "diving", "filming"])
+def test_a_section_that_does_not_come_to_rest_is_refused(
+    ulysse: Mission, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the nets of junctions, and without these where the mission comes to it."""
+    templates = Blinking(name)
+    mission_net = compose(ulysse, templates)
+    with pytest.raises(DivergenceError):
+        composite_space(mission_net, Options(templates))
+    monkeypatch.setattr("mcpn.space.local.composing.refuse_open_junctions", lambda composite: None)
+    with pytest.raises(DivergenceError) as caught:
+        composite_space(mission_net, Options(templates))
+    marking, net = mission_net.net.initial, mission_net.net
+    for fired in caught.value.runs[0]:
+        marking = net.fire(marking, net.transition_index[fired])
+    assert any(net.transitions[t].internal for t in net.enabled(marking))
+
+
 # --- elsewhere -----------------------------------------------------------------------------------------
 
 

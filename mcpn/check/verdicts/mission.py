@@ -171,7 +171,7 @@ def _checked(
         if engine == "local":
             from mcpn.space.local.composing import Options, composite_space
 
-            options = Options(templates, executor, limit, progress)
+            options = Options(templates, executor, progress)
             alternatives = composite_space(mission_net, options)
             proof = "each type of section, and each way from one to the next, proved on its own net"
         else:

@@ -33,10 +33,6 @@ Progress: TypeAlias = Callable[[int, int], None]
 """Called after each local space and junction with how many are done and how many there are."""
 
 
-DEFAULT_MAX_STATES = 1_000_000
-"""States of a local net that are listed at most, where confluence must be decided one by one."""
-
-
 @dataclass(frozen=True)
 class Options:
     """How a composite is made.
@@ -45,14 +41,12 @@ class Options:
         templates: The set of templates that the mission is composed with, the paper's by default; with
             another no two sections are taken for one type.
         executor: Where sections are explored; in this process one after the other by default.
-        max_states: How many states may be listed where confluence must be decided state by state.
         progress: Called after each local space.
         mortal: Whether hardware may die (:mod:`mcpn.net.mortal`).
     """
 
     templates: TemplateSet | None = None
     executor: Executor | None = None
-    max_states: int = DEFAULT_MAX_STATES
     progress: Progress | None = None
     mortal: bool = False
 
@@ -115,7 +109,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     if not options.mortal:  # what may die behaves as what may not
         if templates is not None:
             refuse_open_junctions(composite)
-        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types}, options.max_states)
+        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types})
     return composite
 
 

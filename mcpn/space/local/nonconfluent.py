@@ -2,8 +2,8 @@
 
 The symbolic proof (:mod:`mcpn.space.stable.confluence`) is tried on the local net of each type, from every
 state of its hardware. Where it leaves conflicts open, they are looked for in what the mission passes and
-followed both ways (:mod:`mcpn.space.stable.joining`). Only where internal evolution may have no end are
-states of the local net listed and the interleavings of each event explored.
+followed both ways (:mod:`mcpn.space.stable.joining`); where internal evolution may have no end, a marking is
+looked for from which it has none.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from typing import NoReturn
 
 from mcpn._kernel import Zdd
-from mcpn.errors import LimitError
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
@@ -21,68 +20,45 @@ from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
-from mcpn.space.stable.alternatives import direct, fault_after
-from mcpn.space.stable.confluence import has_endless_run, open_conflicts, prove_confluent
-from mcpn.space.stable.joining import EndlessRun, Joining, judged
+from mcpn.space.stable.alternatives import fault_after
+from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
+from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among
 from mcpn.space.stable.nearest import fault_by
 
 
-def refuse_nonconfluent(
-    composite: CompositeSpace, explored: dict[SectionType, SymbolicSpace], max_states: int
-) -> None:
+def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, SymbolicSpace]) -> None:
     """Raises an error where internal evolution of the mission depends on the interleaving, or need not end.
 
     Args:
         composite: The mission's composite.
         explored: By type, the markings of its local net.
-        max_states: How many states of a local net may be listed where the symbolic proof leaves it open.
 
     Raises:
         ConfluenceError: An event that the mission comes to has two outcomes; both runs are given.
         DivergenceError: After an event that the mission comes to internal evolution need not end.
-        LimitError: It is open, and a local net has too many states to be listed.
     """
     for type_, space in explored.items():
         conflicts = list(open_conflicts(space))
         if not (conflicts or space.endless):
             continue
-        sections = [
-            p for p in composite.sections.values() if p.type is type_ and p.name in composite.everything.parts
-        ]
-        if not _rejoin(composite, type_, space, sections, conflicts):
-            _judge_by_list(composite, type_, sections, max_states)
-
-
-def _rejoin(
-    composite: CompositeSpace,
-    type_: SectionType,
-    space: SymbolicSpace,
-    sections: list[PlacedSection],
-    conflicts: list[tuple[int, int]],
-) -> bool:
-    """Whether both ways of each conflict that the mission passes lead to one marking again, and all runs end.
-
-    Raises:
-        ConfluenceError: Some do not, and here are the runs of the mission that show it.
-    """
-    begun = type_.layout.store.empty()
-    for placed in sections:
-        begun |= type_.begun(composite.everything.parts[placed.name], composite.entering(placed))
-    transient = begun.saturate(type_.encoding.internal)
-    if space.endless:
-        endless = type_.layout.opened(
-            type_.layout.store.from_bytes(space.endless.to_bytes()), type_.layout.all_slots
-        )
-        if transient & endless:
-            return False
-    try:
-        found = judged(type_.encoding, transient, conflicts, Joining(type_.net.net))
-    except EndlessRun:
-        return False
-    if found.parting is not None:
-        _raise_before(composite, type_, sections, transient, found.parting[0])
-        return False
-    return found.balanced or not has_endless_run(type_.encoding, transient)
+        sections = [placed for placed in composite.sections.values() if placed.type is type_]
+        begun = nowhere = type_.layout.store.empty()
+        for placed in sections:  # one whose entry has no end is entered, and has no state
+            inside = composite.everything.parts.get(placed.name, nowhere)
+            begun |= type_.begun(inside, composite.entering(placed))
+        encoding, endless, marking = type_.encoding, bool(space.endless), None
+        try:
+            found = parting_among(
+                encoding, calm(encoding, begun, conflicts), conflicts, Joining(type_.net.net)
+            )
+            marking = None if found is None else found[0]
+        except EndlessRun:
+            endless = True
+        if marking is None and endless:
+            levels = endless_runs(encoding, begun.saturate(encoding.internal)).pick()
+            marking = None if levels is None else encoding.marking(levels)
+        if marking is not None:
+            _raise_before(composite, type_, sections, begun.saturate(encoding.internal), marking)
 
 
 def _raise_before(
@@ -91,8 +67,8 @@ def _raise_before(
     sections: list[PlacedSection],
     transient: Zdd,
     marking: Marking,
-) -> None:
-    """Raises the error of an event after which sections of a type come to a marking where runs part."""
+) -> NoReturn:
+    """Raises the error of an event after which sections of a type come to a marking of such runs."""
     encoding, layout = type_.encoding, type_.layout
     here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient
     behind = here.saturate(encoding.internal_back, within=transient)
@@ -105,30 +81,7 @@ def _raise_before(
         for transition, states in before:
             for met, event in _met_at(composite, placed, transition, states):
                 _raise(composite, met, event)
-
-
-def _judge_by_list(
-    composite: CompositeSpace, type_: SectionType, sections: list[PlacedSection], max_states: int
-) -> None:
-    net = type_.net.net
-    try:
-        listed = direct(net, tear=True, max_states=max_states)
-    except LimitError as error:
-        names = ", ".join(placed.name for placed in sections[:1])
-        raise LimitError(
-            f"section {names}: internal transitions conflict, and whether the outcome depends on their order "
-            f"takes a list of its states ({error})"
-        ) from error
-    states: dict[int, Zdd] = {}
-    for state, transition, _ in listed.torn:
-        levels = type_.encoding.marked_levels(listed.marking(state))
-        one = type_.layout.store.singleton(levels)
-        states[transition] = states[transition] | one if transition in states else one
-    for placed in sections:
-        for transition, nonconfluent in states.items():
-            opened = type_.layout.opened(nonconfluent, type_.layout.all_slots)
-            for here, event in _met_at(composite, placed, transition, opened):
-                _raise(composite, here, event)
+    raise AssertionError("the marking comes after some event of the mission")
 
 
 def _met_at(
@@ -136,8 +89,8 @@ def _met_at(
 ) -> Iterator[tuple[CompositeSet, int | None]]:
     """States of the mission before such an event, and the event's transition; ``None`` for an entry's."""
     if transition != placed.type.net.start:
-        here = composite.of({placed.name: composite.everything.parts[placed.name] & states})
-        if here:
+        inside = composite.everything.parts.get(placed.name)
+        if inside and (here := composite.of({placed.name: inside & states})):
             yield here, placed.transitions.whole[transition]
         return
     hardware = placed.type.to_slots(states & placed.type.before, placed.faulty)
@@ -154,9 +107,9 @@ def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None
     assert run is not None, "the mission comes there"
     state = run[-1].target if run else begin
     events = [_event(composite, edge.transition) for edge in run]
-    for edge in composite.edges(state):
-        if transition is None or edge.transition == transition:
-            run_on = [*events, _event(composite, edge.transition)]
+    for next_one in composite.net.enabled(composite.marking(state)):
+        if transition in (None, next_one):
+            run_on = [*events, _event(composite, next_one)]
             found = fault_by(composite.net, run_on) or fault_after(composite.net, run_on)
             if found is not None:
                 raise found
