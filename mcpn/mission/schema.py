@@ -9,11 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 
 from lxml import etree
+
+from mcpn.mission.near import did_you_mean
 
 RNG = "{http://relaxng.org/ns/structure/1.0}"
 NAMESPACE = "urn:mcpn:mission:1"
@@ -123,24 +124,18 @@ def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
             allowed = rules[outer].children if outer in rules else {tag}
             if tag not in allowed or etree.QName(element).namespace != NAMESPACE:
                 expected = ", ".join(f"<{name}>" for name in sorted(allowed)) or "nothing"
-                near = [f"<{name}>" for name in get_close_matches(tag, sorted(allowed), n=1)]
-                yield line, f"found <{tag}> inside <{outer}>, expected {expected}{did_you_mean(near)}"
+                yield line, f"found <{tag}> inside <{outer}>, expected {expected}{did_you_mean(tag, allowed)}"
                 continue
         rule = rules.get(tag, _Rule())
         for name, value in ((str(key), str(text)) for key, text in element.attrib.items()):
             if name not in rule.patterns:
                 known = sorted(rule.patterns)
                 found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
-                yield line, f"{found}{did_you_mean(get_close_matches(name, known, n=1))}"
+                yield line, f"{found}{did_you_mean(name, known)}"
             elif (pattern := rule.patterns[name]) and not re.fullmatch(pattern, value, re.ASCII):
                 yield line, f"{name} of <{tag}> is {value!r}, expected {_expected(pattern)}"
         for name in sorted(rule.required - set(element.attrib)):
             yield line, f"<{tag}> has no attribute {name}, which is required"
-
-
-def did_you_mean(near: list[str]) -> str:
-    """A hint at the nearest known name, if there is one near."""
-    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def _expected(pattern: str) -> str:

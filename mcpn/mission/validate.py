@@ -6,8 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from difflib import get_close_matches
-from itertools import chain, islice, product
+from itertools import islice, product
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.flatten import MAX_OBJECTIVES
@@ -28,14 +27,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
-from mcpn.mission.schema import did_you_mean
-
-MAX_HINTS = 10
-"""How many unknown names are compared with the known ones: each comparison costs."""
-MAX_LISTED = 10
-"""How many known names are listed where none of them is near."""
-MAX_COMPARED = 500
-"""Among how many known names a near one is looked for."""
+from mcpn.mission.near import Hints
 
 MAX_ROUNDS = 100_000
 """The largest number of rounds or tries that a block may ask for."""
@@ -68,7 +60,7 @@ class _Checks:
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
         self.events = {e.name: e for e in mission.events}
         self.parameters: dict[str, frozenset[str]] = {}
-        self.hints: dict[tuple[str, int], tuple[Iterable[str], str]] = {}
+        self.hints = Hints()
         self.producers: dict[str, list[Activity]] = {}
         for activity in mission.activities:
             for resource in dict.fromkeys(activity.produces):
@@ -159,18 +151,7 @@ class _Checks:
                     yield self.unknown(alternative.source, who, resource, self.resources)
 
     def unknown(self, source: Source | None, who: str, name: str, known: Collection[str]) -> Problem:
-        hint = self.hint(name, known)
-        if not hint and len(known) <= MAX_LISTED:
-            hint = f" (expected one of {', '.join(known)})" if known else " (none is declared)"
-        return Problem(source, f"{who} {name}, which is not declared{hint}")
-
-    def hint(self, name: str, known: Iterable[str], *others: str) -> str:
-        """A near name among the others and the known ones, as long as looking for it costs little."""
-        key = name, id(known)  # what is kept keeps its identity
-        if key not in self.hints and len(self.hints) < MAX_HINTS:
-            near = get_close_matches(name, sorted(islice(chain(others, known), MAX_COMPARED)), n=1)
-            self.hints[key] = known, did_you_mean(near)
-        return self.hints[key][1] if key in self.hints else ""
+        return Problem(source, f"{who} {name}, which is not declared{self.hints.known(name, known)}")
 
     def cycles(
         self, what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
@@ -244,7 +225,7 @@ class _Checks:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
             expected = f"expected one of {', '.join([*shown, SUCCEED, FAIL])}"
             yield Problem(
-                source, f"{what} leads to {route}; {expected}{self.hint(route, names, SUCCEED, FAIL)}"
+                source, f"{what} leads to {route}; {expected}{self.hints.near(route, names, SUCCEED, FAIL)}"
             )
 
     def handlers(

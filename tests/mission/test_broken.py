@@ -89,7 +89,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "element misspelt": (
         body("<objectiv name='g' activities='go'/>"),
         8,
-        "<robot>, <use> (did you mean <objective>?)",
+        "<robot>, <use> (did you mean objective?)",
     ),
     "attribute misspelt": (
         body("<objective name='o' activites='go'/>"),
