@@ -265,7 +265,7 @@ class Diagrams:
         because of what was asked, goes on where it was.
         """
         ends = self.dead
-        found, lost = self._left_off.pop(along, None) or (along, self._leaving(along - ends, along))
+        found, lost = self._left_off.get(along) or (along, self._leaving(along - ends, along))
         while lost and (asked is None or asked & found):
             self._left_off[along] = found, lost
             found -= lost
