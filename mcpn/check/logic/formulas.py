@@ -245,7 +245,7 @@ def mapped(formula: Core, of: Callable[[Core], Core]) -> Core:
 
 
 def walk(formula: Formula) -> Iterator[tuple[Formula, int]]:
-    """Every formula inside a formula, itself included, with the number of operators around it; no recursion."""
+    """Every formula inside a formula, itself included, with the number of operators around it."""
     stack = [(formula, 0)]
     while stack:
         at, depth = stack.pop()
