@@ -328,3 +328,29 @@ class TokenNet:
         max_bytes: int,
     ) -> tuple[str, int, list[int]]:
         """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""
+
+class Checker:
+    """Decides formulas of CTL at a marking, looking at no more markings than a depth-first search needs.
+
+    Each operator is a kind (``goal``, ``not``, ``all``, ``any``, ``next``, ``until``, ``always``) and the
+    numbers of earlier operators inside it; of ``goal`` the number of a node of the goals. Paths are maximal.
+    """
+
+    def __init__(
+        self,
+        net: TokenNet,
+        initial: Sequence[int],
+        goals: Goals,
+        operators: Sequence[tuple[str, Sequence[int]]],
+        max_bytes: int,
+    ) -> None: ...
+    def decide(self, root: int, max_steps: int, seed: int = ...) -> str:
+        """``yes`` or ``no``, or the limit that was hit: ``steps``, ``bytes`` or ``tokens``.
+
+        What is found out is kept, for other operators and for the same one with more steps. The seed draws
+        the order in which successors are tried; 0 for that of the transitions.
+        """
+
+    @property
+    def markings(self) -> int:
+        """Markings looked at."""

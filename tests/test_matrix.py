@@ -11,8 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes
-from mcpn.check.causes.fmeca import Severity, fmeca
+from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
@@ -130,8 +131,9 @@ def most_failures(engine: Engine) -> bool:
 
 def tabled(engine: Engine) -> bool:
     rows = fmeca(causes(engine).prospects)
+    costs = {"H": Severity.MISSION_LOST, "I": Severity.MISSION_LOST, "spare": Severity.NO_EFFECT}
     return {(row.hardware, row.objective): row.severity for row in rows} == {
-        (hardware, objective): Severity.MISSION_LOST for hardware in "HI" for objective in "xy"
+        (hardware, objective): cost for hardware, cost in costs.items() for objective in "xy"
     }
 
 

@@ -32,15 +32,27 @@ void Store::declare(const std::vector<std::uint32_t>& events) {
     program_index_.clear();
     program_bytes_ = 0;
   }
+  // What an event does where it leaves its first level alone is an event that begins below: it is closed there.
+  std::vector<std::uint32_t> ways;
+  for (std::uint32_t event : events)
+    while (event) {
+      std::uint32_t below = 0;
+      for (std::uint32_t way = event; way; way = suffixes_[way].more)
+        for (std::uint32_t other = suffixes_[way].more; other; other = suffixes_[other].more)
+          if (suffixes_[way].touch == Touch::read && suffixes_[other].touch == Touch::zero &&
+              suffixes_[way].next == suffixes_[other].next)
+            below = suffixes_[way].next;
+      for (std::uint32_t way = event; way; way = suffixes_[way].more)
+        if (!below || suffixes_[way].touch == Touch::consume || suffixes_[way].touch == Touch::produce)
+          ways.push_back(way);
+      event = below;
+    }
   Program program;
   program.begin.assign(levels + 2, 0);
-  for (const std::uint32_t event : events)
-    for (std::uint32_t way = event; way; way = suffixes_[way].more) ++program.begin[suffixes_[way].level + 2];
+  for (const std::uint32_t way : ways) ++program.begin[suffixes_[way].level + 2];
   for (Level at = 2; at <= levels + 1; ++at) program.begin[at] += program.begin[at - 1];
   program.events.resize(program.begin[levels + 1]);
-  for (const std::uint32_t event : events)
-    for (std::uint32_t way = event; way; way = suffixes_[way].more)
-      program.events[program.begin[suffixes_[way].level + 1]++] = way;
+  for (const std::uint32_t way : ways) program.events[program.begin[suffixes_[way].level + 1]++] = way;
   program.wakes.assign(levels + 2, levels);
   for (Level at = levels; at-- > 0;) {
     const bool wakes = std::any_of(

@@ -11,6 +11,7 @@
 #include <string>
 #include <tuple>
 
+#include "local.hpp"
 #include "store.hpp"
 #include "tokens.hpp"
 
@@ -24,6 +25,9 @@ using Given = std::tuple<std::vector<Arc>, std::vector<Arc>, bool>;  // need, ch
 using Spoken = std::tuple<std::string, std::vector<std::uint32_t>, std::vector<Arc>, Tokens>;
 
 constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
+constexpr const char* kOperators[] = {"goal", "not", "all", "any", "next", "until", "always"};
+constexpr std::size_t kOperands[] = {1, 1, 0, 0, 1, 2, 1};  // 0: any number
+constexpr const char* kAnswers[] = {"no", "yes", "steps", "bytes", "tokens"};
 constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens"};
 
 void check(const std::vector<Arc>& arcs, std::uint32_t places) {
@@ -110,4 +114,29 @@ void bind_search(nb::module_& module) {
         return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
       }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("stubborn"), nb::arg("max_states"),
          nb::arg("max_bytes"));
+
+  nb::class_<Checker>(module, "Checker")
+      .def("__init__", [](Checker* self, const TokenNet& net, const Marking& initial, const Goals& goals,
+                          const std::vector<std::pair<std::string, std::vector<std::uint32_t>>>& given,
+                          std::uint64_t max_bytes) {
+        check(initial, net);
+        std::vector<Operator> operators;
+        for (const auto& [kind, inside] : given) {
+          const auto* found = std::find(std::begin(kOperators), std::end(kOperators), kind);
+          if (found == std::end(kOperators)) throw std::invalid_argument("no such operator");
+          const std::size_t number = found - kOperators, known = number ? operators.size() : goals.nodes.size();
+          if (kOperands[number] && inside.size() != kOperands[number])
+            throw std::invalid_argument("a wrong number of operands");
+          for (const std::uint32_t operand : inside)
+            if (operand >= known) throw std::invalid_argument("an operator names a later one, or no goal");
+          operators.push_back({Operator::Kind(number), inside});
+        }
+        new (self) Checker(net, initial, goals, std::move(operators), max_bytes);
+      }, nb::arg("net"), nb::arg("initial"), nb::arg("goals"), nb::arg("operators"), nb::arg("max_bytes"))
+      .def("decide", [](Checker& checker, std::uint32_t root, std::uint64_t max_steps, std::uint64_t seed) {
+        if (root >= checker.operators()) throw std::invalid_argument("no such operator");
+        const Local found = run([&](const GoOn& go_on) { return checker.decide(root, max_steps, seed, go_on); });
+        return std::string(kAnswers[int(found)]);
+      }, nb::arg("root"), nb::arg("max_steps"), nb::arg("seed") = 0)
+      .def_prop_ro("markings", [](const Checker& checker) { return checker.markings(); });
 }

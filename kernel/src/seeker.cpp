@@ -4,50 +4,24 @@
 #include <queue>
 #include <utility>
 
+#include "packed.hpp"
 #include "store.hpp"
-#include "tokens.hpp"
 
 namespace mcpn::search {
 
 namespace {
 
-constexpr std::uint32_t kNone = ~std::uint32_t(0);
 constexpr std::size_t kSeeds = 8;       // transitions tried as the first of a stubborn set
 constexpr std::uint64_t kPatience = 100;  // states in a row in which none of them leaves anything out
 
-// Markings packed with so many bits a place, found by hash; with where each came from.
-class Markings {
+// Markings, and where each came from.
+class Markings : public Packed {
  public:
-  Markings(std::uint32_t places, std::uint32_t bits)
-      : bits_(bits), each_(64 / bits), words_(std::max(1u, (places + each_ - 1) / each_)), slots_(1u << 12, kNone) {}
-
-  bool fits(Tokens tokens) const { return tokens < Tokens(1) << bits_; }
-  bool fits(const Marking& marking) const {
-    return std::all_of(marking.begin(), marking.end(), [&](Tokens tokens) { return fits(tokens); });
-  }
-  void put(std::vector<std::uint64_t>& row, Place p, Tokens tokens) const {
-    const std::uint32_t shift = p % each_ * bits_;
-    row[p / each_] = (row[p / each_] & ~(mask() << shift)) | std::uint64_t(tokens) << shift;
-  }
-  std::vector<std::uint64_t> packed(const Marking& marking) const {
-    std::vector<std::uint64_t> row(words_, 0);
-    for (Place p = 0; p < marking.size(); ++p) put(row, p, marking[p]);
-    return row;
-  }
-  // Whether a marking is new; then it has the next number.
-  bool add(const std::vector<std::uint64_t>& row, std::uint32_t parent, Transition via) {
-    std::uint64_t at = hash(row.data()) & (slots_.size() - 1);
-    for (; slots_[at] != kNone; at = (at + 1) & (slots_.size() - 1))
-      if (std::equal(row.begin(), row.end(), packed_.data() + slots_[at] * words_)) return false;
-    slots_[at] = std::uint32_t(size());
-    packed_.insert(packed_.end(), row.begin(), row.end());
-    from_.emplace_back(parent, via);
-    if (size() * 3 > slots_.size() * 2) widen();
-    return true;
-  }
-  void get(std::uint32_t number, Marking& marking, std::vector<std::uint64_t>& row) const {
-    row.assign(packed_.data() + number * words_, packed_.data() + (number + 1) * words_);
-    for (Place p = 0; p < marking.size(); ++p) marking[p] = Tokens(row[p / each_] >> p % each_ * bits_ & mask());
+  using Packed::Packed;
+  bool add(const Row& row, std::uint32_t parent, Transition via) {
+    const bool fresh = Packed::add(row).second;
+    if (fresh) from_.emplace_back(parent, via);
+    return fresh;
   }
   std::vector<Transition> run(std::uint32_t number) const {
     std::vector<Transition> found;
@@ -55,37 +29,10 @@ class Markings {
     std::reverse(found.begin(), found.end());
     return found;
   }
-  std::uint64_t size() const { return from_.size(); }
-  std::uint64_t bytes() const {
-    return packed_.capacity() * 8 + from_.capacity() * sizeof(from_[0]) + slots_.capacity() * 4;
-  }
+  std::uint64_t bytes() const { return Packed::bytes() + from_.capacity() * sizeof(from_[0]); }
 
  private:
-  std::uint64_t hash(const std::uint64_t* row) const {
-    std::uint64_t x = 0x9E3779B97F4A7C15ull;
-    for (std::uint64_t i = 0; i < words_; ++i) {
-      x = (x ^ row[i]) * 0xBF58476D1CE4E5B9ull;
-      x ^= x >> 29;
-    }
-    x *= 0x94D049BB133111EBull;
-    return x ^ x >> 32;
-  }
-  void widen() {
-    slots_.assign(slots_.size() * 2, kNone);
-    for (std::uint64_t number = 0; number < size(); ++number) {
-      std::uint64_t at = hash(packed_.data() + number * words_) & (slots_.size() - 1);
-      while (slots_[at] != kNone) at = (at + 1) & (slots_.size() - 1);
-      slots_[at] = std::uint32_t(number);
-    }
-  }
-
-  std::uint64_t mask() const { return (std::uint64_t(1) << bits_) - 1; }
-
-  std::uint32_t bits_, each_;  // bits of a place; places in a word
-  std::uint64_t words_;
-  std::vector<std::uint64_t> packed_;
   std::vector<std::pair<std::uint32_t, Transition>> from_;
-  std::vector<std::uint32_t> slots_;
 };
 
 // Sets of transitions that hold the next step of some shortest run to the goal. A run to the goal fires one of
@@ -251,7 +198,7 @@ Search seek(const TokenNet& net, const Marking& initial, const Goals& goals, std
             std::uint64_t max_states, std::uint64_t max_bytes, const GoOn& go_on) {
   max_states = std::min<std::uint64_t>(max_states, kNone - 1);
   Search found{Outcome::tokens};
-  for (const std::uint32_t bits : {1u, 4u, 16u, 32u}) {  // wider where a place holds more than fits
+  for (const std::uint32_t bits : kWidths) {  // wider where a place holds more than fits
     found = seek_packed(net, initial, goals, root, stubborn && !net.priorities, bits, max_states, max_bytes, go_on);
     if (found.outcome != Outcome::tokens) break;
   }

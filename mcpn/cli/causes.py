@@ -126,7 +126,7 @@ def causes(
 
 def _classes(given: tuple[str, ...]) -> Classes:
     """Severity classes with the names that the user gives."""
-    from mcpn.check.causes.fmeca import Severity
+    from mcpn.check.causes.effects import Severity
     from mcpn.report.causes import STANDARD
 
     known = {severity.words: severity for severity in Severity}

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.conditions import enumeration, sentence
 from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes, GoalCauses, Survival
-from mcpn.check.causes.fmeca import Row, Severity
+from mcpn.check.causes.fmeca import Row
 from mcpn.check.causes.prospects import CriticalEvent
 from mcpn.check.runs import what_happens
 from mcpn.errors import InputError, Source
@@ -288,17 +289,23 @@ def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
     terminal = Terminal()
     shared: dict[str, dict[tuple[str, str, str], list[str]]] = {}
     for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
-        effects = [t for t in (row.local_effect, row.compensation) if t not in ("none", "none needed")]
+        leads = [t for t in row.compensation.split("; or ") if t.startswith("its failure")]
+        effects = [t for t in (row.local_effect, *leads) if t != "none"]
         key = told["severity"], told["with_others"], "; ".join(effects)
         shared.setdefault(row.hardware, {}).setdefault(key, []).append(row.objective)
     for hardware, effects_of in shared.items():
         terminal.print()
         terminal.print(f"if {hardware} fails", style="bold")
+        nothing = classes[Severity.NO_EFFECT], "", ""
         for (severity, with_others, effect), objectives in effects_of.items():
+            if (severity, with_others, effect) == nothing and len(effects_of) > 1:
+                continue
             terminal.print(f"during {', '.join(objectives)}", indent=2)
             terminal.print(severity + (f"; {with_others}" if with_others else ""), indent=6)
             if effect:
                 terminal.print(effect, indent=6)
+        if nothing in effects_of and len(effects_of) > 1:
+            terminal.print(f"during all others: {nothing[0]}", indent=2)
 
 
 def print_risk(numbers: Risk) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import asdict
+from functools import partial
 from math import comb
 from pathlib import Path
 from typing import Any
@@ -22,9 +24,10 @@ from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.bounded import reach_markings, reach_tokens
+from mcpn.space.diagrams.counters import TokenEncoding
 from mcpn.space.diagrams.order import candidates
 from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.diagrams.symbolic import SymbolicSpace
+from mcpn.space.diagrams.symbolic import SymbolicSpace, closure
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.summary import summarise
 from tests.check.formulas import formulas, satisfying
@@ -96,6 +99,10 @@ def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
     for t in range(len(net.transitions)):
         assert space.fired[t] == sum(any(u == t for u, _ in firings) for firings in graph.values())
     assert sizes(reach_markings(net)) == sizes(space)
+    assert sizes(high_first(net, wider=rank)) == sizes(space)
+    assert sizes(pickle.loads(pickle.dumps(space))) == sizes(space)
+    again = pickle.loads(pickle.dumps(high_first(net)))
+    assert {again.encoding.marking(levels) for levels in again.reachable} == set(graph)
     counted = count_tokens(net)
     assert counted.bounds == tuple(bounds)
     expected = *sizes(space)[:3], space.max_tokens
@@ -142,7 +149,19 @@ def test_formulas_hold_where_the_definitions_say(net: PetriNet, data: st.DataObj
 
 
 def spaces(net: PetriNet) -> list[Space[Any]]:
-    return [DiagramMarkings(reach_tokens(net)), ArraySpace(explore_tokens(net))]
+    return [
+        DiagramMarkings(reach_tokens(net)),
+        DiagramMarkings(high_first(net)),
+        ArraySpace(explore_tokens(net)),
+    ]
+
+
+def high_first(net: PetriNet, wider: int = 0) -> SymbolicSpace:
+    """The markings with the highest bit of each place on top, as wide as is needed or wider."""
+    widths = [bound.bit_length() + wider for bound in count_tokens(net).bounds]
+    encode = partial(TokenEncoding, widths=widths, low_first=False)
+    order = tuple(range(len(net.places)))
+    return closure(net, encode, order=order, seed=None, memory_limit=1 << 28)
 
 
 @fewer(0.5)
@@ -213,6 +232,17 @@ def check_unbounded(net: PetriNet, error: UnboundedError) -> None:
     after = replay(net, error.pump, start)
     grown = {place.name for p, place in enumerate(net.places) if after[p] > start[p]}
     assert grown.intersection(error.places)
+
+
+@pytest.mark.parametrize("places", [1, 10])
+def test_a_place_that_nothing_fills_again_counts_to_a_million(places: int) -> None:
+    builder = NetBuilder("falling")
+    for place in range(places):
+        builder.place(f"p{place}", initial=10**6)
+        builder.transition(f"t{place}", consume=[f"p{place}"])
+    space = reach_tokens(builder.build())
+    assert space.states == (10**6 + 1) ** places
+    assert space.max_tokens_in_place == 10**6
 
 
 def test_an_unbounded_buffer_is_named() -> None:

@@ -1,50 +1,43 @@
 """Failure modes, effects and criticality: a row for each hardware resource and objective that it touches.
 
-Every entry is read from a space of states: the edges at which the resource goes out of service while the
-objective runs, in runs without repairs in which objectives fail only where they must. A row says what the
-failure does when all other hardware is in service, and with which other failures it does worse.
+Every entry is read from a space of states: all edges at which the resource goes out of service while the
+objective runs, however the mission has come there, also after repairs and after objectives that failed by
+themselves. A row says the worst that the failure does when all other hardware is in service, and with which
+other hardware out of service it does worse.
 
 Source: the columns are those of IEC 60812 (FMEA and FMECA), reduced to what a mission says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import cached_property
-from typing import Any, Generic, TypeAlias
+from itertools import compress
+from typing import Generic, TypeAlias
 
+from mcpn.check.causes.effects import (
+    Case,
+    Severity,
+    Words,
+    changes,
+    joined,
+    local_effect,
+    mission_effect,
+    objective_effect,
+    recovery,
+    worth_telling,
+)
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.check.modes import Situation
-from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.flatten import ElementarySection, ParallelSection
 from mcpn.net.events import What
-from mcpn.space.algebra import S, Space, partition
+from mcpn.net.templates import Role
+from mcpn.space.algebra import S, Space
 from mcpn.space.images import ImageStore
 
 Others: TypeAlias = tuple[str, ...]
 """Other hardware that is out of service already, sorted."""
-
-
-class Severity(IntEnum):
-    """What a failure costs, the worst last. *Lost* means that no run leads to success any more."""
-
-    NO_EFFECT = 0
-    """Nothing changes: what was in use goes on, whatever could succeed still can."""
-    DEGRADED = 1
-    """The functioning mode changes; the objective and the mission can succeed."""
-    OBJECTIVE_LOST = 2
-    """The objective's present run can no longer succeed without repair; the mission can."""
-    MISSION_LOST_UNLESS_REPAIRED = 3
-    """The mission can succeed only if hardware is repaired."""
-    MISSION_LOST = 4
-    """The mission can no longer succeed, whatever is repaired."""
-
-    @property
-    def words(self) -> str:
-        """The class in words."""
-        return self.name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)
@@ -61,7 +54,7 @@ class Row:
         detection: Where the failure is seen.
         compensation: What replaces it, or where the objective's failure leads.
         recovery: What happens when the resource is ready again while the objective still runs.
-        severity: With all other hardware in service.
+        severity: The worst with all other hardware in service, however the mission has come there.
         with_others: Worse severities, each with the minimal sets of other hardware that must be out already.
     """
 
@@ -83,35 +76,7 @@ class Row:
         return max((self.severity, *(severity for severity, _ in self.with_others)))
 
 
-@dataclass(frozen=True)
-class _Case:
-    """What one edge does: the failure of one resource in one state."""
-
-    before: Situation
-    after: Situation
-    back: Situation
-    objective_lost: bool
-    mission_lost: bool
-    lost_for_ever: bool
-    objective_regained: bool
-    mission_regained: bool
-
-
-def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) -> list[Row]:
-    """The table of a mission.
-
-    Args:
-        prospects: The mission in a space of its alternatives graph.
-        objectives: Those to look at; all by default.
-
-    Returns:
-        Rows in the mission's order of hardware, then of objectives; those pairs are left out whose failure
-        makes no difference in any company.
-    """
-    return list(_Table(prospects).rows(objectives))
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Failures(Generic[S]):
     """Edges of one transition by which one resource fails while one objective runs.
 
@@ -126,61 +91,69 @@ class _Failures(Generic[S]):
     severities: dict[Severity, S]
 
 
+def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) -> list[Row]:
+    """The table of a mission.
+
+    Args:
+        prospects: The mission in a space of its alternatives graph.
+        objectives: Those to look at; all by default.
+
+    Returns:
+        A row for each resource that may fail and each objective that may run, in the mission's order of
+        hardware, then of objectives; also where the failure has no effect, so that no pair is missing.
+    """
+    return list(_Table(prospects).rows(objectives))
+
+
 class _Table(Generic[S]):
     def __init__(self, prospects: Prospects[S]) -> None:
         self.prospects = prospects
         self.space: Space[S] = prospects.space
         self.net = prospects.mission_net
         self.usage = prospects.mission_net.usage
-        self.seen = self.space.reached(
-            self.space.initial, transitions=prospects.unrepaired, guards=prospects.forced
-        )
         self.lost = prospects.losing(prospects.mission, repairs=True)
         self.lost_unrepaired = prospects.losing(prospects.mission, repairs=False)
         self.oos = prospects.places("oos", prospects.hardware)
+        self.some_out = self.space.marked(self.oos)
         self.images = ImageStore(len(self.oos))
+        self.words = Words(self.usage, self.net.graph)
+        self.sections = {section.name: section for section in self.net.graph.walk()}
+        self.consumers_first = list(self.usage.suppliers_first())[::-1]
+        self._modes: dict[str, dict[int, S]] = {}
 
     def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
         owners = {s.name: top.name for top in self.net.graph.sections for s in _elementary(top)}
         for hardware in self.prospects.hardware:
             for section in self.net.graph.walk():
                 if objectives is None or section.name in objectives:
-                    row = self.row(hardware, section, owners[section.name])
-                    if row is not None:
-                        yield row
+                    failures = list(self.failures(hardware, self.prospects.objectives[section.name]))
+                    if failures:
+                        yield self.row(hardware, section, owners[section.name], failures)
 
-    def row(self, hardware: str, section: ElementarySection, owner: str) -> Row | None:
-        goal = self.prospects.objectives[section.name]
-        usable = goal.running & self.seen
-        failures = list(self.failures(hardware, goal, usable)) if usable else []
-        if not any(failure.severities for failure in failures):
-            return None
-        chosen = self.in_least_company(failures)
-        alone = self.space.marked(self.oos)
-        severity = max(
-            (s for f in failures for s, states in f.severities.items() if states - alone),
-            default=Severity.NO_EFFECT,
-        )
-        cases = [self.case(hardware, state, t, goal) for t, state in self.distinct(chosen, goal)]
+    def row(self, hardware: str, section: ElementarySection, owner: str, failures: list[_Failures[S]]) -> Row:
+        # Hardware can be repaired while an objective runs, so that each may run with all other in service.
+        cases = [case for f in failures for case in self.cases(f, hardware, section)]
+        cases = worth_telling(cases)
+        severity = max((case.severity for case in cases), default=Severity.NO_EFFECT)
         return Row(
             hardware,
             section.name,
             owner,
-            _joined(_local_effect(c) for c in cases),
-            _joined(_objective_effect(c) for c in cases),
-            _joined(_mission_effect(c) for c in cases),
-            _joined(self.detection(c, hardware, section) for c in cases),
-            _joined(self.compensation(c, section) for c in cases),
-            _joined(_recovery(c) for c in cases),
+            local_effect(cases),
+            joined(objective_effect(c) for c in cases),
+            joined(mission_effect(c) for c in cases),
+            joined(self.words.detection(c, hardware) for c in cases),
+            joined(self.words.compensation(c, section) for c in cases),
+            joined(recovery(c) for c in cases),
             severity,
             tuple(self.with_others(failures, severity)),
         )
 
     # --- severity --------------------------------------------------------------------------------------
 
-    def failures(self, hardware: str, goal: Goal[S], usable: S) -> Iterator[_Failures[S]]:
+    def failures(self, hardware: str, goal: Goal[S]) -> Iterator[_Failures[S]]:
         for t in sorted(self.prospects.carrying(What.OUT_OF_SERVICE, hardware)):
-            before = usable & self.space.enabling([t])
+            before = self.space.enabling([t]) & goal.running if goal.running else goal.running
             if before:
                 yield _Failures(t, before, self.severities(t, before, goal))
 
@@ -197,32 +170,48 @@ class _Table(Generic[S]):
             if crossing:
                 found[severity] = crossing
                 left = left - crossing
-        changed = self.mode_changes(transition, left, goal)
+        changed = self.space.nothing
+        if left:
+            for states in self.modes(goal).values():
+                changed = changed | self.changing(states, transition, left)
         return found | ({Severity.DEGRADED: changed} if changed else {})
 
-    def mode_changes(self, transition: int, before: S, goal: Goal[S]) -> S:
-        """Those of some states in which an edge changes the mode of an objective."""
-        changed = self.space.nothing
-        if not before:
-            return changed
-        after = self.space.after(before, [transition])
-        for place in self.mode_places(goal, before):
-            marking = self.space.restricted(after, [place], ())
-            kept = self.space.before(marking, [transition]) & before if marking else marking
-            was = self.space.restricted(before, [place], ())
-            changed = changed | (was - kept) | (kept - was)
-        return changed
+    def changing(self, states: S, transition: int, before: S) -> S:
+        """Those of some states from which an edge leads into or out of others."""
+        kept = self.space.before(states, [transition]) if states else states
+        return ((states - kept) | (kept - states)) & before
 
-    def mode_places(self, goal: Goal[S], states: S) -> list[int]:
-        """What the mode of an objective is made of: alternatives and refusals of all that serves it."""
-        serving, roles = self.prospects.serving[goal.name], self.net.roles
-        return sorted(
-            place
-            for place in self.space.varying(states)
-            if (role := roles.get(place))
-            and role[0] in ("active", "wait", "refused")
-            and role[1].split(".", 1)[0] in serving
+    def modes(self, goal: Goal[S]) -> dict[int, S]:
+        """The mode of an objective: by place of what serves it, the states in which that serves it now.
+
+        An activity serves an objective that starts it, or that another serves by an alternative which
+        consumes what this one produces. A branch beside the objective may keep it running without that.
+        """
+        if goal.name not in self._modes:
+            self._modes[goal.name] = self._mode_of(goal)
+        return self._modes[goal.name]
+
+    def _mode_of(self, goal: Goal[S]) -> dict[int, S]:
+        space, by_role = self.space, self.net.by_role
+        serving, varying = self.prospects.serving[goal.name], set(space.varying(goal.running))
+        serves = dict.fromkeys(serving, space.nothing) | dict.fromkeys(
+            self.sections[goal.name].activities, goal.running
         )
+        found: dict[int, S] = {}
+        for name in filter(serves.__contains__, self.consumers_first):
+            states = serves[name]
+            roles: list[tuple[Role, tuple[str, ...]]] = [(("refused", name), ())]
+            for way in self.usage.activities[name].alternatives:
+                started_as = f"{name}.{way.name}"
+                roles += [(("active", started_as), way.consumes), (("wait", started_as), way.consumes)]
+            for role, consumes in roles:
+                for place in varying.intersection(by_role.get(role, ())):
+                    marked = space.restricted(states, [place], ()) if states else states
+                    if marked:
+                        found[place] = marked
+                        for producer in {of for r in consumes if (of := self.usage.producer.get(r))}:
+                            serves[producer] = serves[producer] | marked
+        return dict(sorted(found.items()))
 
     def with_others(
         self, failures: Sequence[_Failures[S]], alone: Severity
@@ -240,107 +229,104 @@ class _Table(Generic[S]):
                 names = [tuple(sorted(self.prospects.hardware[h] for h in s)) for s in least]
                 yield severity, tuple(sorted(names, key=lambda n: (len(n), n)))
 
-    # --- words -----------------------------------------------------------------------------------------
+    # --- what happens, case by case ----------------------------------------------------------------------
 
-    def in_least_company(self, failures: Sequence[_Failures[S]]) -> list[_Failures[S]]:
-        """The failures with the fewest other resources out of service: none, wherever that occurs."""
-        for size in range(len(self.oos) + 1):
-            few = self.space.at_most(dict.fromkeys(self.oos, 1), size)
-            chosen = [_Failures(f.transition, f.before & few, f.severities) for f in failures]
-            if any(failure.before for failure in chosen):
-                return chosen
-        raise AssertionError("no state has more hardware out of service than there is")
+    def cases(self, failure: _Failures[S], hardware: str, section: ElementarySection) -> Iterator[Case]:
+        """The different things that a failure does when all other hardware is in service."""
+        alone = failure.before - self.some_out
+        for severity in sorted(failure.severities, reverse=True):
+            states = failure.severities[severity] - self.some_out
+            alone = alone - states
+            if states:
+                yield from self.distinct(severity, states, failure.transition, hardware, section)
+        if alone:
+            idle = Situation()
+            yield Case(Severity.NO_EFFECT, idle, idle, idle, *(False,) * 6, "")
 
-    def distinct(self, failures: Sequence[_Failures[S]], goal: Goal[S]) -> Iterator[tuple[int, Any]]:
-        """A transition and a state before it for each different thing that the failure does."""
-        for failure in failures:
-            effects = [part for states in failure.severities.values() if (part := states & failure.before)]
-            rest = failure.before
-            for states in effects:
-                rest = rest - states
-            for states in [*effects, rest] if rest else effects:
-                yield from self.by_mode(failure.transition, states, goal)
-
-    def by_mode(self, transition: int, states: S, goal: Goal[S]) -> Iterator[tuple[int, Any]]:
-        """A state for each pair of modes before and after."""
-        space, places, images = self.space, self.mode_places(goal, states), self.prospects.images
-        for _, before in partition(space, states, places, images):
-            for _, after in partition(space, space.after(before, [transition]), places, images):
-                yield transition, (space.before(after, [transition]) & before).pick()
-
-    def case(self, hardware: str, state: Any, transition: int, goal: Goal[S]) -> _Case:
-        space, repairs = self.space, self.prospects.carrying(What.REPAIRED, hardware)
-        target = next(e.target for e in space.edges(state) if e.transition == transition)
-        again = next((e.target for e in space.edges(target) if e.transition in repairs), target)
+    def distinct(
+        self, severity: Severity, states: S, transition: int, hardware: str, section: ElementarySection
+    ) -> Iterator[Case]:
+        """Some states before a failure, by what it does to the objective's mode and its prospects."""
+        space, goal = self.space, self.prospects.objectives[section.name]
         lost = self.prospects.losing(goal, repairs=False)
+        repairs = self.prospects.carrying(What.REPAIRED, hardware)
 
-        def holds(member: Any, region: S) -> bool:
-            return bool(space.single(member) & region)
+        def coming_to(region: S) -> S:
+            return space.before(region, [transition]) if region else region
 
-        before, after, back = (self.mode(member, goal) for member in (state, target, again))
-        return _Case(
-            before,
-            after,
-            back,
-            holds(target, lost),
-            holds(target, self.lost_unrepaired),
-            holds(target, self.lost),
-            holds(target, lost) and not holds(again, lost),
-            holds(target, self.lost_unrepaired) and not holds(again, self.lost_unrepaired),
-        )
+        def coming_back_to(region: S) -> S:
+            return coming_to(space.before(region, repairs)) if region else region
 
-    def mode(self, member: Any, goal: Goal[S]) -> Situation:
-        """The part of a state's mode that concerns an objective."""
-        states = self.space.single(member)
-        places = self.mode_places(goal, states)
-        ((marked, _),) = partition(self.space, states, places, self.prospects.images)
+        modes = self.modes(goal)
+        changed = [p for p, marked in modes.items() if self.changing(marked, transition, states)]
+        asked = [
+            lost,
+            *(coming_to(region) for region in (lost, self.lost_unrepaired, self.lost)),
+            *(coming_back_to(region) for region in (lost, self.lost_unrepaired)),
+            *(modes[p] for p in changed),
+            *(coming_to(modes[p]) for p in changed),
+            *(coming_back_to(modes[p]) for p in changed),
+        ]
+        n = len(changed)
+        for answers, those in _atoms(states, asked):
+            already, gone, unrepaired, ever, still_gone, still_unrepaired, *marked = answers
+            before, after, back = (
+                self.situation(compress(changed, marked[i * n : (i + 1) * n])) for i in range(3)
+            )
+            yield Case(
+                severity,
+                before,
+                after,
+                back,
+                already,
+                gone,
+                unrepaired,
+                ever,
+                gone and not still_gone,
+                unrepaired and not still_unrepaired,
+                self.elsewhere(those, transition, section.name) if before == after else "",
+            )
+
+    def elsewhere(self, states: S, transition: int, name: str) -> str:
+        """What a failure does to the modes of other objectives that run at the same time, in words."""
+        found = []
+        for other in self._beside.get(name, ()):
+            goal = self.prospects.objectives[other]
+            there = states & goal.running
+            modes = self.modes(goal) if there else {}
+            changed = [p for p, marked in modes.items() if self.changing(marked, transition, there)]
+            asked = [modes[p] for p in changed]
+            asked += [self.space.before(modes[p], [transition]) for p in changed]
+            told = dict.fromkeys(
+                changes(self.situation(compress(changed, answers)), self.situation(compress(changed, after)))
+                for answers, _ in _atoms(there, asked)
+                if changed and (after := answers[len(changed) :]) != answers[: len(changed)]
+            )
+            if told:
+                found.append(f"in {other}, {' or '.join(told)}")
+        return "; ".join(found)
+
+    @cached_property
+    def _beside(self) -> dict[str, list[str]]:
+        """By objective, those that may run at the same time: of other branches of the blocks around it."""
+        found: dict[str, list[str]] = {}
+        for block in self.net.graph.all_sections():
+            if isinstance(block, ParallelSection):
+                branches = [[s.name for s in branch.graph.walk()] for branch in block.branches]
+                for i, names in enumerate(branches):
+                    others = [n for j, other in enumerate(branches) if j != i for n in other]
+                    for name in names:
+                        found.setdefault(name, []).extend(others)
+        return found
+
+    def situation(self, marked: Iterable[int]) -> Situation:
+        """What some places of modes say."""
         said = self.prospects.said(marked)
         return Situation(
             mode=dict(name.split(".", 1) for name in said["active"]),
             waiting=dict(name.split(".", 1) for name in said["wait"]),
             refused=said["refused"],
         )
-
-    def detection(self, case: _Case, hardware: str, section: ElementarySection) -> str:
-        users = [
-            activity
-            for activity, chosen in case.before.mode.items()
-            for alternative in self.usage.activities[activity].alternatives
-            if alternative.name == chosen and hardware in alternative.consumes
-        ]
-        if users:
-            return f"at once, by the error to {' and '.join(users)}"
-        return "by its event alone: not in use here"
-
-    def compensation(self, case: _Case, section: ElementarySection) -> str:
-        """What replaces the resource, or where the objective's failure leads."""
-        if case.objective_lost:
-            return self.route(section)
-        after = case.after.mode
-        taken = [after[a] for a, was in case.before.mode.items() if after.get(a, was) != was]
-        return f"{', '.join(taken)} instead" if taken else "none needed"
-
-    def route(self, section: ElementarySection) -> str:
-        """Where the failure of an objective leads."""
-        if section.failure not in (SUCCEED, FAIL):
-            return f"its failure leads to {section.failure}"
-        block, branch = self._owners.get(section.name, (None, None))
-        if block is None or branch is None:
-            return f"its failure ends the mission in {'success' if section.failure == SUCCEED else 'failure'}"
-        if section.failure == SUCCEED:
-            return f"its failure is a success of {branch.name}"
-        return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
-
-    @cached_property
-    def _owners(self) -> dict[str, tuple[ParallelSection, Branch]]:
-        """The innermost parallel block of each objective, and its branch there."""
-        return {
-            inner.name: (block, branch)
-            for block in self.net.graph.all_sections()
-            if isinstance(block, ParallelSection)
-            for branch in block.branches
-            for inner in branch.graph.sections
-        }
 
 
 def _elementary(section: ElementarySection | ParallelSection) -> Iterator[ElementarySection]:
@@ -351,43 +337,14 @@ def _elementary(section: ElementarySection | ParallelSection) -> Iterator[Elemen
             yield from branch.graph.walk()
 
 
-def _joined(told: Iterator[str]) -> str:
-    return "; or ".join(dict.fromkeys(told))
-
-
-def _local_effect(case: _Case) -> str:
-    changes = [
-        f"{activity}: {was} -> {case.after.mode[activity]}"
-        for activity, was in case.before.mode.items()
-        if case.after.mode.get(activity, was) != was
-    ]
-    changes += [
-        f"{a} has no possible alternative" for a in case.after.refused if a not in case.before.refused
-    ]
-    changes += [f"{a} waits" for a in case.after.waiting if a not in case.before.waiting]
-    if not changes:
-        changes = [f"{a} stops" for a in case.before.mode if a not in case.after.mode]
-    return ", ".join(changes) or "none"
-
-
-def _objective_effect(case: _Case) -> str:
-    if case.objective_lost:
-        return "cannot succeed any more"
-    return "goes on in another mode" if case.before.mode != case.after.mode else "none"
-
-
-def _mission_effect(case: _Case) -> str:
-    if case.lost_for_ever:
-        return "cannot succeed any more"
-    return "can succeed only if repaired" if case.mission_lost else "can still succeed"
-
-
-def _recovery(case: _Case) -> str:
-    if case.objective_lost:
-        again = ", then the mission can succeed" if case.mission_regained else ""
-        if case.objective_regained:
-            return f"the objective can succeed again{again}"
-        return f"none before the objective has failed{again}"
-    if case.back.mode == case.after.mode:
-        return "none needed" if case.back.mode == case.before.mode else "at the next start of the activity"
-    return "the former mode" if case.back.mode == case.before.mode else "another mode"
+def _atoms(states: S, asked: Sequence[S]) -> Iterator[tuple[tuple[bool, ...], S]]:
+    """Some states by which of some sets hold them, with the answers; those that more sets hold first."""
+    parts: list[tuple[tuple[bool, ...], S]] = [((), states)]
+    for region in asked:
+        halves = [
+            ((*answers, inside), half)
+            for answers, those in parts
+            for inside, half in ((True, those & region), (False, those - region))
+        ]
+        parts = [(answers, half) for answers, half in halves if half]
+    yield from parts

@@ -1,36 +1,42 @@
 """Answers to files and examinations of the Model Checking Contest, as they come, with how they were had.
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
-a search, once where several formulas ask for the same. What is left is asked of the space, built once.
-The formulas of a file share it: cheap ones first, each with a time slice that grows round by round, so that
-one hard formula does not cost the easy ones.
+a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
+(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. The formulas of a file share
+it: cheap ones first, each with a time slice that grows round by round, so that one hard formula does not cost
+the easy ones.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import chain, count, repeat
 from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.formulas import Const, Core, walk
+from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.reachability import as_goal, as_reachability
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
-from mcpn.errors import InputError
+from mcpn.errors import InputError, McpnError
+from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.equation import place_bounds
-from mcpn.space.search.goal import DEADLOCK, Goal, holds
+from mcpn.space.search.goal import DEADLOCK, holds
 from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio
 from mcpn.space.search.searches import Searches
 
 DIAGRAMS, REWRITING = "DECISION_DIAGRAMS", "QUERY_REDUCTION"
 FIRST_SLICE, GROWTH = 1.5, 4.0
 WALK_STEPS = 50_000
+LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
+"""For each part of a formula: two rounds before the space is built, the others between rounds of slices."""
 
 
 @dataclass(frozen=True)
@@ -99,88 +105,156 @@ def look_up(questions: Questions, asked: Property) -> Meaning:
 def _answers(
     questions: Questions, properties: Sequence[Property], meant: dict[str, Meaning]
 ) -> Iterator[Verdict]:
-    waiting = {asked.name: meant[asked.name] for asked in properties}
-    for verdict in _without_space(questions, waiting):
-        del waiting[verdict.name]
-        yield verdict
-    if not waiting:
+    waiting = _Waiting({asked.name: meant[asked.name] for asked in properties})
+    local = None
+    if questions.searchable:
+        yield from _simplified(questions.net, waiting)
+        if Searches(questions.net).fits:
+            local = _Local(questions.net, waiting)
+            yield from local.round(LOCAL_STEPS[0], searched=False)
+        yield from _reached(questions.net, waiting)
+        if local is not None:
+            yield from local.round(LOCAL_STEPS[1], searched=False)
+    if not waiting.formulas:
         return
-    space = questions.space
+    try:
+        space = questions.space
+    except McpnError:
+        if local is not None:
+            for steps in LOCAL_STEPS[2:]:
+                yield from local.round(steps)
+        if waiting.formulas:
+            raise
+        return
     if isinstance(space, DiagramMarkings | DiagramAlternatives):
-        yield from _by_slices(questions, space.encoding.store, waiting)
+        yield from _by_slices(questions, space.encoding.store, waiting, local)
         return
     technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
-    for name, meaning in waiting.items():
-        yield Verdict(name, _value(questions, meaning), (technique,))
+    for name, meaning in waiting.formulas.items():
+        yield waiting.verdict(name, _value(questions, meaning), technique)
 
 
-def _without_space(questions: Questions, waiting: dict[str, Meaning]) -> Iterator[Verdict]:
-    """What needs no space; what is left of the other formulas takes their place in ``waiting``."""
-    if not questions.searchable:
-        return
-    net = questions.net
+@dataclass
+class _Waiting:
+    """What is still to be answered.
+
+    Args:
+        formulas: By name; of a formula, what is left to ask in the initial marking.
+    """
+
+    formulas: dict[str, Meaning]
+    techniques: dict[str, dict[str, None]] = field(default_factory=dict)
+
+    def verdict(self, name: str, value: str, *techniques: str) -> Verdict:
+        """The answer, with the ways by which parts were decided before."""
+        return Verdict(name, value, tuple({**self.techniques.get(name, {}), **dict.fromkeys(techniques)}))
+
+    def parts(self) -> list[Core]:
+        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
+        formulas = [meaning for meaning in self.formulas.values() if not isinstance(meaning, dict)]
+        return sorted({part: None for f in formulas for part in parts_at_first(f)}, key=_effort)
+
+    def learn(self, part: Core, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
+        """Puts the value of a part where it is asked for, and yields what that answers."""
+        for name, meaning in list(self.formulas.items()):
+            if isinstance(meaning, dict) or part not in parts_at_first(meaning):
+                continue
+            self.techniques.setdefault(name, {}).update(dict.fromkeys(techniques))
+            rest = replaced(meaning, lambda at: Const(value) if at == part else at)
+            self.formulas[name] = rest
+            if isinstance(rest, Const):
+                del self.formulas[name]
+                yield self.verdict(name, _told(rest))
+
+
+def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
+    """Answers what rewriting and the initial marking decide; of other formulas keeps what is left to ask."""
     marking, bounds = net.initial, place_bounds(net)
 
     def at_start(atom: Core) -> bool:
         goal = as_goal(atom, net)
         return goal is not None and holds(goal, net, marking)
 
-    asked: dict[Core, Goal] = {}
-    for name, meaning in list(waiting.items()):
+    for name, meaning in list(waiting.formulas.items()):
         if isinstance(meaning, dict):
             continue
         smaller = simplified(meaning, net, bounds)
         rest = at_first(smaller, at_start)
-        waiting[name] = rest
+        waiting.formulas[name] = rest
         if isinstance(rest, Const):
+            del waiting.formulas[name]
             yield Verdict(name, _told(rest), (REWRITING if isinstance(smaller, Const) else INITIAL_STATE,))
-            continue
-        for part in parts_at_first(rest):
-            if (goal := as_reachability(part, net)) is not None:
-                asked[part] = goal
-    parts = list(asked)
-    known: dict[Core, Core] = {}
-    techniques: dict[str, dict[str, None]] = {}
-    for index, found in Portfolio(net).decide(list(asked.values())):
-        known[parts[index]] = Const(found.reachable)
-        for name, meaning in list(waiting.items()):
-            if isinstance(meaning, dict) or parts[index] not in parts_at_first(meaning):
+
+
+def _reached(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
+    """Answers what asks for reachable markings by search."""
+    goals = {part: goal for part in waiting.parts() if (goal := as_reachability(part, net)) is not None}
+    parts = list(goals)
+    for index, found in Portfolio(net).decide(list(goals.values())):
+        yield from waiting.learn(parts[index], found.reachable, found.techniques)
+
+
+class _Local:
+    """Asks for markings as they are needed, in rounds of so many steps for each part of a formula.
+
+    Args:
+        net: The net.
+        waiting: What is to be answered.
+    """
+
+    def __init__(self, net: PetriNet, waiting: _Waiting) -> None:
+        self.net, self.waiting = net, waiting
+        self.check = LocalCheck(net, waiting.parts())
+        self.rounds = 0
+
+    def round(self, steps: int, *, searched: bool = True) -> Iterator[Verdict]:
+        """One round; with or without what a search for a reachable marking is asked anyway."""
+        for part in self.waiting.parts():
+            if not searched and as_reachability(part, self.net) is not None:
                 continue
-            techniques.setdefault(name, {}).update(dict.fromkeys(found.techniques))
-            waiting[name] = rest = replaced(meaning, lambda part: known.get(part, part))
-            if isinstance(rest, Const):
-                yield Verdict(name, _told(rest), tuple(techniques[name]))
+            value = self.check.decide(part, steps, seed=self.rounds)
+            if value is not None:
+                yield from self.waiting.learn(part, value, (EXPLICIT,))
+        self.rounds += 1
 
 
 def _told(value: Const) -> str:
     return str(value.value).upper()
 
 
-def _by_slices(questions: Questions, store: Store, meant: dict[str, Meaning]) -> Iterator[Verdict]:
+def _by_slices(
+    questions: Questions, store: Store, waiting: _Waiting, local: _Local | None
+) -> Iterator[Verdict]:
+    """Answers on the space and, between its rounds, by markings as they are needed.
+
+    Slices are CPU time: what else the machine does costs no formula its turn.
+    """
     before, until = store.progress, 0.0
 
     def watch(nodes: int) -> None:
         if before is not None:
             before(nodes)
-        if time.monotonic() > until:
+        if time.process_time() > until:
             raise _SliceSpent
 
-    left, limit = sorted(meant, key=lambda name: _effort(meant[name])), FIRST_SLICE
-    try:
-        store.progress = watch
-        while left:
-            later = []
-            for name in left:
-                until = time.monotonic() + limit
-                try:
-                    value = _value(questions, meant[name])
-                except _SliceSpent:
-                    later.append(name)
-                    continue
-                yield Verdict(name, value, (DIAGRAMS,))
-            left, limit = later, limit * GROWTH
-    finally:
-        store.progress = before
+    later = chain(LOCAL_STEPS[2:], repeat(LOCAL_STEPS[-1]))
+    for limit in (FIRST_SLICE * GROWTH**number for number in count()):
+        for name in sorted(waiting.formulas, key=lambda name: _effort(waiting.formulas[name])):
+            until = time.process_time() + limit
+            store.progress = watch
+            try:
+                value = _value(questions, waiting.formulas[name])
+            except _SliceSpent:
+                continue
+            finally:
+                store.progress = before
+            verdict = waiting.verdict(name, value, DIAGRAMS)
+            del waiting.formulas[name]
+            yield verdict
+        if local is not None:
+            yield from local.round(next(later))
+        if not waiting.formulas:
+            return
 
 
 def _effort(meaning: Meaning) -> int:

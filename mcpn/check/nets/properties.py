@@ -21,7 +21,7 @@ from mcpn.net.structure import Sparse
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.markings.counted import explore_tokens
-from mcpn.space.markings.tokens import Boundedness, boundedness
+from mcpn.space.markings.tokens import REPEATED, Boundedness, boundedness
 from mcpn.space.search.goal import DEADLOCK
 from mcpn.space.search.portfolio import Portfolio
 
@@ -76,8 +76,7 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     except UnsafeError:
         return _check_with_priorities(net, max_states)
     except UnboundedError as error:
-        reason = "this run can be repeated with more and more tokens"
-        return _check_unbounded(net, Boundedness(False, error.bounds, error.run, error.pump, reason))
+        return _check_unbounded(net, Boundedness(False, error.bounds, error.run, error.pump, REPEATED))
     found = behaviour(space)
     deadlock = None
     start = space.encoding.marked_levels(net.initial)

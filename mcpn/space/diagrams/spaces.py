@@ -137,10 +137,16 @@ class DiagramAlternatives(Diagrams):
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
         """States with an edge into some states."""
-        ending, undoing = self.ending(states), self.encoding.undoing
-        found = ending.images(self.of(undoing, self.waiting, transitions, guards), within=self.everything)
+        return self.firing_into(self.ending(states), transitions, guards)
+
+    def firing_into(
+        self, markings: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
+    ) -> Zdd:
+        """States with an event whose firing makes some markings, before internal evolution."""
+        undoing = self.encoding.undoing
+        found = markings.images(self.of(undoing, self.waiting, transitions, guards), within=self.everything)
         for event, where in self.guarded(undoing, transitions, guards):
-            found |= ending.images([event], within=where)
+            found |= markings.images([event], within=where)
         return found
 
     def after(

@@ -56,7 +56,7 @@ class SymbolicSpace:
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
         stable = None if self.stable is None else self.stable.to_bytes()
-        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit, self.encoding.widths
+        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit, self.encoding.counters
         return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
 
     @cached_property
@@ -118,14 +118,14 @@ def _revived(
     places: Order,
     peak: int,
     memory: int,
-    widths: tuple[int, ...] | None,
+    counters: tuple[tuple[int, ...], bool] | None,
 ) -> SymbolicSpace:
-    if widths is None:
+    if counters is None:
         encoding = Encoding(net, places, memory)
     else:
         from mcpn.space.diagrams.counters import TokenEncoding
 
-        encoding = TokenEncoding(net, places, memory, widths)
+        encoding = TokenEncoding(net, places, memory, *counters)
     sets = [None if told is None else encoding.store.from_bytes(told) for told in (reachable, stable)]
     assert sets[0] is not None, "what is reachable is always told"
     return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak)
@@ -164,13 +164,19 @@ def reach(
 
 
 def closure(
-    net: PetriNet, encode: Encode, *, order: Order | None, seed: int | None, memory_limit: int
+    net: PetriNet,
+    encode: Encode,
+    *others: Encode,
+    order: Order | None,
+    seed: int | None,
+    memory_limit: int,
 ) -> SymbolicSpace:
     """The markings that firings lead to as far as an encoding can say them.
 
     Args:
         net: The net.
         encode: Puts it on levels; a firing that has no event there is left out.
+        others: Other ways to do so, which race with the most promising order.
         order: Places from the top on; by default orders race.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
@@ -182,17 +188,17 @@ def closure(
     try:
         if order:
             return _close(encode(net, order, memory_limit), "given", order)
-        return _race(net, encode, memory_limit, seed)
+        return _race(net, (encode, *others), memory_limit, seed)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
 
 
-def _race(net: PetriNet, encode: Encode, memory_limit: int, seed: int | None) -> SymbolicSpace:
+def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(_runners(net, encode, seed, memory_limit // workers), memory_limit, workers, first)
+        race = Race(_runners(net, encodes, seed, memory_limit // workers), memory_limit, workers, first)
         found = race.run()
         if isinstance(found, UnsafeError):
             raise found
@@ -203,14 +209,18 @@ def _race(net: PetriNet, encode: Encode, memory_limit: int, seed: int | None) ->
 
 
 def _runners(
-    net: PetriNet, encode: Encode, seed: int | None, memory_limit: int
+    net: PetriNet, encodes: Sequence[Encode], seed: int | None, memory_limit: int
 ) -> Iterator[_ByOrder | _OneByOne]:
     """Orders of places, the most often good first, and exploration one by one among them."""
     orders = candidates(net, seed)
+    encode, *others = encodes
     leading = [
         _ByOrder(net, encode, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)
     ]
-    yield from leading
+    yield leading[0]
+    for other in others:
+        yield _ByOrder(net, other, leading[0].name, leading[0].order, memory_limit)
+    yield from leading[1:]
     if encode is Encoding:  # markings of 1-safe nets
         yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
     for name, order in orders:

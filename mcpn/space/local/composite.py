@@ -63,12 +63,9 @@ class CompositeSpace(Runs):
         """States that mark at least one of some places."""
         found, parts = dict[str, Zdd](), self.everything.parts
         for place in places:
-            marking: Mapping[str, Zdd | None]
-            if place in self._slot_of_place or (self.net.initial[place] and place not in self._outside):
-                marking = (self.everything - self.at_most({place: 1}, 0)).parts
-            else:
-                having = self._having("places", place)
-                marking = {name: self._those(name, parts.get(name), [place], ()) for name in having}
+            shared = self.net.initial[place] and place not in self._outside
+            having = parts if shared or place in self._slot_of_place else self._having("places", place)
+            marking = {name: self._those(name, parts.get(name), [place], ()) for name in having}
             for name, part in marking.items():
                 if part:
                     found[name] = found[name] | part if name in found else part

@@ -127,7 +127,8 @@ class Glued:
             add(name, stage.type.before_step(part, allowed(name)))
             add(name, part.images(stage.beside(allowed(name), undone=True)))
             for before, exit_ in self.into[name]:
-                add(before.name, before.leaving(exit_, stage.entries(part), allowed(before.name)))
+                if allowed(before.name).local != frozenset():
+                    add(before.name, before.leaving(exit_, stage.entries(part), allowed(before.name)))
         return CompositeSet(self, found)
 
     def after(

@@ -6,14 +6,13 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
 
 from mcpn._kernel import Zdd
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import Marking
 from mcpn.net.sections import LocalPart
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramAlternatives
@@ -127,13 +126,18 @@ class LocalStates:
         """In how many of some states inside each event transition of the local net is enabled."""
         return self.graph.firings(states)
 
-    def fired(self, levels: Sequence[int]) -> list[tuple[int, Marking, Exit | None]]:
-        """The events of a local state, each with the stable marking after it, and its exit if it has one."""
-        found = []
-        for edge in self.graph.edges(levels):
-            after = self.encoding.marking(edge.target)
-            found.append((edge.transition, after, next((e for e, p in self.ends.items() if after[p]), None)))
-        return found
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, frozenset[int], Exit | None]]:
+        """The events of a local state: each with the stable state after it, and its exit if it has one."""
+
+        def compute() -> list[tuple[int, frozenset[int], Exit | None]]:
+            found = []
+            for edge in self.graph.edges(levels):
+                after = frozenset(edge.target)
+                exit_ = next((e for e, place in self.ends.items() if self.encoding.marks(after, place)), None)
+                found.append((edge.transition, after, exit_))
+            return found
+
+        return self.remembered(("fired", levels), compute)
 
     def begun(self, inside: Zdd, entering: Zdd) -> Zdd:
         """Markings just after an event, before any internal firing.
@@ -156,11 +160,18 @@ class LocalStates:
 
         return self.remembered(("after", states, allowed), compute)
 
+    def _ending(self, goal: Zdd) -> Zdd:
+        """Markings from which internal evolution ends in a goal."""
+        return self.remembered(("ending", goal), lambda: self.graph.ending(goal))
+
     def before_step(self, goal: Zdd, allowed: Allowed = ALL) -> Zdd:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
 
         def compute() -> Zdd:
-            return self.graph.before(goal, allowed.local, dict(allowed.guards)) & self.inside
+            if not goal or allowed.local == frozenset():
+                return self.layout.store.empty()
+            found = self.graph.firing_into(self._ending(goal), allowed.local, dict(allowed.guards))
+            return found & self.inside
 
         return self.remembered(("before", goal, allowed), compute)
 
@@ -168,7 +179,7 @@ class LocalStates:
         """Event transitions that lead from some states inside to a goal, each with the states before."""
 
         def compute() -> list[tuple[int, Zdd]]:
-            ending, undoing = self.graph.ending(goal), self.encoding.undoing
+            ending, undoing = self._ending(goal), self.encoding.undoing
             ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self.graph.waiting))
             return [(t, states) for t, states in ways if states]
 

@@ -22,7 +22,7 @@ from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
 from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
-from mcpn.space.stable.joining import EndlessRun, Joining, judged
+from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among
 from mcpn.space.stable.nearest import fault_by
 
 
@@ -46,19 +46,19 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, S
         for placed in sections:  # one whose entry has no end is entered, and has no state
             inside = composite.everything.parts.get(placed.name, nowhere)
             begun |= type_.begun(inside, composite.entering(placed))
-        transient = begun.saturate(type_.encoding.internal)
-        balanced, marking = not space.endless, None
+        encoding, endless, marking = type_.encoding, bool(space.endless), None
         try:
-            found = judged(type_.encoding, transient, conflicts, Joining(type_.net.net))
-            balanced = balanced and found.balanced
-            marking = None if found.parting is None else found.parting[0]
+            found = parting_among(
+                encoding, calm(encoding, begun, conflicts), conflicts, Joining(type_.net.net)
+            )
+            marking = None if found is None else found[0]
         except EndlessRun:
-            balanced = False
-        if marking is None and not balanced:
-            levels = endless_runs(type_.encoding, transient).pick()
-            marking = None if levels is None else type_.encoding.marking(levels)
+            endless = True
+        if marking is None and endless:
+            levels = endless_runs(encoding, begun.saturate(encoding.internal)).pick()
+            marking = None if levels is None else encoding.marking(levels)
         if marking is not None:
-            _raise_before(composite, type_, sections, transient, marking)
+            _raise_before(composite, type_, sections, begun.saturate(encoding.internal), marking)
 
 
 def _raise_before(

@@ -51,15 +51,16 @@ class Runs(Glued):
         stage, first, guards = self.stages[state[0]], self.layout.first_slot, dict(allowed.guards)
         local = tuple(level for level in state[1] if level < first)
         beside_it = {level for level in state[1] if level >= first}
-        for t, after, exit_ in stage.type.remembered(("fired", local), lambda: stage.type.fired(local)):
+        for t, after, exit_ in stage.type.fired(local):
             name = stage.name if exit_ is None else stage.routes[exit_]
             barred = allowed.local is not None and t not in allowed.local
             if barred or name not in into or (t in guards and not self._in(state, guards[t])):
                 continue
             if exit_ is None:
-                target = (name, tuple(sorted({*stage.type.encoding.marked_levels(after), *beside_it})))
+                target = (name, tuple(sorted(after | beside_it)))
             else:
-                own = {slot for slot, place in stage.own_bits.items() if after[place]}
+                marks, bits = stage.type.encoding.marks, stage.own_bits.items()
+                own = {slot for slot, place in bits if marks(after, place)}
                 target = self._entered(name, beside_it | own)
             yield Edge(stage.transitions.whole[t], target)
 

@@ -136,7 +136,7 @@ def layout(widths: Sequence[int]) -> list[Field]:
 def _explored(
     net: PetriNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
 ) -> tuple[Exploration, list[Field]]:
-    widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
+    widths = Widths(net, first=FIRST_BITS, most=MOST_BITS, asking=True)
     given = []
     for t, transition in enumerate(net.transitions):
         need, change = needs(net, t), changes(net, t)

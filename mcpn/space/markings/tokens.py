@@ -17,6 +17,7 @@ OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""
 
 MAX_STATES = 1_000_000
+REPEATED = "this run can be repeated with more and more tokens"
 
 
 @dataclass(frozen=True)
@@ -52,10 +53,12 @@ def boundedness(net: PetriNet, *, max_states: int = MAX_STATES) -> Boundedness:
         max_states: How many markings, or nodes of the coverability tree, may be looked at.
 
     Returns:
-        The answer; where priorities leave it open, an honest ``None``.
+        The answer; where priorities leave it open, an honest ``None``. Bounds of an unbounded net are left
+        out where the limit was hit.
 
     Raises:
-        LimitError: The limit was hit in a net without priorities.
+        LimitError: The limit was hit in a net without priorities, and no run was found that can be repeated
+            with more and more tokens.
     """
     return _with_priorities(net, max_states) if net.priorities else _karp_miller(net, max_states)
 
@@ -111,13 +114,13 @@ def _karp_miller(net: PetriNet, max_nodes: int) -> Boundedness:
                     child.marking = tuple(grown)
             stack.append(child)
             nodes += 1
-            if nodes > max_nodes:
+            if nodes > max_nodes and first is None:
                 raise LimitError(f"more than {max_nodes} nodes: the limit on the coverability tree was hit")
+            if nodes > max_nodes and first is not None:
+                return Boundedness(False, None, *first, reason=REPEATED)
     if first is None:
         return Boundedness(True, tuple(bounds), reason="the coverability tree holds every marking")
-    return Boundedness(
-        False, tuple(bounds), *first, reason="this run can be repeated with more and more tokens"
-    )
+    return Boundedness(False, tuple(bounds), *first, reason=REPEATED)
 
 
 def _names(net: PetriNet, node: _Node) -> tuple[str, ...]:

@@ -1,25 +1,29 @@
 """How many bits count the tokens of each place: from invariants, and wider where they do not do.
 
 No bound is believed. Whoever explores says which places a firing has put too many tokens in, and explores
-again with wider ones. Once they have grown, the coverability tree and linear programs are asked whether there
-is an end to it.
+again with wider ones. Once they have grown, P-semiflows, the coverability tree and linear programs are asked
+whether there is an end to it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping
 from math import isinf
 
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.net.petri import PetriNet
+from mcpn.net.siphons import p_semiflows
 from mcpn.net.structure import incidence
-from mcpn.space.markings.tokens import OMEGA, boundedness
+from mcpn.space.markings.tokens import boundedness
 from mcpn.space.search.equation import place_bounds
+from mcpn.space.search.goal import changes
 
 UNASKED_BITS = 3
 """Places that have grown wider ask for a bound."""
-TREE_NODES, MOST_TREE_NODES = 500, 32_000
+TREE_NODES, MOST_TREE_NODES = 500, 2_000
 """Nodes of the coverability tree, the first time and the last."""
+MOST_FLOWS = 300
+"""Vectors that the search for P-semiflows may hold."""
 MOST_PROGRAMS = 500
 """Places whose bounds linear programs are asked for."""
 
@@ -31,24 +35,25 @@ class Widths:
         net: The net.
         first: Bits of a place of which no bound is known.
         most: Bits of a place at most.
+        asking: Whether to ask for bounds before anything has grown, where invariants do not say them.
 
     Raises:
+        UnboundedError: The net is unbounded.
         LimitError: A place needs more bits.
     """
 
-    def __init__(self, net: PetriNet, *, first: int, most: int) -> None:
-        self.net, self.first, self.most = net, first, most
-        self._hints = place_bounds(net)
+    def __init__(self, net: PetriNet, *, first: int, most: int, asking: bool = False) -> None:
+        self.net, self.most = net, most
+        bounds = place_bounds(net)
         self.bits = [
-            max(place.initial.bit_length(), self._needed(hint))
-            for place, hint in zip(net.places, self._hints, strict=True)
+            max(place.initial.bit_length(), first if isinf(bound) else int(bound).bit_length(), 1)
+            for place, bound in zip(net.places, bounds, strict=True)
         ]
         """By place."""
         self._patience = 0 if net.priorities else TREE_NODES
         self._check()
-
-    def _needed(self, bound: float) -> int:
-        return self.first if isinf(bound) else max(int(bound).bit_length(), 1)
+        if asking and self._patience:
+            self._ask([place for place, bound in enumerate(bounds) if isinf(bound)])
 
     def widen(self, narrow: Collection[int]) -> None:
         """Makes some places wider.
@@ -63,14 +68,23 @@ class Widths:
         for place in narrow:
             self.bits[place] += 1 + self.bits[place] // 4
         if self._patience and max(self.bits[place] for place in narrow) > UNASKED_BITS:
-            bounds = _by_tree(self.net, self._patience)
-            asked = [place for place in narrow if isinf(self._hints[place])]
-            if bounds is None and self._patience == TREE_NODES and len(asked) <= MOST_PROGRAMS:
-                bounds = _by_programs(self.net, asked)
-            for place, bound in bounds.items() if bounds is not None else ():
-                self.bits[place] = max(self.bits[place], self._needed(bound))
-            self._patience = self._patience * 4 if self._patience < MOST_TREE_NODES else 0
+            self._ask(narrow)
         self._check()
+
+    def _ask(self, narrow: Collection[int]) -> None:
+        """Asks for bounds, those first that are soon told."""
+        if not narrow:
+            return
+        bounds: Mapping[int, float] | None = None
+        if self._patience == TREE_NODES:
+            bounds = _by_semiflows(self.net)
+        if bounds is None or not bounds.keys() >= set(narrow):
+            bounds = _by_tree(self.net, self._patience)
+        if bounds is None and self._patience == MOST_TREE_NODES and len(narrow) <= MOST_PROGRAMS:
+            bounds = _by_programs(self.net, narrow)
+        for place, bound in (bounds or {}).items():
+            self.bits[place] = max(self.bits[place], int(bound).bit_length())
+        self._patience = self._patience * 4 if self._patience < MOST_TREE_NODES else 0
 
     def _check(self) -> None:
         for place, bits in zip(self.net.places, self.bits, strict=True):
@@ -78,6 +92,20 @@ class Widths:
                 raise LimitError(
                     f"{place.name} may hold more than {2**self.most - 1} tokens: the limit on tokens was hit"
                 )
+
+
+def _by_semiflows(net: PetriNet) -> dict[int, float] | None:
+    """Bounds by P-semiflows, unless there are many."""
+    try:
+        flows = p_semiflows(net, max_rows=MOST_FLOWS)
+    except LimitError:
+        return None
+    found: dict[int, float] = {}
+    for flow in flows:
+        total = sum(weight * net.initial[place] for place, weight in flow.items())
+        for place, weight in flow.items():
+            found[place] = min(found.get(place, total), total // weight)
+    return found
 
 
 def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
@@ -90,14 +118,18 @@ def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
         found = boundedness(net, max_states=nodes)
     except LimitError:
         return None
-    assert found.bounds is not None, "known without priorities"
     if found.bounded is False:
-        places = [place.name for place, bound in zip(net.places, found.bounds, strict=True) if bound == OMEGA]
+        grown = dict.fromkeys(range(len(net.places)), 0)
+        for name in found.pump:
+            for place, by in changes(net, net.transition_index[name]).items():
+                grown[place] += by
+        places = [net.places[place].name for place, by in grown.items() if by > 0]
         raise UnboundedError(places, found.run, found.pump, found.bounds)
+    assert found.bounds is not None, "known of a bounded net without priorities"
     return dict(enumerate(map(float, found.bounds)))
 
 
-def _by_programs(net: PetriNet, asked: Sequence[int]) -> dict[int, float]:
+def _by_programs(net: PetriNet, asked: Collection[int]) -> dict[int, float]:
     """Bounds of some places by weights whose weighted sum of tokens no firing raises; rounding may blur them.
 
     Linear programming: of all weights ``y >= 0`` with ``y[p] >= 1`` and ``y C <= 0``, those with the least

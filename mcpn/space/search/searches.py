@@ -61,7 +61,8 @@ class Searches:
         return max(max(self.net.initial, default=0), max(weights, default=0)) < MOST_TOKENS
 
     @cached_property
-    def _kernel(self) -> TokenNet:
+    def kernel(self) -> TokenNet:
+        """The net as the kernel walks it."""
         transitions = []
         for t, transition in enumerate(self.net.transitions):
             changed = list(changes(self.net, t).items())
@@ -92,7 +93,7 @@ class Searches:
             Runs to the goals that were met, by their index.
         """
         encoded, roots = encode(goals, len(self.net.places))
-        found = self._kernel.walk(
+        found = self.kernel.walk(
             self.net.initial, encoded, roots, steps, self._length, seed, False, list(counts)
         )
         return {goal: shortened(self.net, run) for goal, run in found}
@@ -106,7 +107,7 @@ class Searches:
         if error := unsafe_at_start(self.net):
             return error
         encoded, roots = encode((), len(self.net.places))
-        found = self._kernel.walk(self.net.initial, encoded, roots, steps, self._length, seed, True, [])
+        found = self.kernel.walk(self.net.initial, encoded, roots, steps, self._length, seed, True, [])
         if not found:
             return None
         *run, last = shortened(self.net, found[0][1])
@@ -133,7 +134,7 @@ class Searches:
             A run to it, or that it is not reachable, or the limit that was hit.
         """
         encoded, (root,) = encode((goal,), len(self.net.places))
-        outcome, states, run = self._kernel.seek(
+        outcome, states, run = self.kernel.seek(
             self.net.initial, encoded, root, stubborn, max_states, max_bytes
         )
         return Search(cast(Outcome, outcome), states, shortened(self.net, run))

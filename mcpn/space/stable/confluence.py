@@ -20,11 +20,11 @@ from dataclasses import replace
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
-from mcpn.space.diagrams.encoding import Encoding
+from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
-from mcpn.space.stable.joining import EndlessRun, Joining, Parting, judged, mask_of, open_pairs
+from mcpn.space.stable.joining import EndlessRun, Joining, Parting, calm, mask_of, open_pairs, parting_among
 from mcpn.space.stable.nearest import WAYS, nearest_fault
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
@@ -134,17 +134,18 @@ def proof_by_joining(space: SymbolicSpace) -> str | None:
         ConfluenceError: Two runs behind one event end in different stable markings.
     """
     net = space.encoding.net
-    if space.endless:
+    if space.endless or space.stable is None:
         return None
+    encoding, conflicts = space.encoding, list(open_conflicts(space))
+    events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
+    begun = encoding.initial() | space.stable.images(distinct(events))
     try:
-        found = judged(space.encoding, space.reachable, list(open_conflicts(space)), Joining(net))
+        markings = calm(encoding, begun, conflicts)
+        found = parting_among(encoding, markings, conflicts, Joining(net))
     except EndlessRun:
         return None
-    if found.parting is not None:
-        marking, parting = found.parting
-        raise nearest_fault(net) or _error_at(space, marking, parting)
-    if not found.balanced and endless_runs(space.encoding, space.reachable):
-        return None
+    if found is not None:
+        raise nearest_fault(net) or _error_at(space, *found)
     return PROOF_BY_JOINING
 
 

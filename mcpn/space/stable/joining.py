@@ -1,13 +1,11 @@
 """Local confluence: whether two internal transitions in conflict lead to the same marking again.
 
 Where every two enabled internal transitions either commute or lead to a common marking again, and internal
-evolution ends, every transient marking has one stable end (Newman 1942). Where moreover both ways to the
-common marking are equally long, one run that ends proves that all do (balanced weak Church-Rosser: Toyama
-1992; van Oostrom, *Random descent*, 2007). So it is enough to look at the markings in which a conflict is
-open, and there to follow one run behind each of both transitions. If the two ends differ, both are the
-outcome of the same event. If they are the same, the part of the two runs that matters joins the two
-transitions in every marking that has the tokens for it, so that all such markings are done at once. No
-interleavings are listed.
+evolution ends, every transient marking has one stable end (Newman 1942). It is enough to look at conflicts
+where nothing else is left to fire (:func:`calm`), and there to follow one run behind each of both transitions
+until both come to the same marking. If they never do, both ends are outcomes of the same event. If they do,
+the part of the two runs that matters joins the two transitions in every marking that has the tokens for it,
+so that all such markings are done at once. No interleavings are listed.
 """
 
 from __future__ import annotations
@@ -16,9 +14,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from mcpn._kernel import Zdd
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import Marking, PetriNet
 from mcpn.net.structure import conflicts
-from mcpn.space.diagrams.encoding import Encoding
+from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.markings.firing import MaskedNet
 
 
@@ -28,11 +26,9 @@ class Join:
 
     Args:
         needed: Places, a bit for each, whose tokens do for both ways.
-        balanced: Whether both ways are equally long.
     """
 
     needed: int
-    balanced: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,13 +106,61 @@ class Joining:
         for join in known:
             if marking & join.needed == join.needed:
                 return join
-        (one, end), (other, end_of_other) = self.run(marking, first), self.run(marking, second)
-        if end != end_of_other:
+        one, other, joined = self._chase(marking, first, second)
+        if not joined:
             return Parting(tuple(one), tuple(other))
         self._shorten(marking, one, other)
         needed = self._needed(one) | self._needed(other)
-        known.append(Join(needed, len(one) == len(other)))
+        known.append(Join(needed))
         return known[-1]
+
+    def _chase(self, marking: int, first: int, second: int) -> tuple[list[int], list[int], bool]:
+        """Two runs to one marking, or to two stable ones, and whether it is one.
+
+        What only one side enables comes of what it has and the other has not: firing that first ends the
+        difference after few firings, and those of them that need little else. What both enable waits.
+        """
+        masked = self.masked
+        sides = [self._Side(masked, marking, first), self._Side(masked, marking, second)]
+        while sides[0].marking != sides[1].marking:
+            behind, ahead = sorted(sides, key=lambda side: len(side.run))
+            internal = behind.covered & masked.internal, ahead.covered & masked.internal
+            if alone := internal[0] & ~internal[1]:
+                behind.fire(alone)
+            elif alone := internal[1] & ~internal[0]:
+                ahead.fire(alone)
+            elif internal[0]:
+                behind.fire(internal[0])
+                ahead.fire(internal[0])
+            else:
+                break
+        one, other = (side.run for side in sides)
+        self.firings += len(one) + len(other)
+        return one, other, sides[0].marking == sides[1].marking
+
+    class _Side:
+        """A run that is being made, and where it is."""
+
+        def __init__(self, masked: MaskedNet, marking: int, first: int) -> None:
+            self.masked = masked
+            self.run = [first]
+            self.marking = masked.fire(marking, first)[0]
+            self.covered = masked.covered(self.marking)
+            self.seen = {marking, self.marking}
+
+        def fire(self, transitions: int) -> None:
+            """Fires the first of some enabled transitions.
+
+            Raises:
+                EndlessRun: It comes back to a marking that it has passed.
+            """
+            t = (transitions & -transitions).bit_length() - 1
+            self.run.append(t)
+            self.marking = self.masked.fire(self.marking, t)[0]
+            if self.marking in self.seen:
+                raise EndlessRun(self.run)
+            self.seen.add(self.marking)
+            self.covered = self.masked.covered_after(self.covered, self.marking, t)
 
     def _shorten(self, marking: int, one: list[int], other: list[int]) -> None:
         """Leaves out of two runs to the same marking what both do and neither needs."""
@@ -251,34 +295,61 @@ def open_pairs(net: PetriNet, transitions: Iterable[int] | None = None) -> Itera
             yield t, u
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """What the conflicts of some markings come to.
+def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -> Zdd:
+    """The markings in which conflicts are judged: those in which nothing else is left to fire.
 
-    Args:
-        parting: A marking, as tokens by place, and how runs part there; ``None`` where all rejoin.
-        balanced: Whether all rejoin by ways of equal length.
-    """
-
-    parting: tuple[tuple[int, ...], Parting] | None
-    balanced: bool
-
-
-def judged(
-    encoding: Encoding, markings: Zdd, pairs: Iterable[tuple[int, int]], joining: Joining
-) -> Judgement:
-    """Follows the conflicts in a set of markings until each rejoins, or one is found that does not.
+    A transition that no reachable marking enables together with one that it is in conflict with commutes with
+    all that may fire before it, so that no stable marking is lost where it is always fired first (a
+    persistent set of one transition: Godefroid, LNCS 1032, 1996). What is left are few of the interleavings:
+    those of transitions in conflict.
 
     Args:
         encoding: The net on the levels of a store.
-        markings: Reachable markings behind which internal evolution has an end.
-        pairs: Transitions in conflict.
-        joining: Of the net.
+        begun: Markings just after an event, from each of which some internal run ends.
+        conflicts: The pairs of internal transitions in conflict that some reachable marking enables both.
+
+    Returns:
+        Markings that are reached where transitions without conflict are fired first, and that enable none.
 
     Raises:
         EndlessRun: An internal run need not end.
     """
-    balanced = True
+    contended = set(distinct(encoding.events[t] for pair in conflicts for t in pair))
+    free = [event for event in encoding.internal if event not in contended]
+    conditions = [
+        condition
+        for t, condition in encoding.enabling.items()
+        if condition is not None and encoding.events.get(t) in free
+    ]
+    known, front, seen = encoding.store.empty(), begun, set[Zdd]()
+    # The front holds what as many firings of contended transitions lead to. It is empty once all runs ended.
+    while front:
+        front = front.saturate(free).without(conditions)
+        if front in seen:
+            raise EndlessRun(())
+        seen.add(front)
+        known |= front
+        front = front.images(list(contended))
+    return known
+
+
+def parting_among(
+    encoding: Encoding, markings: Zdd, pairs: Iterable[tuple[int, int]], joining: Joining
+) -> tuple[Marking, Parting] | None:
+    """Follows the conflicts in a set of markings until each rejoins, or one is found that does not.
+
+    Args:
+        encoding: The net on the levels of a store.
+        markings: Reachable markings behind which internal evolution ends.
+        pairs: Transitions in conflict.
+        joining: Of the net.
+
+    Returns:
+        A marking and how runs part there; ``None`` where all rejoin.
+
+    Raises:
+        EndlessRun: An internal run need not end.
+    """
     safe = encoding.net.safe_transitions
     for t, u in pairs:
         needed = (*safe[t].consume, *safe[t].read, *safe[u].consume, *safe[u].read)
@@ -287,11 +358,10 @@ def judged(
             marking = encoding.marking(levels)
             found = joining.outcome(mask_of(marking), t, u)
             if isinstance(found, Parting):
-                return Judgement((marking, found), balanced)
-            balanced = balanced and found.balanced
+                return marking, found
             places = [p for p in range(len(marking)) if found.needed >> p & 1]
             left -= encoding.marking_all(places, left)
-    return Judgement(None, balanced)
+    return None
 
 
 def mask_of(marking: Sequence[int]) -> int:

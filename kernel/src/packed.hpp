@@ -1,0 +1,84 @@
+// Markings packed with so many bits a place, found by hash and numbered in the order in which they were found.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "tokens.hpp"
+
+namespace mcpn::search {
+
+constexpr std::uint32_t kNone = ~std::uint32_t(0);
+constexpr std::uint32_t kWidths[] = {1, 4, 16, 32};  // bits of a place, tried one after the other
+
+class Packed {
+ public:
+  using Row = std::vector<std::uint64_t>;
+
+  Packed(std::uint32_t places, std::uint32_t bits)
+      : bits_(bits), each_(64 / bits), words_(std::max(1u, (places + each_ - 1) / each_)), slots_(1u << 12, kNone) {}
+
+  bool fits(Tokens tokens) const { return tokens < Tokens(1) << bits_; }
+  bool fits(const Marking& marking) const {
+    return std::all_of(marking.begin(), marking.end(), [&](Tokens tokens) { return fits(tokens); });
+  }
+  Tokens get(const Row& row, Place p) const { return Tokens(row[p / each_] >> p % each_ * bits_ & mask()); }
+  void put(Row& row, Place p, Tokens tokens) const {
+    const std::uint32_t shift = p % each_ * bits_;
+    row[p / each_] = (row[p / each_] & ~(mask() << shift)) | std::uint64_t(tokens) << shift;
+  }
+  Row packed(const Marking& marking) const {
+    Row row(words_, 0);
+    for (Place p = 0; p < marking.size(); ++p) put(row, p, marking[p]);
+    return row;
+  }
+  // The number of a marking, and whether it is new; then it has the next number.
+  std::pair<std::uint32_t, bool> add(const Row& row) {
+    std::uint64_t at = hash(row.data()) & (slots_.size() - 1);
+    for (; slots_[at] != kNone; at = (at + 1) & (slots_.size() - 1))
+      if (std::equal(row.begin(), row.end(), packed_.data() + slots_[at] * words_)) return {slots_[at], false};
+    const auto number = std::uint32_t(count_++);
+    slots_[at] = number;
+    packed_.insert(packed_.end(), row.begin(), row.end());
+    if (count_ * 3 > slots_.size() * 2) widen();
+    return {number, true};
+  }
+  void get(std::uint32_t number, Row& row) const {
+    row.assign(packed_.data() + number * words_, packed_.data() + (number + 1) * words_);
+  }
+  void get(std::uint32_t number, Marking& marking, Row& row) const {
+    get(number, row);
+    for (Place p = 0; p < marking.size(); ++p) marking[p] = get(row, p);
+  }
+  std::uint64_t size() const { return count_; }
+  std::uint64_t bytes() const { return packed_.capacity() * 8 + slots_.capacity() * 4; }
+
+ private:
+  std::uint64_t hash(const std::uint64_t* row) const {
+    std::uint64_t x = 0x9E3779B97F4A7C15ull;
+    for (std::uint64_t i = 0; i < words_; ++i) {
+      x = (x ^ row[i]) * 0xBF58476D1CE4E5B9ull;
+      x ^= x >> 29;
+    }
+    x *= 0x94D049BB133111EBull;
+    return x ^ x >> 32;
+  }
+  void widen() {
+    slots_.assign(slots_.size() * 2, kNone);
+    for (std::uint64_t number = 0; number < count_; ++number) {
+      std::uint64_t at = hash(packed_.data() + number * words_) & (slots_.size() - 1);
+      while (slots_[at] != kNone) at = (at + 1) & (slots_.size() - 1);
+      slots_[at] = std::uint32_t(number);
+    }
+  }
+  std::uint64_t mask() const { return (std::uint64_t(1) << bits_) - 1; }
+
+  std::uint32_t bits_, each_;  // bits of a place; places in a word
+  std::uint64_t words_, count_ = 0;
+  Row packed_;
+  std::vector<std::uint32_t> slots_;
+};
+
+}  // namespace mcpn::search

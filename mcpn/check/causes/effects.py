@@ -1,0 +1,185 @@
+"""What the failure of one resource does to an objective and to the mission, and the words that say so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+from mcpn.check.modes import Situation
+from mcpn.mission.facts.usage import Usage
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.model import FAIL, SUCCEED
+
+
+class Severity(IntEnum):
+    """What a failure costs, the worst last. *Lost* means that no run leads to success any more."""
+
+    NO_EFFECT = 0
+    """Nothing changes: what was in use goes on, whatever could succeed still can."""
+    DEGRADED = 1
+    """The functioning mode changes; the objective and the mission can succeed."""
+    OBJECTIVE_LOST = 2
+    """The objective's present run can no longer succeed without repair; the mission can."""
+    MISSION_LOST_UNLESS_REPAIRED = 3
+    """The mission can succeed only if hardware is repaired."""
+    MISSION_LOST = 4
+    """The mission can no longer succeed, whatever is repaired."""
+
+    @property
+    def words(self) -> str:
+        """The class in words."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One thing that a failure does.
+
+    Args:
+        severity: How severe it is.
+        before: What the activities whose mode changes do before it.
+        after: What they do after it.
+        back: What they do when the resource is ready again.
+        already_lost: Whether the objective could not succeed any more before it.
+        objective_lost: Whether the objective can no longer succeed after it.
+        mission_lost: Whether the mission can succeed only by repairs.
+        lost_for_ever: Whether the mission can no longer succeed.
+        objective_regained: Whether the objective can succeed again when the resource is ready again.
+        mission_regained: Whether the mission can.
+        elsewhere: What it does in other branches of the same block, in words.
+    """
+
+    severity: Severity
+    before: Situation
+    after: Situation
+    back: Situation
+    already_lost: bool
+    objective_lost: bool
+    mission_lost: bool
+    lost_for_ever: bool
+    objective_regained: bool
+    mission_regained: bool
+    elsewhere: str
+
+
+class Words:
+    """Says what happens in one mission.
+
+    Args:
+        usage: Its activities.
+        graph: Its objectives.
+    """
+
+    def __init__(self, usage: Usage, graph: ObjectivesGraph) -> None:
+        self.usage = usage
+        self._owners: dict[str, tuple[ParallelSection, Branch]] = {
+            inner.name: (block, branch)
+            for block in graph.all_sections()
+            if isinstance(block, ParallelSection)
+            for branch in block.branches
+            for inner in branch.graph.sections
+        }
+
+    def detection(self, case: Case, hardware: str) -> str:
+        """How the failure is noticed."""
+        users = [
+            activity
+            for activity, chosen in case.before.mode.items()
+            for alternative in self.usage.activities[activity].alternatives
+            if alternative.name == chosen and hardware in alternative.consumes
+        ]
+        if users:
+            return f"at once, by the error to {' and '.join(users)}"
+        return "by its event alone: not in use here"
+
+    def compensation(self, case: Case, section: ElementarySection) -> str:
+        """What replaces the resource, or where the objective's failure leads."""
+        if case.objective_lost:
+            return self.route(section)
+        after = case.after.mode
+        taken = [after[a] for a, was in case.before.mode.items() if after.get(a, was) != was]
+        if taken:
+            return f"{', '.join(taken)} instead"
+        return "none" if case.mission_lost else "none needed"
+
+    def route(self, section: ElementarySection) -> str:
+        """Where the failure of an objective leads."""
+        if section.failure not in (SUCCEED, FAIL):
+            return f"its failure leads to {section.failure}"
+        block, branch = self._owners.get(section.name, (None, None))
+        if block is None or branch is None:
+            return f"its failure ends the mission in {'success' if section.failure == SUCCEED else 'failure'}"
+        if section.failure == SUCCEED:
+            return f"its failure is a success of {branch.name}"
+        return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
+
+
+def joined(told: Iterable[str]) -> str:
+    """Different things, each once."""
+    return "; or ".join(dict.fromkeys(told))
+
+
+def changes(before: Situation, after: Situation) -> str:
+    """What changes in a mode; empty where nothing does."""
+    found = [
+        f"{activity}: {was} -> {after.mode[activity]}"
+        for activity, was in before.mode.items()
+        if after.mode.get(activity, was) != was
+    ]
+    found += [f"{a} has no possible alternative" for a in after.refused if a not in before.refused]
+    found += [f"{a} waits" for a in after.waiting if a not in before.waiting]
+    found = found or [f"{a} stops" for a in before.mode if a not in after.mode]
+    found = found or [f"{a} runs" for a in after.mode if a not in before.mode]
+    return ", ".join(found)
+
+
+def worth_telling(cases: Sequence[Case]) -> list[Case]:
+    """Those cases that a row tells, the worst first.
+
+    Where the failure does something, nothing is said of states in which it does nothing; and of objectives
+    that have lost before, only where it does as much to no other.
+    """
+    open_to = {case.severity for case in cases if not case.already_lost}
+    told = [case for case in cases if not (case.already_lost and case.severity in open_to)]
+    told.sort(key=lambda case: case.severity, reverse=True)
+    return [case for case in told if case.severity] or told
+
+
+def local_effect(cases: Sequence[Case]) -> str:
+    """What changes in the mode of an objective; else where it acts, if it does."""
+    found = [changed for case in cases if (changed := changes(case.before, case.after))]
+    if found or not any(case.severity for case in cases):
+        return joined(found) or "none"
+    if any(case.objective_lost and not case.already_lost for case in cases):
+        return "none at once; the objective cannot succeed any more"
+    elsewhere = dict.fromkeys(case.elsewhere or "needed later" for case in cases)
+    return f"none here; {'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"
+
+
+def objective_effect(case: Case) -> str:
+    """What it means for the objective."""
+    if case.objective_lost:
+        return "cannot succeed any more"
+    return "goes on in another mode" if case.before != case.after else "none"
+
+
+def mission_effect(case: Case) -> str:
+    """What it means for the mission."""
+    if case.lost_for_ever:
+        return "cannot succeed any more"
+    return "can succeed only if repaired" if case.mission_lost else "can still succeed"
+
+
+def recovery(case: Case) -> str:
+    """What happens when the resource is ready again while the objective still runs."""
+    if case.objective_lost:
+        again = ", then the mission can succeed" if case.mission_regained else ""
+        if case.objective_regained:
+            return f"the objective can succeed again{again}"
+        return f"none before the objective has failed{again}"
+    if case.mission_lost and case.before == case.after:
+        return "the mission can succeed again" if case.mission_regained else "none"
+    if case.back.mode == case.after.mode:
+        return "none needed" if case.back.mode == case.before.mode else "at the next start of the activity"
+    return "the former mode" if case.back.mode == case.before.mode else "another mode"
