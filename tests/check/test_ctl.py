@@ -38,6 +38,7 @@ from tests.check.components import ByComponents
 from tests.check.formulas import edges_of, formulas, satisfying
 from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
+from tests.turns import ByTurns
 
 
 def names(net: PetriNet) -> tuple[list[str], list[str]]:
@@ -61,7 +62,8 @@ def by_components(evaluation: ByComponents, formula: Core) -> set[Marking]:
 
 
 def spaces(net: PetriNet) -> list[Space[Any]]:
-    return [ArraySpace(explore(net)), DiagramMarkings(reach(net))]
+    reached = reach(net)
+    return [ArraySpace(explore(net)), DiagramMarkings(reached), ByTurns(reached)]
 
 
 @given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())

@@ -26,6 +26,7 @@ from mcpn.space.stable.alternatives import by_reduction
 from mcpn.space.stable.confluence import prove_confluent
 from mcpn.testing import missions
 from tests.draws import fewer
+from tests.turns import ByTurns
 
 Graph = dict[Marking, list[tuple[int, Marking]]]
 Spaces = dict[str, Space[Any]]
@@ -60,7 +61,9 @@ def members(space: Space[Any], states: Any) -> set[Marking]:
 
 
 def markings_spaces(net: PetriNet) -> Spaces:
-    return {"arrays": ArraySpace(explore(net)), "diagrams": DiagramMarkings(reach(net))}
+    reached = reach(net)
+    diagrams = {"diagrams": DiagramMarkings(reached), "diagrams by turns": ByTurns(reached)}
+    return {"arrays": ArraySpace(explore(net)), **diagrams}
 
 
 def alternatives_spaces(mission_net: MissionNet) -> Spaces:

@@ -42,11 +42,11 @@ class Worker:
 
     def run(self, steps: int) -> int:
         self.budgets.append(steps)
-        if self.patient and steps >= 100_000:
+        if self.patient and steps >= 500_000:
             self.begun.set()
             assert self.cancelled.wait(30)
             raise Cancelled
-        if self.after is not None and steps >= 200_000:
+        if self.after is not None and steps >= 1_000_000:
             assert self.after.begun.wait(30)
         self.done += steps
         if self.done >= self.memory:
@@ -66,7 +66,10 @@ def winner(needs: list[int]) -> int:
     """The first of those that end in the earliest round, by hand."""
     budget, done = 50_000, [0] * len(needs)
     while True:
-        done = [had + budget // (rank + 1) for rank, had in enumerate(done)]
+        done = [
+            had + budget // (rank + 1 if rank < 4 else int((rank + 1) ** 1.5))
+            for rank, had in enumerate(done)
+        ]
         ended = [rank for rank, (had, need) in enumerate(zip(done, needs, strict=True)) if had >= need]
         if ended:
             return ended[0]
@@ -89,7 +92,7 @@ def test_later_orders_are_not_made_where_the_first_wins() -> None:
 
 def test_who_can_no_longer_win_is_stopped() -> None:
     endless = Worker(1, 1 << 60, patient=True)
-    assert Race(iter([Worker(0, 300_000, after=endless), endless]), 1 << 60, 2).run() == 0
+    assert Race(iter([Worker(0, 2_000_000, after=endless), endless]), 1 << 60, 2).run() == 0
     assert endless.cancelled.is_set()
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import cycle
 
-from mcpn._kernel import Zdd
+from mcpn._kernel import BudgetExceeded, Zdd
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.space.images import ImageStore
 
+GROWTH = 4
+"""Of the budget of a closure, from turn to turn."""
 FARTHEST = 2**62
 """Sums of tokens are far from this bound, which the kernel can say."""
 
@@ -23,6 +26,9 @@ class Diagrams:
         space: The reachable markings of a net.
         states: Those that are states of the graph.
     """
+
+    first_steps = 50_000
+    """Budget of a closure's first turn."""
 
     def __init__(self, space: SymbolicSpace, states: Zdd, initial: Zdd) -> None:
         self.space = space
@@ -159,6 +165,31 @@ class Diagrams:
     @cached_property
     def _waits(self) -> frozenset[int]:
         return frozenset(self.waiting)
+
+    def closure(self, begin: Zdd, events: Sequence[int], within: Zdd) -> Zdd:
+        """The states that some events lead to inside a set, by saturation or by chaining, turn by turn.
+
+        Saturation makes many nodes that the result has not where its order of places suits the forward
+        events alone; one event after the other, over all states found, may then need few steps. Each has a
+        budget of steps, which grows, and goes on where it was.
+        """
+        store, budget, found = self.encoding.store, self.first_steps, begin & within
+        turns, unchanged = cycle(events), 0
+        while True:
+            try:
+                return begin.saturate(events, within=within, max_steps=budget)
+            except BudgetExceeded:
+                spent = 0
+            while spent < budget:
+                after = found.images([next(turns)], within=within)
+                spent += store.steps
+                wider = found | after
+                spent += store.steps
+                unchanged = unchanged + 1 if wider == found else 0
+                found = wider
+                if unchanged == len(events):
+                    return found
+            budget *= GROWTH
 
     def _shortest(
         self,

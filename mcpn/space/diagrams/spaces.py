@@ -2,8 +2,8 @@
 
 ``reaching`` and ``reached`` are saturation inside a set where the net has no priorities (constrained
 saturation: Zhao, Ciardo, *Symbolic CTL model checking of asynchronous systems using constrained saturation*,
-ATVA 2009); with priorities, saturation by internal transitions alternates with steps of events, element by
-element of the mission (*chaining*: Roig, Cortadella, Pastor, ICATPN 1995).
+ATVA 2009), or chaining where that takes fewer steps (Roig, Cortadella, Pastor, ICATPN 1995); with priorities,
+saturation by internal transitions alternates with steps of events, element by element of the mission.
 """
 
 from __future__ import annotations
@@ -66,10 +66,10 @@ class DiagramMarkings(Diagrams):
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = self.everything if along is None else along | goal
         free = self.of(self.encoding.undoing, self.free, transitions, guards)
-        found = goal.saturate(free, within=within)
+        found = self.closure(goal, free, within)
 
         def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
-            return states.images(events, within=where).saturate(free, within=within)
+            return self.closure(states.images(events, within=where), free, within)
 
         ways = self.ways(self.encoding.undoing, transitions, guards)
         return chained(found, [partial(back, events=of, where=where & within) for of, where in ways])
@@ -84,10 +84,10 @@ class DiagramMarkings(Diagrams):
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
         free = self.of(self.encoding.events, self.free, transitions, guards)
-        found = (begin & within).saturate(free, within=within)
+        found = self.closure(begin, free, within)
 
         def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
-            return ((states & where).images(events) & within).saturate(free, within=within)
+            return self.closure((states & where).images(events), free, within)
 
         ways = self.ways(self.encoding.events, transitions, guards)
         return chained(found, [partial(ahead, events=of, where=where) for of, where in ways])
