@@ -18,6 +18,7 @@ WAY = [
     "files",
     "xmlio",
     "notebook",
+    "steps",
     "mission",
     "net",
     "space",

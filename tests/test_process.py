@@ -42,7 +42,47 @@ def ended(arguments: list[str], number: signal.Signals, after: float) -> tuple[i
 @pytest.mark.parametrize("number", ENDS)
 def test_a_signal_ends_an_exploration_cleanly(number: signal.Signals, big: Path) -> None:
     code, said = ENDS[number]
-    assert ended([*COMMAND, "states", str(big), "--engine", "explicit"], number, 3) == (code, "", said)
+    found = ended([*COMMAND, "states", str(big), "--engine", "explicit"], number, 3)
+    assert (*found[:2], found[2].partition("\n")[0]) == (code, "", said)
+
+
+INTERRUPTED = """
+import os, sys
+import mcpn.space.local.composing as composing
+reach = composing.reach
+def interrupted(net):
+    os.kill(os.getpid(), {number})
+    return reach(net)
+composing.reach = interrupted
+sys.argv = ["mcpn", *{arguments!r}]
+from mcpn.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize("number", ENDS)
+@pytest.mark.parametrize("command", ["check", "causes"])
+def test_an_interrupted_command_says_what_it_has(
+    number: signal.Signals, command: str, tmp_path: Path
+) -> None:
+    """The warnings that the text alone gives, the step, and what to try."""
+    path = tmp_path / "mission.xml"
+    path.write_text(
+        """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><hardware name="h"/><hardware name="unused"/><activity name="a" consumes="h"/></robot>
+  <objective name="dive" activities="a"/></mission>"""
+    )
+    script = INTERRUPTED.format(number=int(number), arguments=[command, str(path), "--engine", "local"])
+    run = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, preexec_fn=interruptible
+    )
+    code, said = ENDS[number]
+    assert (run.returncode, run.stdout) == (code, "")
+    warning, end, step, hint = run.stderr.splitlines()
+    assert warning == f"warning: {path}:2: resource unused is never used"
+    assert end == said
+    assert step.startswith("while exploring section dive (")
+    assert "make section dive smaller" in hint
 
 
 def test_an_interruption_does_not_wait_for_other_processes() -> None:

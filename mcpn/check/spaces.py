@@ -12,6 +12,7 @@ from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.steps import step
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -155,6 +156,7 @@ def markings_by(
     tokens: bool = True,
 ) -> ArraySpace | DiagramMarkings:
     """The markings graph of a net; see :func:`space_of`."""
+    step("listing the markings" if engine == "explicit" else "making a diagram of all markings")
     if engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
@@ -165,6 +167,7 @@ def markings_by(
 
 def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> tuple[Space[Any], str]:
     """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
+    step("proving that each event has one outcome")
     if not isinstance(markings, DiagramMarkings):
         from mcpn.space.stable.alternatives import by_reduction
 

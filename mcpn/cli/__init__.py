@@ -41,10 +41,19 @@ def main() -> None:
         if not received:
             raise
         code = 128 + received[0]
-        _say(SIGNALS[signal.Signals(received[0])])
+        _say("\n".join((SIGNALS[signal.Signals(received[0])], *_under_way())))
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)  # the work is done: what is left takes milliseconds
     sys.exit(code)
+
+
+def _under_way() -> list[str]:
+    """What was being done, and what to try, where that is known."""
+    progress = sys.modules.get("mcpn.report.progress")
+    try:
+        return [] if progress is None else list(progress.interrupted())
+    except Exception:  # the module was being imported
+        return []
 
 
 def _say(words: str) -> None:

@@ -20,6 +20,7 @@ from mcpn.cli.shared import (
     limit_option,
     mission_net_of,
     progress_line,
+    tell_warnings,
 )
 from mcpn.errors import InputError
 
@@ -87,15 +88,17 @@ def causes(
     if fmeca is not None:
         report.check_table_name(fmeca)
     mission_net = mission_net_of(mission, import_root)
+    if not as_json:
+        tell_warnings(mission_net)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
     with progress_line(as_json, told) as progress:
         every = find_causes(mission_net, engine=engine, progress=progress, max_states=max_states)
-    found = every.of(objectives) if objectives else every
+        found = every.of(objectives) if objectives else every
+        short = len(found.objectives) <= MOST_TOLD
+        wanted = None if fmeca is not None else list(found.objectives)
+        rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
     goals = {found.mission.name: found.mission, **found.objectives}
     formulas = {name: minimal_formula(goal.cut_sets).text for name, goal in goals.items()} if formula else {}
-    short = len(found.objectives) <= MOST_TOLD
-    wanted = None if fmeca is not None else list(found.objectives)
-    rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
     numbers = None
     if rates:
         from mcpn.check.causes.risk import risk

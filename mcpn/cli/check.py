@@ -27,6 +27,7 @@ from mcpn.cli.shared import (
     net_of,
     progress_line,
     scheduler_option,
+    tell_warnings,
     without_threads_of_numpy,
 )
 
@@ -65,10 +66,10 @@ def check(
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return
     from mcpn.check.verdicts.mission import check as check_mission
-    from mcpn.mission.facts.warnings import find_warnings
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)
+    warned = [] if as_json else tell_warnings(mission_net)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
     with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
         found = check_mission(
@@ -84,7 +85,7 @@ def check(
     else:
         from mcpn.report.text import print_check
 
-        print_check(found, find_warnings(mission_net.mission), seconds, internal=internal)
+        print_check(found, seconds, internal=internal, told=warned)
     if not found.passed:
         sys.exit(EXIT_FAILED)
 

@@ -191,16 +191,34 @@ STATES_AND_EDGES, SECTIONS = "exploring", "sections"
 
 @contextmanager
 def progress_line(quiet: bool, told: str = STATES_AND_EDGES) -> Iterator[Callable[[int, int], None] | None]:
-    """A line on standard error that tells how far the work is, where a person watches.
+    """A line on standard error that tells which step is under way and how far it is, where a person watches.
 
     Args:
         quiet: Whether nothing is to be told.
         told: What the two numbers of a progress callback say.
     """
-    if quiet or sys.stderr is None or not sys.stderr.isatty():
-        yield None
-        return
     from mcpn.report import progress
 
-    with progress.progress_on_terminal(getattr(progress, told)) as update:
-        yield update
+    with progress.listening() as under_way:
+        if quiet or sys.stderr is None or not sys.stderr.isatty():
+            yield None
+            return
+        with progress.progress_on_terminal(under_way.telling(getattr(progress, told))) as update:
+            yield update
+
+
+def tell_warnings(mission_net: MissionNet) -> list[str]:
+    """Says on standard error, before anything is explored, what is suspicious in a mission.
+
+    Returns:
+        The warnings that a report need not repeat: those that whoever reads it has just seen.
+    """
+    from mcpn.report.terminal import plain
+    from mcpn.report.text import static_warnings
+
+    if sys.stderr is None:
+        return []
+    warnings = static_warnings(mission_net)
+    for warning in warnings:
+        click.echo(plain(f"warning: {warning}"), err=True)
+    return warnings if sys.stderr.isatty() and sys.stdout is not None and sys.stdout.isatty() else []

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import re
 import shutil
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from mcpn.steps import STEPS
 
 SILENT_SECONDS = 1.0
 """What ends sooner shows no progress."""
@@ -60,10 +64,100 @@ def progress_on_terminal(
         thread.join(timeout=1)
 
 
-class Steps:
-    """Which step of some work is under way, and how far it is where it has a count."""
+class UnderWay(logging.Handler):
+    """Hears which step is announced (:mod:`mcpn.steps`)."""
 
     def __init__(self) -> None:
+        super().__init__(logging.INFO)
+        self.doing: str | None = None
+        self.since = self.started = time.monotonic()
+        self._before = (0, 0)
+        self._latest = (0, 0)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Begins a step; numbers that were told before are not its own."""
+        self.doing, self.since, self._before = record.getMessage(), time.monotonic(), self._latest
+
+    def telling(self, told: Callable[[int, int, float], str]) -> Callable[[int, int, float], str]:
+        """What a line says: the step, and how far it is where it has told numbers of its own.
+
+        Args:
+            told: Says what the two numbers of a progress callback mean.
+        """
+
+        def line(one: int, other: int, seconds: float) -> str:
+            self._latest = one, other
+            if self.doing is None:
+                return told(one, other, seconds)
+            spent = time.monotonic() - self.since
+            if told is sections or self._latest == self._before:
+                return f"{self.doing}, {duration(spent)}; {duration(seconds)} in all"
+            return f"{self.doing}: {told(one, other, spent)}"
+
+        return line
+
+    def interrupted(self) -> list[str]:
+        """What is said of work that ends before its time: the step, and what to try."""
+        if self.doing is None:
+            return []
+        now = time.monotonic()
+        spent = f"{duration(now - self.since)} of {duration(now - self.started)}"
+        found = [f"while {self.doing} ({spent})"]
+        section = _SECTION.search(self.doing)
+        if "clash" in self.doing:
+            found.append("the warnings above name what several activities want at the same time: begin there")
+        elif section is not None:
+            found.append(
+                f"if this step always takes the time, make section {section[1]} smaller (fewer activities in "
+                'one block, hardware with faulty="false") or check a mission with it alone'
+            )
+        else:
+            found.append("another engine may be quicker: --engine local, symbolic or explicit")
+        return found
+
+
+_SECTION = re.compile(r"section (\S+)")
+
+_heard: list[UnderWay] = []
+"""Who listens now, the innermost last; after an interruption who has listened then."""
+
+
+@contextmanager
+def listening() -> Iterator[UnderWay]:
+    """Hears the steps of some work.
+
+    Yields:
+        Who hears them.
+    """
+    heard, level = UnderWay(), STEPS.level
+    STEPS.addHandler(heard)
+    STEPS.setLevel(logging.INFO)
+    _heard.append(heard)
+    try:
+        yield heard
+        _heard.remove(heard)
+    except Exception:
+        _heard.remove(heard)
+        raise
+    finally:
+        STEPS.setLevel(level)
+        STEPS.removeHandler(heard)
+
+
+def interrupted() -> list[str]:
+    """What is said of the work that an interruption has ended, in lines."""
+    return _heard[-1].interrupted() if _heard else []
+
+
+class Steps:
+    """Which step of some work is under way, and how far it is where it has a count.
+
+    Args:
+        heard: Who hears the steps within it.
+    """
+
+    def __init__(self, heard: UnderWay | None = None) -> None:
+        self.heard = heard
         self._name, self._since = "reading", time.monotonic()
         self._told: Callable[[int, int, float], str] | None = None
         self._at = (0, 0)
@@ -85,7 +179,9 @@ class Steps:
     def line(self, seconds: float) -> str:
         """The step and how far it is, after so many seconds of the whole work."""
         spent = time.monotonic() - self._since
-        if self._told is None or self._at == (0, 0):
+        if self.heard is not None and self.heard.doing is not None and self.heard.since >= self._since:
+            how_far = f"{self._name}: {self.heard.doing}, {duration(time.monotonic() - self.heard.since)}"
+        elif self._told is None or self._at == (0, 0):
             how_far = f"{self._name}, {duration(spent)}"
         else:
             how_far = f"{self._name}: {self._told(*self._at, spent)}"
@@ -99,9 +195,10 @@ def steps_on_terminal() -> Iterator[Steps]:
     Yields:
         What is told of each step as it begins, and how far it is.
     """
-    steps = Steps()
-    with progress_on_terminal(lambda _one, _other, seconds: steps.line(seconds)):
-        yield steps
+    with listening() as heard:
+        steps = Steps(heard)
+        with progress_on_terminal(lambda _one, _other, seconds: steps.line(seconds)):
+            yield steps
 
 
 def exploring(states: int, edges: int, seconds: float) -> str:
@@ -119,10 +216,8 @@ def counted(done: int, total: int, seconds: float) -> str:
 
 
 def sections(done: int, total: int, seconds: float) -> str:
-    """How far work on sections is, and how long the rest may take."""
-    if not total:
-        return f"sections on their own, {duration(seconds)}"
-    return f"sections on their own, and junctions: {counted(done, total, seconds)}"
+    """How far work on sections is, which announces each as a step."""
+    return f"{counted(done, total, seconds)}" if total else f"reading, {duration(seconds)}"
 
 
 def duration(seconds: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
     from mcpn.check.modes import Mode
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
-    from mcpn.errors import Problem
     from mcpn.net.compose import MissionNet
     from mcpn.net.events import Event
     from mcpn.net.petri import PetriNet
@@ -142,15 +141,15 @@ def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: Mission
 
 
 def print_check(
-    check: MissionCheck, warnings: Sequence[Problem], seconds: float, *, internal: bool = False
+    check: MissionCheck, seconds: float, *, internal: bool = False, told: Collection[str] = ()
 ) -> None:
     """Prints a mission's verdicts with their runs, functioning modes, warnings and sizes.
 
     Args:
         check: What was found.
-        warnings: What reading the mission found suspicious.
         seconds: Time for all of it.
         internal: Whether runs show the internal firings that decide the outcome.
+        told: Warnings that whoever reads it has seen already.
     """
     terminal = Terminal()
     terminal.print(f"mission {check.mission_net.mission.name}", style="bold")
@@ -162,10 +161,10 @@ def print_check(
         terminal.print()
         _print_modes(terminal, check.modes)
     terminal.print()
-    contentions = check.mission_net.usage.contentions
-    warned = [*map(str, (*warnings, *check.unselectable)), *(f"{c.source}: {c}" for c in contentions)]
+    warned = [*static_warnings(check.mission_net), *map(str, check.unselectable)]
     for problem in dict.fromkeys(warned):
-        terminal.print(f"warning: {problem}", style="yellow")
+        if problem not in told:
+            terminal.print(f"warning: {problem}", style="yellow")
     terminal.print(_sizes(check, seconds), style="dim")
     print_choice(check.choice)
     if check.passed:
@@ -175,6 +174,14 @@ def print_check(
             terminal.print(f"verdicts fail: {', '.join(check.failing)}", style="red")
         if check.undecided:
             terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
+
+
+def static_warnings(mission_net: MissionNet) -> list[str]:
+    """What is suspicious in a mission, as far as its text tells, each with its line."""
+    from mcpn.mission.facts.warnings import find_warnings
+
+    contentions = (f"{c.source}: {c}" for c in mission_net.usage.contentions)
+    return list(dict.fromkeys([*map(str, find_warnings(mission_net.mission)), *contentions]))
 
 
 def _sizes(check: MissionCheck, seconds: float) -> str:

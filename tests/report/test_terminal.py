@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import logging
 import os
 import pty
 import struct
@@ -15,13 +16,17 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import check
 from mcpn.cli.report import findings
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import compose
-from mcpn.report.progress import Steps, counted, exploring, sections
+from mcpn.net.compose import MissionNet, compose
+from mcpn.report.progress import Steps, counted, exploring, listening, sections
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words
+from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.section_type import SectionType
+from mcpn.steps import step
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 
@@ -129,8 +134,50 @@ def test_progress_is_shown_on_a_terminal_and_wiped(tmp_path: Path) -> None:
 
 
 def test_progress_estimates_what_is_left() -> None:
-    assert sections(1, 4, 10.0) == "sections on their own, and junctions: 1 of 4, 10 s, about 30 s left"
     assert exploring(1000, 5000, 2.0) == "exploring: 1,000 states, 5,000 edges, 500 states a second, 2 s"
+
+
+def test_the_step_that_is_announced_is_named() -> None:
+    with listening() as heard:
+        of_sections, of_states = heard.telling(sections), heard.telling(exploring)
+        assert of_states(0, 0, 2.0) == "exploring, 2 s"
+        step("exploring section dive (type 1 of 2)")
+        assert of_sections(0, 0, 2.0) == "exploring section dive (type 1 of 2), 0 s; 2 s in all"
+        assert of_sections(1, 2, 2.0) == "exploring section dive (type 1 of 2), 0 s; 2 s in all"
+        step("proving section dive confluent")
+        assert of_sections(1, 2, 9.0) == "proving section dive confluent, 0 s; 9 s in all"
+        step("listing the markings")  # the numbers are still those of the step before
+        assert of_states(1, 2, 9.0) == "listing the markings, 0 s; 9 s in all"
+        assert of_states(7, 9, 9.0).startswith("listing the markings: exploring: 7 states, 9 edges")
+        steps = Steps(heard)
+        steps.begin("verdicts", counted)
+        assert steps.line(9.0) == "verdicts, 0 s; 9 s in all"
+        step("finding the functioning modes")
+        assert steps.line(9.0) == "verdicts: finding the functioning modes, 0 s; 9 s in all"
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+def test_every_engine_announces_its_steps(
+    engine: Engine, ulysse_net: MissionNet, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.INFO, "mcpn.steps"):
+        found = check(ulysse_net, engine=engine)
+    steps = [record.getMessage() for record in caplog.records]
+    assert "finding the functioning modes" in steps
+    assert "looking for a run that decides can_always_finish" in steps
+    making = {"explicit": "listing the markings", "symbolic": "making a diagram of all markings"}
+    if engine != "local":
+        assert steps[:2] == [making[engine], "proving that each event has one outcome"]
+        return
+    assert isinstance(found.alternatives, CompositeSpace)
+    types: dict[SectionType, str] = {}
+    for name, placed in found.alternatives.sections.items():
+        types.setdefault(placed.type, name)
+    count = len(types)
+    numbered = [f"exploring section {name} (type {i} of {count})" for i, name in enumerate(types.values(), 1)]
+    assert [s for s in steps if s.startswith("exploring")] == numbered
+    proved = {s for s in steps if s.startswith("proving")}
+    assert proved == {f"proving section {name} confluent" for name in types.values()}
 
 
 def test_steps_tell_how_far_they_are() -> None:

@@ -26,6 +26,7 @@ from mcpn.notebook import Told
 from mcpn.space.algebra import Alike, Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
+from mcpn.steps import step
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +172,7 @@ def find_causes(
     (stable, dying), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
+    step("finding what hardware the mission needs")
     cuts = CutSets(Prospects(mortal(mission_net), dying))
     return _Finding(Prospects(mission_net, stable), cuts, choice).causes()
 
@@ -197,6 +199,7 @@ class _Finding:
 
     def objective(self, section: Section) -> GoalCauses:
         """Why an objective fails; found once for those that differ in names alone."""
+        step(f"finding the causes of failure of objective {section.name}")
         goal, dying = self.prospects.objectives[section.name], self.cuts.mortal.objectives[section.name]
         at_moments = (self.cuts.states(dying, moment, section) for moment in Moment)
         pieces = [list(self.prospects.space.pieces(states)) for states in (goal.running, goal.won)]
@@ -223,6 +226,8 @@ class _Finding:
         )
 
     def survival(self, section: Section | None) -> Survival:
+        entered = "the start" if section is None else f"section {section.name}"
+        step(f"finding what the mission survives from {entered} on")
         cuts, mission = self.cuts, self.cuts.mortal.mission
         moment = Moment.START if section is None else Moment.ENTRY
         survived = cuts.survived(mission, moment, section)

@@ -35,6 +35,7 @@ from mcpn.net.events import What
 from mcpn.net.templates import Role
 from mcpn.space.algebra import S, Space
 from mcpn.space.images import ImageStore
+from mcpn.steps import step
 
 Others: TypeAlias = tuple[str, ...]
 """Other hardware that is out of service already, sorted."""
@@ -126,6 +127,7 @@ class _Table(Generic[S]):
         for hardware in self.prospects.hardware:
             for section in self.net.graph.walk():
                 if objectives is None or section.name in objectives:
+                    step(f"finding what the failure of {hardware} does during {section.name}")
                     failures = list(self.failures(hardware, self.prospects.objectives[section.name]))
                     if failures:
                         yield self.row(hardware, section, owners[section.name], failures)

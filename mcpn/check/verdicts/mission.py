@@ -29,6 +29,7 @@ from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash import explained
 from mcpn.space.stable.nearest import nearest_fault
+from mcpn.steps import step
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
@@ -175,7 +176,7 @@ def _checked(
             alternatives = composite_space(mission_net, options)
             proof = "each type of section, and each way from one to the next, proved on its own net"
         else:
-            graph = markings_by(mission_net.net, engine, limit, progress)
+            graph = markings_by(mission_net.net, engine, limit, progress, tokens=False)
             markings = graph
             alternatives, proof = alternatives_by(graph, limit)
         verdicts["confluent"] = Verdict("confluent", True, proof)
@@ -191,10 +192,12 @@ def _checked(
     verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
     for verdict in _reachability(mission_net, space, settles=alternatives is not None):
         verdicts[verdict.name] = verdict
+    step("counting what happens, and looking for what is never used")
     firings = space.firings(space.everything)
     unselectable = find_unselectable(mission_net, space, firings)
     text = f"{len(unselectable)} found" if unselectable else "nothing found"
     verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
+    step("finding the functioning modes")
     modes = functioning_modes(mission_net, space)
     sizes = None if alternatives is None else (space.everything.count(), sum(firings.values()))
     return MissionCheck(mission_net, verdicts, markings, alternatives, sizes, modes, unselectable)
@@ -209,6 +212,7 @@ def _not_confluent(mission_net: MissionNet, error: SemanticsError, engine: Engin
     """The verdict on an event that has not one stable end; for arrays a nearer one is looked for."""
     if engine == "explicit":
         error = nearest_fault(mission_net.net) or error
+    step("explaining an event with two outcomes")
     if isinstance(error, ConfluenceError):
         error = explained(mission_net, error)
     return Verdict("confluent", False, str(error), _runs_of(mission_net, error))
@@ -242,6 +246,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     """Verdicts that a run to some states decides."""
     success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
     finished = success | failure
+    step("looking for states from which the mission cannot end")
     goals = {
         "deadlock_free": space.dead - finished,
         "success_reachable": success,
@@ -250,6 +255,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     }
     found = []
     for name, goal in goals.items():
+        step(f"looking for a run that decides {name}")
         good, there_is, there_is_none = _REACHED[name]
         run = None
         if goal:

@@ -28,6 +28,7 @@ from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junct
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Elements, PlacedSection, Placement
 from mcpn.space.stable.nearest import nearest_fault
+from mcpn.steps import step
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called after each local space and junction with how many are done and how many there are."""
@@ -73,6 +74,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     """
     usage, graph, templates = mission_net.usage, mission_net.graph, options.templates
     if usage.contentions and not options.mortal:
+        step("looking for a clash near the start of the mission")
         error = nearest_fault(mission_net.net)  # a clash near the start is found at once
         if error is not None:
             raise error
@@ -86,6 +88,7 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     explored: dict[Hashable, SymbolicSpace] = {}
     results = results_of([(reach, net.net) for net in nets.values()], options.executor)
     for number, (kind, name) in enumerate(first.items(), 1):
+        step(f"exploring section {name}{_of_types(number, len(first))}")
         with in_section(name):
             explored[kind] = next(results)
         if options.progress:
@@ -95,7 +98,9 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
     layout = Layout(hardware, MORTAL if options.mortal else IMMORTAL, most)
     types = {k: SectionType(parts[name], nets[k], explored[k], layout) for k, name in first.items()}
     for kind, name in first.items():
+        step(f"checking what section {name} hands on")
         types[kind].check_premise(name, explored[kind])
+    step("joining the sections")
     elements = Elements(mortal(mission_net) if options.mortal else mission_net)
     placements: dict[tuple[SectionType, Used], Placement] = {}
     placed = []
@@ -111,6 +116,10 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
             refuse_open_junctions(composite)
         refuse_nonconfluent(composite, {types[k]: explored[k] for k in types})
     return composite
+
+
+def _of_types(number: int, of: int) -> str:
+    return f" (type {number} of {of})" if of > 1 else ""
 
 
 def _net(local: MissionNet, options: Options) -> MissionNet:

@@ -24,6 +24,7 @@ from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
 from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among
 from mcpn.space.stable.nearest import fault_by
+from mcpn.steps import step
 
 
 def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, SymbolicSpace]) -> None:
@@ -37,7 +38,9 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, S
         ConfluenceError: An event that the mission comes to has two outcomes; both runs are given.
         DivergenceError: After an event that the mission comes to internal evolution need not end.
     """
-    for type_, space in explored.items():
+    # What is small is known soon: an error is found before large sections are proved.
+    for type_, space in sorted(explored.items(), key=lambda pair: pair[1].reachable.nodes()):
+        step(f"proving section {_first_of(composite, type_)} confluent")
         conflicts = list(open_conflicts(space))
         if not (conflicts or space.endless):
             continue
@@ -59,6 +62,11 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, S
             marking = None if levels is None else encoding.marking(levels)
         if marking is not None:
             _raise_before(composite, type_, sections, begun.saturate(encoding.internal), marking)
+
+
+def _first_of(composite: CompositeSpace, type_: SectionType) -> str:
+    """The first section of a type."""
+    return next(name for name, placed in composite.sections.items() if placed.type is type_)
 
 
 def _raise_before(
@@ -134,6 +142,7 @@ def refuse_open_junctions(composite: CompositeSpace) -> None:
         LimitError: A limit was hit.
     """
     for first, second in sharing_pairs(composite):
+        step(f"proving the way from section {first.name} to {second.name} confluent")
         part = junction_part(composite.mission_net.usage, first.section, second.section)
         prove_confluent(part.net(first.placement.templates).net)
 

@@ -26,6 +26,7 @@ from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting, calm, mask_of, open_pairs, parting_among
 from mcpn.space.stable.nearest import WAYS, nearest_fault
+from mcpn.steps import step
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
 PROOF_BY_JOINING = (
@@ -84,11 +85,13 @@ def direct_with_proof(
         UnsafeError: A firing would put a second token in a place.
         LimitError: More stable states than allowed.
     """
+    step("proving confluence on a diagram of all markings")
     try:
         space = reach(net)
     except LimitError:  # no diagram within memory: edge by edge may still do
         return direct(net, proof=True, max_states=max_states, progress=progress)
     proof = PROOF if next(open_conflicts(space), None) is None else proof_by_joining(space)
+    step("listing the stable states")
     if proof is not None:
         return replace(direct(net, proof=False, max_states=max_states, progress=progress), proof=proof)
     return direct(net, proof=True, max_states=max_states, progress=progress)
