@@ -21,11 +21,7 @@ from mcpn.check.logic.resolve import resolve
 from mcpn.check.spaces import Engine
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
-from mcpn.mission.model import (
-    Handler,
-    Mission,
-    Objective,
-)
+from mcpn.mission.model import Activity, Alternative, Handler, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import What
 from mcpn.net.mortal import mortal
