@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.formulas import EU, And, Compare, Formula, Not, Or, Sum, Word
-from mcpn.check.logic.language import MAX_DEPTH, parse, show
+from mcpn.check.logic.language import MAX_DEPTH, MAX_LENGTH, parse, show
 from mcpn.check.logic.resolve import resolve
 from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
@@ -74,6 +74,18 @@ def test_errors_say_where_and_what(text: str, told: str) -> None:
     with pytest.raises(InputError) as caught:
         parse(text)
     assert told in str(caught.value)
+
+
+def test_limits_are_exact() -> None:
+    assert parse("p <= " + "9" * 18) != parse("p <= " + "9" * 17)
+    with pytest.raises(InputError, match="column 6: a number of more than 18 digits"):
+        parse("p <= " + "9" * 19)
+    assert parse("!" * MAX_DEPTH + "p") != parse("!" * (MAX_DEPTH - 1) + "p")
+    with pytest.raises(InputError, match=f"more than {MAX_DEPTH} operators deep"):
+        parse("!" * (MAX_DEPTH + 1) + "p")
+    assert parse("p".rjust(MAX_LENGTH)) == parse("p")
+    with pytest.raises(InputError, match=f"more than {MAX_LENGTH} characters"):
+        parse("p".rjust(MAX_LENGTH + 1))
 
 
 def test_what_is_said_twice_is_bounded() -> None:
