@@ -22,14 +22,9 @@ from mcpn.check.spaces import Engine
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    DeclaredEvent,
     Handler,
-    Hardware,
     Mission,
     Objective,
-    Robot,
 )
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import What
@@ -44,6 +39,7 @@ from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 NAVIGATION: list[CutSet] = [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")]
 ULYSSE: dict[str, list[CutSet]] = {
@@ -335,10 +331,7 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
     ids=["retry", "interruption"],
 )
 def test_what_begins_again_is_another_run(again: Objective) -> None:
-    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),))
-    events = (DeclaredEvent(name="leak"),)
-    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use,), events=events)
-    found = compose(Mission(name="m", robots=(robot,), blocks=(again,)))
+    found = compose(mission(robot(hw("H"), activity("use", ("H",)), events=("leak",)), again))
     prospects = Asked(found).prospects
     (goal,) = prospects.objectives.values()
     # Once refused, the present run is lost whatever is repaired; the mission is not, for x is tried again.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import event, given, settings
@@ -14,7 +16,7 @@ from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.stable.clash import find_clash
 from mcpn.space.stable.confluence import (
     PROOF,
@@ -90,6 +92,10 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
         expected: type[SemanticsError] | None = None
     except SemanticsError as error:
         expected = type(error)
+        ends_differ(net, error)
+        with pytest.raises(SemanticsError) as caught:
+            direct(net)
+        ends_differ(net, caught.value)
     near = nearest_fault(net)
     if near is not None:
         assert expected is not None
@@ -105,6 +111,35 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
         event("rejoins" if proof else "may have no end")
 
 
+@pytest.mark.parametrize(("endless", "forks"), [(True, False), (False, True), (True, True)])
+def test_runs_of_an_error_behind_events(endless: bool, forks: bool) -> None:
+    builder = NetBuilder("behind", priorities=True)
+    for place in ("begin", "begun", "at", "long", "longer", "left", "right", "top"):
+        builder.place(place, initial=int(place == "begin"))
+    builder.transition("first", consume=["begin"], produce=["begun"], event=Event.parse("FIRST"))
+    builder.transition("second", consume=["begun"], produce=["at"], event=Event.parse("SECOND"))
+    # The first way is long, or never ends.
+    builder.transition("to_long", consume=["at"], produce=["long"])
+    builder.transition("on", consume=["long"], produce=["longer"])
+    builder.transition("up", consume=["longer"], produce=["long" if endless else "top"])
+    if forks:
+        builder.transition("to_left", consume=["at"], produce=["left"])
+        builder.transition("to_right", consume=["at"], produce=["right"])
+    net = builder.build()
+    builds: tuple[Callable[[], object], ...] = (lambda: by_reduction(explore(net)), lambda: direct(net))
+    for build in builds:
+        with pytest.raises(SemanticsError) as caught:
+            build()
+        error = caught.value
+        assert {run[:2] for run in error.runs} == {("first", "second")}
+        ends_differ(net, error)
+        assert endless or isinstance(error, ConfluenceError)
+        assert forks or isinstance(error, DivergenceError)
+        if isinstance(error, ConfluenceError):
+            assert error.events == ("FIRST", "SECOND")
+            assert "after SECOND" in str(error)
+
+
 def ends_differ(net: PetriNet, error: SemanticsError) -> None:
     """The runs of an error fire, and end in stable markings that differ; one that has no end comes back."""
     ends = []
@@ -117,6 +152,8 @@ def ends_differ(net: PetriNet, error: SemanticsError) -> None:
         ends.append(passed[-1])
         if isinstance(error, DivergenceError):
             assert passed[-1] in passed[:-1]
+            since = run[passed.index(passed[-1]) :]
+            assert all(net.transitions[net.transition_index[name]].internal for name in since)
     if isinstance(error, ConfluenceError):
         assert ends[0] != ends[1]
         for end in ends:

@@ -47,8 +47,32 @@ def assert_exact(build: Callable[..., object], size: int, message: str, limit: s
         build(**{limit: size - 1})
 
 
+def swaps(count: int, *, events: bool = False) -> PetriNet:
+    """Pairs of places between which a token goes to and fro."""
+    builder = NetBuilder("swaps", priorities=events)
+    for i in range(count):
+        builder.place(f"a{i}", initial=1)
+        builder.place(f"b{i}")
+        for name, before, after in (("to", "a", "b"), ("fro", "b", "a")):
+            event = Event.parse(f"{name}{i}") if events else None
+            builder.transition(f"{name}{i}", consume=[f"{before}{i}"], produce=[f"{after}{i}"], event=event)
+    return builder.build()
+
+
+def test_markings_of_swaps() -> None:
+    net = swaps(3)
+    for build in (explore, count, explore_tokens, count_tokens):
+        assert_exact(partial(build, net), 8, "more than {limit} states")
+    # Karp and Miller's tree: the root, and each marking has its three children once.
+    assert_exact(partial(boundedness, net), 1 + 8 * 3, "more than {limit} nodes")
+    net = swaps(3, events=True)
+    assert boundedness(net, max_states=8).bounded
+    assert boundedness(net, max_states=7).bounded is None
+    assert_exact(partial(direct, net), 8, "more than {limit} stable states")
+
+
 @fewer(0.5)
-@given(nets(max_weight=2))
+@given(nets(max_weight=2) | state_machines().map(lambda pair: pair[0]))
 def test_markings(net: PetriNet) -> None:
     markings, edges, safe = reachable(net)
     if safe:
@@ -118,17 +142,6 @@ def test_sections(mission: Mission) -> None:
     kind = composite.sections[name].type
     assert_exact(partial(kind.listed, name, why="a test"), largest, wanted)
     assert kind.listed(name, largest, "a test").states == largest
-
-
-def swaps(count: int) -> PetriNet:
-    """Pairs of places between which a token goes to and fro."""
-    builder = NetBuilder("swaps")
-    for i in range(count):
-        builder.place(f"a{i}", initial=1)
-        builder.place(f"b{i}")
-        builder.transition(f"to{i}", consume=[f"a{i}"], produce=[f"b{i}"])
-        builder.transition(f"fro{i}", consume=[f"b{i}"], produce=[f"a{i}"])
-    return builder.build()
 
 
 def test_siphons_traps_and_semiflows() -> None:
