@@ -107,7 +107,12 @@ def test_unknown_names_are_told_with_what_is_near(ulysse_net: MissionNet) -> Non
         resolve(parse("AG EF !lift"), builder.build())
     for text, told in (
         ("objective(divng)", "column 11: no objective is named divng; did you mean transect.diving?"),
+        (
+            "objective(crossing.diving)",
+            "named crossing.diving; did you mean transect.diving?",
+        ),
         ("oos(GPS)", "column 5: no resource is named GPS"),
+        ("oos(xyz)", "named xyz; expected one of GPS_sensor, IMU_sensor, thruster_actuator"),
         ("alternative(localisation)=gps", "no alternative of localisation is named gps"),
         ("event(GPS_sensor_EV_OS)", "did you mean GPS_sensor_EV_OOS"),
         ("enabled(GPS_sensor_EV_OOS)", "no transition is named GPS_sensor_EV_OOS; did you mean"),
