@@ -12,6 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+EXAMPLES = ("courier", "drone", "glider", "rover", "ulysse")
 COMMAND = [sys.executable, "-P", "-m", "mcpn.cli"]
 
 
@@ -41,6 +42,9 @@ def main() -> None:
     """Every step, in a folder of its own."""
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
+        for example in EXAMPLES:
+            mcpn("init", example, "--example", example)
+            mcpn("convert", str(Path(example, "mission.xml")), f"{example}.net")
         mcpn("init", "first_one")
         mission = str(Path("first_one", "mission.xml"))
         sizes = set()

@@ -27,7 +27,6 @@ FILES = (
     "ReachabilityCardinality",
     "UpperBounds",
 )
-REACHABILITY = ("ReachabilityFireability", "ReachabilityCardinality")
 EXAMINATIONS = {
     "ReachabilityDeadlock": "deadlock_exists",
     "QuasiLiveness": "quasi_live",
@@ -82,10 +81,9 @@ def cpu_of_children() -> float:
 
 
 def examined(row: dict[str, str]) -> dict[str, str]:
-    """The verdicts on a net that need no formula; of nets that are not 1-safe only that they are not."""
-    safe = row["safe"] == "1-safe"
-    wanted = {name: row[column] for name, column in EXAMINATIONS.items() if safe and row[column] != "?"}
-    return wanted | {"OneSafe": str(safe).upper()}
+    """The verdicts on a net that need no formula."""
+    wanted = {name: row[column] for name, column in EXAMINATIONS.items() if row[column] != "?"}
+    return wanted | {"OneSafe": str(row["safe"] == "1-safe").upper()}
 
 
 def main() -> None:
@@ -112,11 +110,7 @@ def main() -> None:
     used: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):
         for kind in arguments.file or (*FILES, "examinations"):
-            if kind == "examinations":
-                wanted = examined(oracles[model])
-            else:
-                asked = oracles[model]["safe"] == "1-safe" or kind in REACHABILITY
-                wanted = expected.get((model, kind), {}) if asked else {}
+            wanted = examined(oracles[model]) if kind == "examinations" else expected.get((model, kind), {})
             if not wanted:
                 continue
             started, before = time.perf_counter(), cpu_of_children()

@@ -218,11 +218,11 @@ def test_engines_that_disagree_are_a_loud_error() -> None:
     assert "disagree on states, one of them is wrong: explicit: 10, symbolic: 11" in str(disagreement(found))
 
 
-def test_an_unsafe_net_is_told_by_the_engine_that_finds_it(tmp_path: Path) -> None:
+def test_an_unbounded_net_is_told_by_the_engine_that_finds_it(tmp_path: Path) -> None:
     (tmp_path / "n.net").write_text("net n\npl p (1)\ntr t p -> p q\n")
     run = mcpn("compare", tmp_path / "n.net")
     assert run.returncode == 1
-    assert "firing t would put a second token in q" in run.stderr
+    assert "unbounded: q can hold any number of tokens" in run.stderr
     assert "Traceback" not in run.stderr
 
 

@@ -89,6 +89,21 @@ def test_explicit_and_symbolic_side_by_side() -> None:
     assert found.returncode == 0, found.stderr
 
 
+def test_several_tokens_side_by_side() -> None:
+    """Kanban, FMS and rings have the published number of markings, by both engines."""
+    script = (
+        "from several_tokens import COUNTS, find\n"
+        "for family, counts in COUNTS.items():\n"
+        "    for number, states in counts.items():\n"
+        "        found = find('symbolic', family, number)['counts']\n"
+        "        assert found[0] == states, (family, number, found)\n"
+        "        if states < 100_000:\n"
+        "            assert find('explicit', family, number)['counts'] == found\n"
+    )
+    found = python("-c", script)
+    assert found.returncode == 0, found.stderr
+
+
 def test_what_grows_is_plotted(tmp_path: Path) -> None:
     """The smallest member of each family, in the files of ``-o``."""
     pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")

@@ -12,6 +12,7 @@ import pytest
 from lxml import etree
 
 from mcpn.check.verdicts.mission import check
+from mcpn.cli.begin import EXAMPLES
 from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.schema import find_misfits
 from mcpn.mission.xml import read_mission
@@ -19,7 +20,6 @@ from mcpn.net.compose import compose
 from tests.conftest import ROOT
 
 PAGE = ROOT / "docs" / "language.md"
-ROBOTS = ("ulysse", "courier", "drone", "glider", "rover")
 
 
 def test_the_tables_are_those_of_the_schema() -> None:
@@ -37,8 +37,8 @@ def test_the_tables_are_those_of_the_schema() -> None:
     assert all(cells[4].strip() for cells in rows if len(cells) == 6)
 
 
-def test_the_mission_of_the_page_holds(tmp_path: Path) -> None:
-    (text,) = re.findall(r"```xml\n(.*?)```", PAGE.read_text(), re.DOTALL)
+@pytest.mark.parametrize("text", re.findall(r"```xml\n(.*?)```", PAGE.read_text(), re.DOTALL))
+def test_the_missions_of_the_page_hold(text: str, tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(text)
     found = check(compose(read_mission(tmp_path / "m.xml")), engine="local")
     assert found.passed
@@ -80,7 +80,7 @@ def test_the_printed_schema_judges_as_the_reader_does(tmp_path: Path) -> None:
         assert find_misfits(root)
 
 
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("robot", EXAMPLES)
 def test_missions_of_different_robots_hold(robot: str) -> None:
     found = check(compose(read_mission(ROOT / "experiments" / robot / "mission.xml")), engine="local")
     assert found.passed
@@ -96,7 +96,7 @@ def every() -> dict[str, set[str]]:
 
 def test_each_element_is_in_some_mission() -> None:
     used: set[tuple[str, str]] = set()
-    for robot in ROBOTS:
+    for robot in EXAMPLES:
         for path in (ROOT / "experiments" / robot).glob("*.xml"):
             for element in etree.parse(path).iter(etree.Element):
                 tag = etree.QName(element).localname
@@ -108,3 +108,14 @@ def test_each_element_is_in_some_mission() -> None:
         for name in names:
             of_any = name in common and any((block, name) in used for block in blocks)
             assert (tag, name) in used or of_any, f"{name} of {tag}"
+
+
+def test_init_writes_every_example(tmp_path: Path) -> None:
+    folders = sorted(path.parent for path in (ROOT / "experiments").glob("*/mission.xml"))
+    assert list(EXAMPLES) == [folder.name for folder in folders]
+    for folder in folders:
+        made = run("init", folder.name, "--example", folder.name, folder=tmp_path)
+        assert made.returncode == 0, made.stderr
+        written = {path.name: path.read_text() for path in (tmp_path / folder.name).iterdir()}
+        assert written == {path.name: path.read_text() for path in folder.glob("*.xml")}
+    assert "'ulysse'" in run("init", "other", "--example", "boat", folder=tmp_path).stderr

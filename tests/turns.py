@@ -1,11 +1,30 @@
-"""A space of diagrams that takes turns of saturation and chaining from the first step on."""
+"""A space of diagrams whose work is left off again and again."""
 
 from __future__ import annotations
 
+from mcpn._kernel import Zdd
 from mcpn.space.diagrams.spaces import DiagramMarkings
 
 
+class _Spent(Exception):
+    """Time is over."""
+
+
 class ByTurns(DiagramMarkings):
-    """Diagrams whose closures never come to an end in the first turn."""
+    """Closures take turns from the first step on; of a greatest fixpoint each attempt takes one step."""
 
     first_steps = 1
+    attempted = 0
+
+    def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
+        while True:
+            try:
+                return super().staying(along, asked)
+            except _Spent:
+                continue
+
+    def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
+        self.attempted += 1
+        if self.attempted % 2:
+            raise _Spent
+        return super()._leaving(states, into)

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import re
+from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from mcpn.cli.shared import FILE, emit_json, json_option
 from mcpn.errors import InputError, Source
 
+if TYPE_CHECKING:
+    from importlib.abc import Traversable
+
 FILES = ("mission.xml", "robot.xml", "protocols.xml")
+EXAMPLES = ("courier", "drone", "glider", "rover", "ulysse")
+"""Missions of different robots; ulysse is the paper's."""
 LANGUAGE = "mission"
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
 
 @click.command()
 @click.argument("folder", type=FILE, metavar="NAME")
+@click.option("--example", type=click.Choice(EXAMPLES), help="Write this mission; ulysse is the paper's.")
 @json_option
-def init(folder: Path, as_json: bool) -> None:
-    """Write a small mission to start from into the new folder NAME."""
-    from importlib import resources
-
+def init(folder: Path, example: str | None, as_json: bool) -> None:
+    """Write a small mission to start from into the new folder NAME, or one of the examples."""
     from mcpn.files import write_folder
 
     name = folder.name
@@ -31,8 +37,9 @@ def init(folder: Path, as_json: bool) -> None:
     for file in FILES:
         if (folder / file).exists():
             raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")
-    start = resources.files("mcpn.cli.start")
-    texts = {file: start.joinpath(file).read_text(encoding="utf-8").replace("NAME", name) for file in FILES}
+    texts = {file: _start(example).joinpath(file).read_text(encoding="utf-8") for file in FILES}
+    if example is None:
+        texts = {file: text.replace("NAME", name) for file, text in texts.items()}
     write_folder(folder, texts)
     paths = [str(folder / file) for file in FILES]
     if as_json:
@@ -40,6 +47,15 @@ def init(folder: Path, as_json: bool) -> None:
     else:
         click.echo("\n".join(paths))
         click.echo(f"verify it: mcpn check {folder / FILES[0]}", err=True)
+
+
+def _start(example: str | None) -> Traversable:
+    """The folder of the files to start from."""
+    if example is None:
+        return resources.files("mcpn.cli.start")
+    installed = resources.files("mcpn").joinpath("examples", example)
+    checkout = Path(__file__).resolve().parents[2] / "experiments" / example
+    return installed if installed.is_dir() else checkout
 
 
 @click.command()
@@ -54,8 +70,6 @@ def schema(of: str, as_json: bool) -> None:
     <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
     of Debian): trang mission.rng mission.xsd.
     """
-    from importlib import resources
-
     if of == LANGUAGE:
         language, file = "RELAX NG", resources.files("mcpn.mission").joinpath("schema.rng")
     else:

@@ -20,8 +20,10 @@ from mcpn.cli.shared import (
     json_option,
     limit_option,
     mission_net_of,
+    progress_line,
     without_threads_of_numpy,
 )
+from mcpn.steps import step
 
 if TYPE_CHECKING:
     from mcpn.check.choice import Asked
@@ -97,7 +99,11 @@ def ctl(
         objects.append(_contest_object(verdict))
         if not as_json:
             click.echo(str(verdict))
-    answers = [questions.answer(text, core) for text, core in asked]
+    answers = []
+    with progress_line(as_json):
+        for text, core in asked:
+            step(f"answering {text}")
+            answers.append(questions.answer(text, core))
     if scn:
         _write_scenario(answers[0], scn)
     if as_json:

@@ -106,7 +106,7 @@ def convert(
     TARGET is a picture where it ends in .svg or .png: of a mission that which --draw names, of a net its
     places and transitions.
     """
-    from mcpn.net.formats import save_net
+    from mcpn.net.formats import WRITABLE, save_net
     from mcpn.report.pictures.drawing import KNOWN
 
     if target.suffix.lower() in KNOWN:
@@ -117,6 +117,9 @@ def convert(
     if draw or section:
         expected = "--draw and --section are for pictures: expected " + " or ".join(KNOWN)
         raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}; {expected}")
+    if target.suffix.lower() not in WRITABLE:
+        expected = ", ".join((*WRITABLE, *KNOWN))
+        raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}, expected {expected}")
     net = net_of(source, import_root)
     warning = save_net(net, target)
     if as_json:

@@ -115,7 +115,7 @@ class _Session:
         if change is None:
             return False
         self.taken.append(change)
-        for line in change_lines(change, self.simulation.mission_net.mission.name):
+        for line in change_lines(change, self.simulation.mission_net):
             self.say(line)
         return True
 

@@ -14,6 +14,8 @@ from importlib import resources
 
 from lxml import etree
 
+from mcpn.mission.near import did_you_mean
+
 RNG = "{http://relaxng.org/ns/structure/1.0}"
 NAMESPACE = "urn:mcpn:mission:1"
 ROOTS = ("mission", "robot", "protocols")
@@ -122,13 +124,14 @@ def _misfits(root: etree._Element) -> Iterator[tuple[int, str]]:
             allowed = rules[outer].children if outer in rules else {tag}
             if tag not in allowed or etree.QName(element).namespace != NAMESPACE:
                 expected = ", ".join(f"<{name}>" for name in sorted(allowed)) or "nothing"
-                yield line, f"found <{tag}> inside <{outer}>, expected {expected}"
+                yield line, f"found <{tag}> inside <{outer}>, expected {expected}{did_you_mean(tag, allowed)}"
                 continue
         rule = rules.get(tag, _Rule())
         for name, value in ((str(key), str(text)) for key, text in element.attrib.items()):
             if name not in rule.patterns:
-                known = ", ".join(sorted(rule.patterns))
-                yield line, f"found the attribute {name} on <{tag}>, expected one of {known}"
+                known = sorted(rule.patterns)
+                found = f"found the attribute {name} on <{tag}>, expected one of {', '.join(known)}"
+                yield line, f"{found}{did_you_mean(name, known)}"
             elif (pattern := rule.patterns[name]) and not re.fullmatch(pattern, value, re.ASCII):
                 yield line, f"{name} of <{tag}> is {value!r}, expected {_expected(pattern)}"
         for name in sorted(rule.required - set(element.attrib)):
@@ -145,6 +148,8 @@ def _expected(pattern: str) -> str:
         return "a whole number of at most 6 digits"
     if "[A-Za-z0-9_]+(" in pattern:
         return "values of letters, digits and _, separated by spaces"
+    if r"\s+" in pattern:
+        return "names of letters, digits and _, separated by spaces"
     return "letters, digits and _, no digit first, at most 255 characters"
 
 
@@ -164,6 +169,11 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
                     _line(child),
                     f"found <{name}> after a block of <{tag}>, expected before its first block",
                 )
+    rule = _rules().get(tag, _Rule())
+    if any(name not in rule.children for name in children) or any(
+        a not in rule.patterns for a in element.attrib
+    ):
+        return  # what is not known, of which something is said, may have been meant as what is missing
     if tag in ("mission", "protocol", "parallel", "each") and not blocks:
         expected = ", ".join(f"<{name}>" for name in BLOCKS if name in _rules()[tag].children)
         yield line, f"<{tag}> has no blocks, expected one of {expected} inside"

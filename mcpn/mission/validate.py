@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from difflib import get_close_matches
-from itertools import chain, islice, product
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from itertools import islice, product
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.flatten import MAX_OBJECTIVES
@@ -28,11 +27,7 @@ from mcpn.mission.model import (
     Use,
     walk,
 )
-
-MAX_HINTS = 10
-"""How many unknown names are compared with the known ones: each comparison costs."""
-MAX_COMPARED = 500
-"""Among how many known names a near one is looked for."""
+from mcpn.mission.near import Hints
 
 MAX_ROUNDS = 100_000
 """The largest number of rounds or tries that a block may ask for."""
@@ -65,7 +60,7 @@ class _Checks:
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
         self.events = {e.name: e for e in mission.events}
         self.parameters: dict[str, frozenset[str]] = {}
-        self.hints: dict[tuple[str, int], tuple[Iterable[str], str]] = {}
+        self.hints = Hints()
         self.producers: dict[str, list[Activity]] = {}
         for activity in mission.activities:
             for resource in dict.fromkeys(activity.produces):
@@ -123,10 +118,12 @@ class _Checks:
             producers = self.producers.get(software.name, [])
             if len(producers) != 1:
                 found = ", ".join(a.name for a in producers) or "none"
-                message = (
-                    f"software {software.name} needs exactly one activity that produces it, found {found}"
-                )
-                yield Problem(software.source, message)
+                wanted = f'produces="{software.name}"'
+                remedy = f"give {wanted} to the one that makes it"
+                if producers:
+                    remedy = f"leave {wanted} on one of them"
+                needed = f"software {software.name} needs exactly one activity that produces it"
+                yield Problem(software.source, f"{needed}, found {found}: {remedy}")
 
     def activity(self, activity: Activity) -> Iterator[Problem]:
         yield from _duplicates("parameter", activity.parameters)
@@ -153,16 +150,8 @@ class _Checks:
                     who = f"alternative {alternative.name} of activity {activity.name} consumes"
                     yield self.unknown(alternative.source, who, resource, self.resources)
 
-    def unknown(self, source: Source | None, who: str, name: str, known: Iterable[str]) -> Problem:
-        return Problem(source, f"{who} {name}, which is not declared{self.hint(name, known)}")
-
-    def hint(self, name: str, known: Iterable[str], *others: str) -> str:
-        """A near name among the others and the known ones, as long as looking for it costs little."""
-        key = name, id(known)  # what is kept keeps its identity
-        if key not in self.hints and len(self.hints) < MAX_HINTS:
-            near = get_close_matches(name, sorted(islice(chain(others, known), MAX_COMPARED)), n=1)
-            self.hints[key] = known, f" (did you mean {near[0]}?)" if near else ""
-        return self.hints[key][1] if key in self.hints else ""
+    def unknown(self, source: Source | None, who: str, name: str, known: Collection[str]) -> Problem:
+        return Problem(source, f"{who} {name}, which is not declared{self.hints.known(name, known)}")
 
     def cycles(
         self, what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
@@ -236,7 +225,7 @@ class _Checks:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
             expected = f"expected one of {', '.join([*shown, SUCCEED, FAIL])}"
             yield Problem(
-                source, f"{what} leads to {route}; {expected}{self.hint(route, names, SUCCEED, FAIL)}"
+                source, f"{what} leads to {route}; {expected}{self.hints.near(route, names, SUCCEED, FAIL)}"
             )
 
     def handlers(
@@ -311,8 +300,11 @@ class _Checks:
                 yield Problem(child.source, f"{message}; expected an objective or a use")
             yield from self.handlers(child.name, child.handlers, {})
             if child.success is not None or child.failure is not None:
-                message = f"{child.name} has a route, though it is a child of a parallel block"
-                yield Problem(child.source, message)
+                routes = (("success", child.success), ("failure", child.failure))
+                route = " and ".join(name for name, target in routes if target is not None)
+                message = f"{child.name} has a route ({route}), though it is a child of a parallel block"
+                remedy = f'routes stand on {block.name}; a child that may fail has mandatory="false"'
+                yield Problem(child.source, f"{message}: {remedy}")
 
 
 def _consumed(activity: Activity) -> list[str]:

@@ -261,11 +261,10 @@ class _Reader:
         return tuple(self.block(child, path) for child in element if _tag(child) not in ("parameter", "on"))
 
     def block(self, element: etree._Element, path: Path) -> Block:
+        # Where it is false the validator of missions says so, of files and of those built in Python.
         within_parallel = (parent := element.getparent()) is not None and _tag(parent) == "parallel"
-        for attribute in ("success", "failure") if within_parallel else ("mandatory",):
-            if attribute in element.attrib:
-                where = "a child of" if within_parallel else "outside"
-                self.wrong(path, element, f"{attribute} is not allowed on a block {where} a parallel block")
+        if not within_parallel and "mandatory" in element.attrib and _truth(element, "mandatory"):
+            self.wrong(path, element, "mandatory is for children of a parallel block, expected none here")
         common: dict[str, Any] = self.common(element, path) | {
             "success": element.get("success"),
             "failure": element.get("failure"),

@@ -10,6 +10,7 @@ from mcpn.check.modes import Situation
 from mcpn.check.runs import step_in_words
 from mcpn.controller.actions import Action
 from mcpn.controller.simulator import Change, Simulation, resources
+from mcpn.net.compose import MissionNet
 
 WIDTH = 80
 INDENT = 12
@@ -41,9 +42,17 @@ def _facts(simulation: Simulation, now: Situation) -> Iterator[tuple[str, list[s
     yield "resources", [f"{name} {how}" for name, how in resources(simulation.mission_net, now)]
 
 
-def change_lines(change: Change, mission: str) -> Iterator[str]:
+def change_lines(change: Change, mission_net: MissionNet) -> Iterator[str]:
     """What an event changed, in words, and what the controller orders."""
-    words = step_in_words(mission, change.event, change.before, change.after).words
+    words = step_in_words(mission_net.mission.name, change.event, change.before, change.after).words
+    refused = {*change.after.refused} - {*change.before.refused}
+    failing = [
+        section.name
+        for section in mission_net.graph.walk()
+        if section.name in change.after.objectives and not refused.isdisjoint(section.activities)
+    ]
+    if failing:
+        words = f"{words}; {', '.join(failing)} can only fail now"
     yield from textwrap.wrap(words, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
     for verb in ("stop", "release", "select", "start"):
         items = [_item(action) for action in change.actions if action.verb == verb]

@@ -13,15 +13,10 @@ from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Hardware,
     Mission,
     Objective,
     Parallel,
     Recursive,
-    Robot,
-    Software,
 )
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.stable.alternatives import direct
@@ -29,6 +24,7 @@ from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 
 def test_ulysse(ulysse_net: MissionNet) -> None:
@@ -69,16 +65,14 @@ def agree(found: MissionNet) -> None:
 
 
 def test_a_block_is_not_left_while_a_branch_never_ends() -> None:
-    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),))
-    free = Activity(name="free", alternatives=(Alternative(name="free"),))
-    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use, free))
+    of = robot(hw("H"), activity("use", ("H",)), activity("free", ()))
     wanted = Objective(name="wanted", activities=("use",))
 
     def lost_with(success: str) -> list[tuple[int, ...]]:
         again = Objective(name="again", activities=("free",), success=success, failure="again")
         beside = Recursive(name="beside", blocks=(again,), mandatory=False)
         block = Parallel(name="block", blocks=(wanted, beside), failure="succeed")
-        found = compose(Mission(name="m", robots=(robot,), blocks=(block,)))
+        found = compose(mission(of, block))
         agree(found)
         text = Availability(found.usage)
         return text.minimal(text.mission)
@@ -92,22 +86,15 @@ def redundant(activities: int, ways: int) -> Mission:
 
     Resource i comes from resource i - 1 and one of ``ways`` sensors of its own.
     """
-    hardware = [Hardware(name=f"h{i}_{k}") for i in range(activities) for k in range(ways)]
-    software = [Software(name=f"s{i}") for i in range(activities)]
-    makers = [
-        Activity(
-            name=f"make{i}",
-            produces=(f"s{i}",),
-            alternatives=tuple(
-                Alternative(name=f"way{k}", consumes=(f"h{i}_{k}", *([f"s{i - 1}"] if i else [])))
-                for k in range(ways)
-            ),
+    makers = []
+    for i in range(activities):
+        before = (f"s{i - 1}",) if i else ()
+        makers.append(
+            activity(f"make{i}", *((f"h{i}_{k}", *before) for k in range(ways)), produces=(f"s{i}",))
         )
-        for i in range(activities)
-    ]
-    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=(f"s{activities - 1}",)),))
-    robot = Robot(name="r", hardware=tuple(hardware), software=tuple(software), activities=(*makers, use))
-    return Mission(name="m", robots=(robot,), blocks=(Objective(name="go", activities=("use",)),))
+    hardware = hw(*(f"h{i}_{k}" for i in range(activities) for k in range(ways)))
+    of = robot(hardware, *makers, activity("use", (f"s{activities - 1}",)))
+    return mission(of, Objective(name="go", activities=("use",)))
 
 
 def test_a_chain_of_ten_resources_and_thirty_sensors() -> None:

@@ -11,19 +11,18 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.spaces import Engine, On
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import LimitError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.templates import PaperTemplates
 from tests.conftest import ROOT
+from tests.small import activity, hw, mission, robot
 from tests.space.test_local import Wearing
 
 
 def with_hardware(count: int) -> MissionNet:
-    hardware = tuple(Hardware(name=f"h{i}") for i in range(count))
-    work = Activity(name="work", alternatives=(Alternative(name="work", consumes=("h0",)),))
-    robot = Robot(name="r", hardware=hardware, activities=(work,))
-    return compose(Mission(name="m", robots=(robot,), blocks=(Objective(name="only", activities=("work",)),)))
+    of = robot(hw(*(f"h{i}" for i in range(count))), activity("work", ("h0",)))
+    return compose(mission(of, Objective(name="only", activities=("work",))))
 
 
 @pytest.mark.parametrize("refusals", range(3))

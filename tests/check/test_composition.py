@@ -8,11 +8,12 @@ from hypothesis import event, given, reject
 from mcpn.check.modes import Mode
 from mcpn.check.verdicts.mission import MissionCheck, Verdict, check
 from mcpn.errors import LimitError
-from mcpn.mission.model import Activity, Alternative, Block, Hardware, Mission, Objective, Parallel, Robot
+from mcpn.mission.model import Block, Mission, Objective, Parallel
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking
 from mcpn.testing import missions
 from tests.check.test_properties import play
+from tests.small import activity, hw, mission, robot
 
 
 def events(verdict: Verdict) -> list[str]:
@@ -101,28 +102,17 @@ NESTED = (
 @pytest.mark.parametrize("blocks", [UNREACHED, LOOPS, NESTED], ids=["retry", "loops", "nested"])
 @pytest.mark.parametrize("faulty", [True, False])
 def test_runs_through_several_sections(blocks: tuple[Block, ...], faulty: bool) -> None:
-    robot = Robot(
-        name="r",
-        hardware=(Hardware(name="H", faulty=faulty), Hardware(name="unused")),
-        activities=(
-            Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),)),
-            Activity(name="free", alternatives=(Alternative(name="free"),)),
-        ),
-    )
-    mission_net = compose(Mission(name="m", robots=(robot,), blocks=blocks))
+    hardware = (*hw("H", faulty=faulty), *hw("unused"))
+    of = robot(hardware, activity("use", ("H",)), activity("free", ()))
+    mission_net = compose(mission(of, *blocks))
     whole, local = check(mission_net), check(mission_net, engine="local")
     assert len(events(local.verdicts["success_reachable"])) > 2  # the start, then each section
     check_equal(mission_net, whole, local)
 
 
 def test_a_mission_that_never_ends_is_lost_before_any_event() -> None:
-    robot = Robot(
-        name="r",
-        hardware=(Hardware(name="H"),),
-        activities=(Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),)),),
-    )
     forever = Objective(name="a", activities=("use",), success="a", failure="a")
-    mission_net = compose(Mission(name="m", robots=(robot,), blocks=(forever,)))
+    mission_net = compose(mission(robot(hw("H"), activity("use", ("H",))), forever))
     local = check(mission_net, engine="local")
     assert [run.events for run in local.verdicts["can_always_finish"].runs] == [[]]
     check_equal(mission_net, check(mission_net), local)

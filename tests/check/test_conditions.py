@@ -41,6 +41,7 @@ def test_without_pyeda_the_error_says_what_to_install(monkeypatch: pytest.Monkey
 
 
 def test_formulas_of_any_size_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conditions, "MAX_TERMS", 1)
-    with pytest.raises(LimitError, match="limit on products"):
-        minimal_formula([("A",), ("B",)])
+    monkeypatch.setattr(conditions, "MAX_TERMS", 2)
+    assert minimal_formula([("A",), ("B",)]).text == "A | B"
+    with pytest.raises(LimitError, match="3 products: more than 2, the limit on products"):
+        minimal_formula([("A",), ("B",), ("C",)])

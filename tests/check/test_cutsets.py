@@ -21,16 +21,7 @@ from mcpn.check.logic.resolve import resolve
 from mcpn.check.spaces import Engine
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    DeclaredEvent,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Robot,
-)
+from mcpn.mission.model import Activity, Alternative, Handler, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import What
 from mcpn.net.mortal import mortal
@@ -44,6 +35,7 @@ from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import Play, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 NAVIGATION: list[CutSet] = [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")]
 ULYSSE: dict[str, list[CutSet]] = {
@@ -240,6 +232,40 @@ def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> 
     | fragile_missions(max_hardware=3, max_sections=5, events=2)
 )
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
+    agree_on_all_causes(mission)
+
+
+@st.composite
+def of_one_type(draw: st.DrawFn) -> Mission:
+    """Objectives that differ in names and hardware alone, some of them twice the same."""
+    hardware = [f"h{i}" for i in range(draw(st.integers(2, 3)))]
+    ways = draw(st.lists(st.permutations(hardware), min_size=2, max_size=2))
+    activities = tuple(
+        Activity(
+            name=f"a{i}", alternatives=tuple(Alternative(name=f"a{i}_{h}", consumes=(h,)) for h in way[:2])
+        )
+        for i, way in enumerate(ways)
+    )
+    robot = Robot(name="r", hardware=tuple(Hardware(name=h) for h in hardware), activities=activities)
+    sections = draw(st.lists(st.sampled_from(["a0", "a1"]), min_size=2, max_size=3))
+    blocks = tuple(
+        Objective(
+            name=f"x{i}",
+            activities=(activity,),
+            failure=draw(st.sampled_from(["fail", "succeed", f"x{min(i + 1, len(sections) - 1)}"])),
+        )
+        for i, activity in enumerate(sections)
+    )
+    return Mission(name="m", robots=(robot,), blocks=blocks)
+
+
+@fewer(0.05)
+@given(of_one_type())
+def test_engines_agree_on_causes_of_sections_of_one_type(mission: Mission) -> None:
+    agree_on_all_causes(mission)
+
+
+def agree_on_all_causes(mission: Mission) -> None:
     found = small(mission, 500)
     if found is None:
         return
@@ -335,10 +361,7 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
     ids=["retry", "interruption"],
 )
 def test_what_begins_again_is_another_run(again: Objective) -> None:
-    use = Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),))
-    events = (DeclaredEvent(name="leak"),)
-    robot = Robot(name="r", hardware=(Hardware(name="H"),), activities=(use,), events=events)
-    found = compose(Mission(name="m", robots=(robot,), blocks=(again,)))
+    found = compose(mission(robot(hw("H"), activity("use", ("H",)), events=("leak",)), again))
     prospects = Asked(found).prospects
     (goal,) = prospects.objectives.values()
     # Once refused, the present run is lost whatever is repaired; the mission is not, for x is tried again.

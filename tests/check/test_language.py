@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.formulas import EU, And, Compare, Formula, Not, Or, Sum, Word
-from mcpn.check.logic.language import MAX_DEPTH, parse, show
+from mcpn.check.logic.language import MAX_DEPTH, MAX_LENGTH, parse, show
 from mcpn.check.logic.resolve import resolve
 from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
@@ -76,6 +76,18 @@ def test_errors_say_where_and_what(text: str, told: str) -> None:
     assert told in str(caught.value)
 
 
+def test_limits_are_exact() -> None:
+    assert parse("p <= " + "9" * 18) != parse("p <= " + "9" * 17)
+    with pytest.raises(InputError, match="column 6: a number of more than 18 digits"):
+        parse("p <= " + "9" * 19)
+    assert parse("!" * MAX_DEPTH + "p") != parse("!" * (MAX_DEPTH - 1) + "p")
+    with pytest.raises(InputError, match=f"more than {MAX_DEPTH} operators deep"):
+        parse("!" * (MAX_DEPTH + 1) + "p")
+    assert parse("p".rjust(MAX_LENGTH)) == parse("p")
+    with pytest.raises(InputError, match=f"more than {MAX_LENGTH} characters"):
+        parse("p".rjust(MAX_LENGTH + 1))
+
+
 def test_what_is_said_twice_is_bounded() -> None:
     builder = NetBuilder("n")
     builder.place("p")
@@ -95,7 +107,12 @@ def test_unknown_names_are_told_with_what_is_near(ulysse_net: MissionNet) -> Non
         resolve(parse("AG EF !lift"), builder.build())
     for text, told in (
         ("objective(divng)", "column 11: no objective is named divng; did you mean transect.diving?"),
+        (
+            "objective(crossing.diving)",
+            "named crossing.diving; did you mean transect.diving?",
+        ),
         ("oos(GPS)", "column 5: no resource is named GPS"),
+        ("oos(xyz)", "named xyz; expected one of GPS_sensor, IMU_sensor, thruster_actuator"),
         ("alternative(localisation)=gps", "no alternative of localisation is named gps"),
         ("event(GPS_sensor_EV_OS)", "did you mean GPS_sensor_EV_OOS"),
         ("enabled(GPS_sensor_EV_OOS)", "no transition is named GPS_sensor_EV_OOS; did you mean"),

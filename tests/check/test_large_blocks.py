@@ -9,32 +9,15 @@ import pytest
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.spaces import Engine
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-)
+from mcpn.mission.model import Activity, Block, Objective, Parallel, Recursive
 from mcpn.net.compose import MissionNet, compose
 from tests.check.asked import ENGINES
-
-
-def activity(name: str, *ways: tuple[str, ...]) -> Activity:
-    alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
-    return Activity(name=name, alternatives=alternatives)
+from tests.small import activity, hw, mission, robot
 
 
 def in_one_block(hardware: list[str], activities: list[Activity], branches: list[Block]) -> MissionNet:
-    robot = Robot(
-        name="robot", hardware=tuple(Hardware(name=h) for h in hardware), activities=tuple(activities)
-    )
     block = Parallel(name="block", blocks=tuple(branches))
-    return compose(Mission(name="m", robots=(robot,), blocks=(block,)))
+    return compose(mission(robot(hw(*hardware), *activities), block))
 
 
 def pairs_of(branch: int, each: int) -> list[tuple[str, ...]]:

@@ -37,6 +37,7 @@ from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.net.settling import stabilise
 from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
 
 
 @pytest.fixture(scope="module")
@@ -48,16 +49,8 @@ ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 
 
 def small(*blocks: Block) -> Mission:
-    robot = Robot(
-        name="r",
-        hardware=(Hardware(name="H"),),
-        activities=(
-            Activity(name="use", alternatives=(Alternative(name="use", consumes=("H",)),)),
-            Activity(name="also", alternatives=(Alternative(name="also", consumes=("H",)),)),
-            Activity(name="free", alternatives=(Alternative(name="free"),)),
-        ),
-    )
-    return Mission(name="m", robots=(robot,), blocks=blocks)
+    of = robot(hw("H"), activity("use", ("H",)), activity("also", ("H",)), activity("free", ()))
+    return mission(of, *blocks)
 
 
 def play(found: MissionNet, events: list[str]) -> Marking:

@@ -35,9 +35,11 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
+from tests import small
 from tests.check.oracle import Play, fragile_missions
 from tests.draws import fewer
 from tests.shares import returns_early
+from tests.small import activity, robot
 
 LAMBDA, MU, D = 0.25, 0.5, 1.6
 
@@ -59,15 +61,8 @@ def assert_same(one: Risk, other: Risk) -> None:
 
 
 def mission(hardware: list[Hardware], ways: dict[str, list[tuple[str, ...]]], *blocks: Block) -> MissionNet:
-    activities = tuple(
-        Activity(
-            name=name,
-            alternatives=tuple(Alternative(name=f"{name}{i}", consumes=k) for i, k in enumerate(consumed)),
-        )
-        for name, consumed in ways.items()
-    )
-    robot = Robot(name="r", hardware=tuple(hardware), activities=activities)
-    return compose(Mission(name="m", robots=(robot,), blocks=blocks))
+    of = robot(tuple(hardware), *(activity(name, *consumed) for name, consumed in ways.items()))
+    return compose(small.mission(of, *blocks))
 
 
 def objective(name: str, activity: str, duration: float = D, **more: float) -> Objective:

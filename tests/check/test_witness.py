@@ -106,6 +106,28 @@ def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -
             assert any(edge.transition in fires for edge in witness.steps[witness.cycle :])
 
 
+def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
+    questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine="explicit")
+
+    def notes(text: str) -> list[str]:
+        answer = questions.answer(text, questions.core(parse(text)))
+        return [note.partition("here: ")[2] for note in answer.witness.notes]
+
+    words = [
+        "activity(localisation)",
+        "oos(GPS_sensor)",
+        "available(IMU_sensor)",
+        "!objective(transect.filming)",
+        "event(IMU_sensor_EV_OOS)",
+    ]
+    assert sorted(notes(f"EF ({' & '.join(words)})")) == sorted(words)
+    # What is written by places and transitions is said so; what fails is said in the same words.
+    plain = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine="explicit")
+    answer = plain.answer("EF GPS_sensor_OOS", plain.core(parse("EF GPS_sensor_OOS")))
+    assert [note.rpartition(": ")[2] for note in answer.witness.notes] == ["GPS_sensor_OOS"]
+    assert notes("AG !oos(GPS_sensor)") == ["oos(GPS_sensor)"]
+
+
 @pytest.mark.parametrize("engine", ["explicit", "symbolic"])
 def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet, engine: Engine) -> None:
     questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine=engine)

@@ -13,7 +13,7 @@ from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
+from mcpn.mission.model import Hardware, Mission, Objective
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Action
 from mcpn.runtime import Controller as Runtime
@@ -21,6 +21,7 @@ from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.oracle import NetRobot
 from tests.draws import fewer
+from tests.small import activity, hw, mission, robot
 
 
 def plain(actions: tuple[Action, ...]) -> list[tuple[str, ...]]:
@@ -110,25 +111,15 @@ def test_any_mission(mission: Mission, seed: int) -> None:
         walk(mission_net, controllers, random.Random(seed), 60)
 
 
-def activity(name: str, *ways: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
-    alternatives = tuple(Alternative(name=f"{name}_{i}", consumes=way) for i, way in enumerate(ways))
-    return Activity(name=name, alternatives=alternatives, produces=produces)
-
-
 def one_goes_as_another_comes(together: tuple[str, ...]) -> Mission:
     """The failure of h0 ends ``first``, which releases s0, and makes ``beside`` want s0."""
-
-    robot = Robot(
-        name="robot",
-        hardware=(Hardware(name="h0", shared=True), Hardware(name="h1")),
-        software=(Software(name="s0"),),
-        activities=(
-            activity("producer", ("h0",), ("h1",), produces=("s0",)),
-            activity("first", ("s0", "h0")),
-            activity("beside", ("h0",), ("s0",)),
-        ),
+    of = robot(
+        (Hardware(name="h0", shared=True), Hardware(name="h1")),
+        activity("producer", ("h0",), ("h1",), produces=("s0",)),
+        activity("first", ("s0", "h0")),
+        activity("beside", ("h0",), ("s0",)),
     )
-    return Mission(name="mission", robots=(robot,), blocks=(Objective(name="one", activities=together),))
+    return mission(of, Objective(name="one", activities=together))
 
 
 @pytest.mark.parametrize("together", [("first", "beside"), ("beside", "first")])
@@ -142,24 +133,19 @@ def test_whether_a_producer_goes_on_is_the_same_in_every_controller(together: tu
 
 def test_a_section_need_not_be_confluent_where_the_mission_never_comes() -> None:
     """``both`` asks h0 twice, so the objective after it, where two activities want h0, never begins."""
-
-    robot = Robot(
-        name="robot",
-        hardware=(Hardware(name="h0"),),
-        software=(Software(name="s0"),),
-        activities=(
-            activity("producer", ("h0",), produces=("s0",)),
-            activity("plain", ("h0",)),
-            activity("both", ("s0", "h0"), ("s0", "h0"), ("h0",)),
-            activity("other", (), ("s0",), ("h0",)),
-        ),
+    of = robot(
+        hw("h0"),
+        activity("producer", ("h0",), produces=("s0",)),
+        activity("plain", ("h0",)),
+        activity("both", ("s0", "h0"), ("s0", "h0"), ("h0",)),
+        activity("other", (), ("s0",), ("h0",)),
     )
     blocks = (
         Objective(name="one", activities=("other",), failure="fail"),
         Objective(name="two", activities=("both", "other"), failure="one"),
         Objective(name="three", activities=("both", "plain"), failure="one"),
     )
-    mission_net = compose(Mission(name="mission", robots=(robot,), blocks=blocks))
+    mission_net = compose(mission(of, *blocks))
     controllers = either(mission_net)
     assert len(controllers) == 2
     for seed in range(10):

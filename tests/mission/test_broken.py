@@ -86,6 +86,21 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "external DTD": ('<!DOCTYPE mission SYSTEM "mission.dtd">' + body(), 1, "DTD"),
     "undeclared entity": (body("&nothing;"), 8, "not well-formed"),
     "unknown element": (body("<goal name='g'/>"), 8, "goal"),
+    "element misspelt": (
+        body("<objectiv name='g' activities='go'/>"),
+        8,
+        "<robot>, <use> (did you mean objective?)",
+    ),
+    "attribute misspelt": (
+        body("<objective name='o' activites='go'/>"),
+        8,
+        "retries, success (did you mean activities?)",
+    ),
+    "names with a comma": (
+        robot("<activity name='a' consumes='S, H'/>"),
+        7,
+        "consumes of <activity> is 'S, H', expected names of letters, digits and _, separated by spaces",
+    ),
     "unknown attribute": (body("<objective name='o' activities='go' speed='1'/>"), 8, "speed"),
     "no name": (body("<objective activities='go'/>"), 8, "name"),
     "bad name": (body("<objective name='1st' activities='go'/>"), 8, "name"),
@@ -132,15 +147,27 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     ),
     "activity unknown": (body("<objective name='o' activities='goo'/>"), 8, "did you mean go?"),
     "resource unknown": (robot("<activity name='a' consumes='SS'/>"), 7, "did you mean S?"),
-    "product unknown": (robot("<activity name='a' produces='X'/>"), 7, "X, which is not declared"),
+    "product unknown": (
+        robot("<activity name='a' produces='X'/>"),
+        7,
+        "X, which is not declared (expected one of S)",
+    ),
     "product is hardware": (robot("<activity name='a' produces='H'/>"), 7, "hardware"),
-    "software without producer": (robot("<software name='T'/>"), 7, "found none"),
+    "software without producer": (
+        robot("<software name='T'/>"),
+        7,
+        'found none: give produces="T" to the one',
+    ),
     "product named twice": (
         robot("<software name='T'/><activity name='a' produces='T T'/>"),
         7,
         "produces of a names T 2 times",
     ),
-    "software with two producers": (robot("<activity name='a' produces='S'/>"), 3, "found driver, a"),
+    "software with two producers": (
+        robot("<activity name='a' produces='S'/>"),
+        3,
+        'found driver, a: leave produces="S" on one',
+    ),
     "resource declared twice": (robot("<hardware name='S'/>"), 3, "resource S is declared twice"),
     "activity declared twice": (robot("<activity name='go'/>"), 7, "activity go is declared twice"),
     "alternative declared twice": (
@@ -175,12 +202,12 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "route on a child of a parallel block": (
         body("<parallel name='p'>\n<objective name='o' activities='go' failure='fail'/></parallel>"),
         9,
-        "failure is not allowed",
+        "o has a route (failure), though it is a child of a parallel block: routes stand on p",
     ),
     "mandatory outside a parallel block": (
         body("<objective name='o' activities='go' mandatory='true'/>"),
         8,
-        "mandatory is not allowed",
+        "mandatory is for children of a parallel block",
     ),
     "parallel with none mandatory": (
         body("<parallel name='p'><objective name='o' activities='go' mandatory='false'/></parallel>"),
@@ -405,7 +432,11 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         7,
         "a -> a",
     ),
-    "protocol unknown": (body("<use name='u' protocol='p'/>"), 8, "p, which is not declared"),
+    "protocol unknown": (
+        body("<use name='u' protocol='p'/>"),
+        8,
+        "p, which is not declared (none is declared)",
+    ),
     "protocol declared twice": (
         body(PROTOCOLS.replace("'q'", "'p'").replace('"q"', '"p"').format(OK, OK) + OK),
         10,
@@ -523,6 +554,24 @@ def test_a_broken_mission_is_told_with_its_line(name: str, tmp_path: Path) -> No
         (p.source.line, p.message) for p in caught.value.problems if p.source and p.source.file == str(path)
     ]
     assert [m for where, m in told if where == line and message in m], caught.value
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "route on a child of a parallel block",
+        "mandatory outside a parallel block",
+        "element misspelt",
+        "attribute misspelt",
+        "names with a comma",
+    ],
+)
+def test_one_mistake_is_told_once(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(BROKEN[name][0])
+    with pytest.raises(InputError) as caught:
+        read_mission(path)
+    assert len(caught.value.problems) == 1
 
 
 def test_there_are_at_least_40() -> None:

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import Phase, assume, event, find, given, settings
 
-from mcpn.errors import ConfluenceError, InputError, LimitError
+from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
     Activity,
-    Alternative,
     Each,
     Hardware,
     Mission,
@@ -24,7 +23,6 @@ from mcpn.mission.model import (
     Parallel,
     Recursive,
     Robot,
-    Software,
     walk,
 )
 from mcpn.mission.xml import read_mission
@@ -39,6 +37,7 @@ from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.testing import Shape, missions
 from tests.draws import fewer
 from tests.net.promises import check_promises
+from tests.small import activity, hw, robot
 
 LIMIT = 40_000
 
@@ -53,7 +52,7 @@ def test_the_closed_hardware_resource_has_the_markings_of_figure_10(reference: P
 
 def test_our_hardware_template_has_the_markings_of_figure_10() -> None:
     # The paper, 7.1: the resource closed by the simulated events TAKE, RELEASE and ERROROK.
-    mission = Mission(name="m", robots=robot(hw("Rx"), activity("a", ())), blocks=(objective("x", "a"),))
+    mission = Mission(name="m", robots=robots(hw("Rx"), activity("a", ())), blocks=(objective("x", "a"),))
     canvas = Canvas("fig10", Usage(mission, flatten(mission)))
     PaperTemplates().hardware(canvas, mission.hardware[0])
     for word, before, after in (
@@ -187,9 +186,10 @@ def test_every_mission_keeps_its_promises(mission: Mission) -> None:
     check_promises(found, markings)
     try:
         reduced = by_reduction(markings)
-    except ConfluenceError:
+    except (ConfluenceError, DivergenceError):
+        # What refuses and is asked again at once may go round, if what it needs is contended.
         assert usage.contentions
-        with pytest.raises(ConfluenceError):
+        with pytest.raises((ConfluenceError, DivergenceError)):
             direct(found.net)
         return
     for graph in (direct(found.net), direct(found.net, proof=False)):
@@ -265,18 +265,8 @@ def test_each_new_element_is_drawn_where_nothing_contends() -> None:
         assert compose(found).usage.contentions == ()
 
 
-def hw(*names: str, faulty: bool = True) -> tuple[Hardware, ...]:
-    return tuple(Hardware(name=name, faulty=faulty) for name in names)
-
-
-def activity(name: str, *alternatives: tuple[str, ...], produces: tuple[str, ...] = ()) -> Activity:
-    ways = tuple(Alternative(name=f"{name}{i}", consumes=k) for i, k in enumerate(alternatives))
-    return Activity(name=name, alternatives=ways, produces=produces)
-
-
-def robot(hardware: tuple[Hardware, ...], *activities: Activity) -> tuple[Robot, ...]:
-    software = tuple(Software(name=s) for a in activities for s in a.produces)
-    return (Robot(name="r", hardware=hardware, software=software, activities=activities),)
+def robots(hardware: tuple[Hardware, ...], *activities: Activity) -> tuple[Robot, ...]:
+    return (robot(hardware, *activities),)
 
 
 def objective(name: str, *activities: str, **routing: str) -> Objective:
@@ -291,7 +281,7 @@ def stable(mission: Mission) -> tuple[MissionNet, StateGraph]:
 def test_a_retry_starts_the_same_activity_at_once() -> None:
     mission = Mission(
         name="m",
-        robots=robot(hw("H"), activity("a", ("H",))),
+        robots=robots(hw("H"), activity("a", ("H",))),
         blocks=(objective("x", "a", failure="x"),),
     )
     found, graph = stable(mission)
@@ -310,7 +300,7 @@ def test_nothing_is_added_where_it_cannot_happen(ulysse_net: MissionNet) -> None
 def test_contention_at_the_same_moment_is_an_error_with_two_runs() -> None:
     mission = Mission(
         name="m",
-        robots=robot(hw("H"), activity("filming", ("H",)), activity("advancing", ("H",))),
+        robots=robots(hw("H"), activity("filming", ("H",)), activity("advancing", ("H",))),
         blocks=(
             Parallel(name="census", blocks=(objective("film", "filming"), objective("advance", "advancing"))),
         ),
@@ -336,7 +326,7 @@ def test_contention_at_the_same_moment_is_an_error_with_two_runs() -> None:
 def test_the_second_who_asks_later_waits_and_can_be_stopped() -> None:
     mission = Mission(
         name="m",
-        robots=robot(hw("H"), activity("a", ("H",)), activity("b", ("H",)), activity("c", ())),
+        robots=robots(hw("H"), activity("a", ("H",)), activity("b", ("H",)), activity("c", ())),
         blocks=(
             Parallel(
                 name="both",
@@ -363,7 +353,7 @@ def test_the_second_who_asks_later_waits_and_can_be_stopped() -> None:
 def test_hardware_that_cannot_fail_has_no_error_handling() -> None:
     mission = Mission(
         name="m",
-        robots=robot(
+        robots=robots(
             hw("H", faulty=False), activity("driver", ("H",), produces=("S",)), activity("a", ("S",))
         ),
         blocks=(objective("x", "a"),),
@@ -378,7 +368,7 @@ def test_hardware_that_cannot_fail_has_no_error_handling() -> None:
 def test_two_resources_out_of_service_together_are_harmless() -> None:
     mission = Mission(
         name="m",
-        robots=robot(hw("H", "G"), activity("a", ("H", "G"), ("H",))),
+        robots=robots(hw("H", "G"), activity("a", ("H", "G"), ("H",))),
         blocks=(objective("x", "a"),),
     )
     found, graph = stable(mission)
@@ -390,7 +380,7 @@ def test_two_resources_out_of_service_together_are_harmless() -> None:
 def test_an_activity_with_two_products_serves_both_and_stops_with_the_last() -> None:
     mission = Mission(
         name="m",
-        robots=robot(
+        robots=robots(
             hw("H"),
             activity("navigation", ("H",), produces=("position", "heading")),
             activity("steer", ("heading",)),
@@ -412,7 +402,7 @@ def test_wide_parallel_blocks_are_left_one_by_one() -> None:
     names = [f"o{i}" for i in range(9)]
     mission = Mission(
         name="m",
-        robots=robot(hw("H"), *(activity(f"a{i}", ()) for i in range(9))),
+        robots=robots(hw("H"), *(activity(f"a{i}", ()) for i in range(9))),
         blocks=(Parallel(name="wide", blocks=tuple(objective(n, f"a{n[1:]}") for n in names)),),
     )
     net = compose(mission).net
@@ -430,7 +420,7 @@ def test_a_caller_s_templates_replace_the_paper_s() -> None:
             super().hardware(canvas, resource)
             canvas.place(f"{resource.name}_mine")
 
-    mission = Mission(name="m", robots=robot(hw("H"), activity("a", ("H",))), blocks=(objective("x", "a"),))
+    mission = Mission(name="m", robots=robots(hw("H"), activity("a", ("H",))), blocks=(objective("x", "a"),))
     assert "H_mine" in compose(mission, Patient()).net.place_index
 
     class Forgetful(PaperTemplates):
@@ -443,7 +433,9 @@ def test_a_caller_s_templates_replace_the_paper_s() -> None:
 
 def test_too_many_resources_at_once_hit_a_limit() -> None:
     names = tuple(f"H{i}" for i in range(13))
-    mission = Mission(name="m", robots=robot(hw(*names), activity("a", names)), blocks=(objective("x", "a"),))
+    mission = Mission(
+        name="m", robots=robots(hw(*names), activity("a", names)), blocks=(objective("x", "a"),)
+    )
     with pytest.raises(LimitError, match="13 resources consumed"):
         compose(mission)
 
@@ -451,7 +443,7 @@ def test_too_many_resources_at_once_hit_a_limit() -> None:
 def test_unused_hardware_stays_and_unstarted_activities_go() -> None:
     mission = Mission(
         name="m",
-        robots=robot(hw("H"), activity("a", ()), activity("driver", ("H",), produces=("S",))),
+        robots=robots(hw("H"), activity("a", ()), activity("driver", ("H",), produces=("S",))),
         blocks=(objective("x", "a"),),
     )
     places = compose(mission).net.place_index
@@ -467,7 +459,7 @@ def test_long_chains_of_activities_are_composed() -> None:
     ]
     mission = Mission(
         name="m",
-        robots=robot(hw("H"), *chain, activity("a", (names[-1],))),
+        robots=robots(hw("H"), *chain, activity("a", (names[-1],))),
         blocks=(objective("x", "a"),),
     )
     found = compose(mission)

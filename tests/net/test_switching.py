@@ -208,3 +208,16 @@ def test_who_switches_back_never_runs_what_is_not_the_best(mission: Mission) -> 
                     switched |= running > 0
                     assert not any(possible(w, lost) for w in a.alternatives[:running])
     event(f"runs a fallback: {switched}")
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_what_an_activity_and_its_supplier_both_hold_makes_no_alternative_possible(shared: bool) -> None:
+    hardware = (Hardware(name="arm", shared=shared), Hardware(name="gps"), Hardware(name="camera"))
+    activities = (
+        activity("locate", "gps", "arm camera", produces=("position",)),
+        activity("fly", "arm position", "", switch_back=True),
+    )
+    robot = Robot(name="r", hardware=hardware, software=(Software(name="position"),), activities=activities)
+    mission = Mission(name="m", robots=(robot,), blocks=(Objective(name="go", activities=("fly",)),))
+    ways = compose(mission).usage.switching.better("fly", 1)
+    assert ways == [("arm", "gps"), ("arm", "camera")][: 1 + shared]

@@ -52,26 +52,6 @@ def tokens_in_a_ring(tokens: int, places: int, weight: int = 1) -> PetriNet:
     return builder.build()
 
 
-def kanban(cards: int) -> PetriNet:
-    """The Kanban system: G. Ciardo, M. Tilgner, ICASE report 96-35, 1996."""
-    builder = NetBuilder("kanban")
-    for cell in range(1, 5):
-        for part in ("m", "back", "out"):
-            builder.place(f"{part}{cell}")
-        builder.place(f"kan{cell}", initial=cards)
-        builder.transition(f"redo{cell}", consume=[f"m{cell}"], produce=[f"back{cell}"])
-        builder.transition(f"ok{cell}", consume=[f"m{cell}"], produce=[f"out{cell}"])
-        builder.transition(f"again{cell}", consume=[f"back{cell}"], produce=[f"m{cell}"])
-    for name, before, after in (
-        ("in", ["kan1"], ["m1"]),
-        ("synch1", ["out1", "kan2", "kan3"], ["kan1", "m2", "m3"]),
-        ("synch2", ["out2", "out3", "kan4"], ["kan2", "kan3", "m4"]),
-        ("out", ["out4"], ["kan4"]),
-    ):
-        builder.transition(name, consume=before, produce=after)
-    return builder.build()
-
-
 def sizes(space: SymbolicSpace) -> tuple[int, int, int, int, int]:
     return space.states, space.edges, space.dead_states, space.max_tokens, space.max_tokens_in_place
 
@@ -278,31 +258,6 @@ def test_a_place_that_no_invariant_bounds_grows_as_far_as_it_must(bound: int) ->
     builder.transition("fill", consume=["room"], produce={"bag": 1, "twice": 2})
     space = reach_markings(builder.build())
     assert sizes(space) == (bound + 1, bound, 1, 3 * bound, 2 * bound)
-
-
-@pytest.mark.parametrize(
-    ("cards", "states"),
-    [
-        (1, 160),
-        (2, 4_600),
-        (3, 58_400),
-        (4, 454_475),
-        (5, 2_546_432),
-        (10, 1_005_927_208),
-    ],
-)
-def test_kanban_has_the_published_number_of_markings(cards: int, states: int) -> None:
-    space = reach_markings(kanban(cards))
-    assert (space.states, space.dead_states) == (states, 0)
-    assert space.max_tokens_in_place == cards
-
-
-@pytest.mark.parametrize("cards", [1, 2, 3])
-def test_kanban_is_the_same_marking_by_marking(cards: int) -> None:
-    net = kanban(cards)
-    found, space = count_tokens(net), reach_tokens(net)
-    assert (found.states, found.edges) == (space.states, space.edges)
-    assert (found.bounds, found.max_tokens) == ((cards,) * len(net.places), space.max_tokens)
 
 
 @pytest.mark.parametrize(

@@ -188,6 +188,7 @@ class _Finding:
 
     def causes(self) -> Causes:
         graph = self.mission_net.graph
+        step("finding the causes of failure of the mission")
         return Causes(
             self.mission_net,
             self.prospects,

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -55,23 +55,6 @@ class Risk:
     importance: Mapping[str, float]
 
 
-class Outlook(Protocol):
-    """A mission under given rates."""
-
-    def ends(self, lost: str | None = None) -> tuple[float, float]:
-        """Probabilities of success and failure, if one resource is out of service at the start."""
-
-    def degraded_modes(self) -> float:
-        """The expected number of jumps into another, degraded mode."""
-
-
-class Model(Protocol):
-    """A mission whose rates may vary."""
-
-    def outlook(self, failing: Mapping[str, float], repaired: Mapping[str, float]) -> Outlook:
-        """The mission under given failures and repairs per hour, by hardware."""
-
-
 def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     """The numbers of a mission whose file gives rates and durations.
 
@@ -89,7 +72,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     """
     _refuse_unknown(prospects)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    model: Model
+    model: SectionChains | _Whole
     if isinstance(prospects.space, CompositeSpace):
         model = SectionChains(prospects, limit)
     else:
@@ -125,7 +108,7 @@ def _listed(prospects: Prospects[Any], max_states: int) -> Prospects[ArraySet]:
 
 
 class _Whole:
-    """The whole mission as one chain."""
+    """The whole mission as one chain, asked as :class:`mcpn.check.causes.section_chains.SectionChains` is."""
 
     def __init__(self, prospects: Prospects[ArraySet]) -> None:
         self.sections = list(prospects.mission_net.graph.walk())

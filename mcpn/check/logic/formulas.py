@@ -245,8 +245,8 @@ def mapped(formula: Core, of: Callable[[Core], Core]) -> Core:
 
 
 def walk(formula: Formula) -> Iterator[tuple[Formula, int]]:
-    """Every formula inside a formula, itself included, with its depth from 1; no recursion."""
-    stack = [(formula, 1)]
+    """Every formula inside a formula, itself included, with the number of operators around it."""
+    stack = [(formula, 0)]
     while stack:
         at, depth = stack.pop()
         yield at, depth

@@ -56,7 +56,7 @@ def parse(text: str) -> Formula:
     if len(text) > MAX_LENGTH:
         raise InputError.at(None, f"formula of more than {MAX_LENGTH} characters: the limit was hit")
     formula = Parser(text).formula()
-    if any(depth > MAX_DEPTH for _, depth in walk(formula)):
+    if any(around > MAX_DEPTH for _, around in walk(formula)):
         raise InputError.at(None, f"formula more than {MAX_DEPTH} operators deep: the limit was hit")
     return formula
 

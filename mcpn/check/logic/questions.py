@@ -11,7 +11,7 @@ from mcpn.check.choice import Asked, Attempt, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.resolve import progress, resolve
+from mcpn.check.logic.resolve import Said, progress, resolve
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.check.spaces import On, space_of
 from mcpn.errors import InputError, UnsafeError
@@ -79,6 +79,7 @@ class Questions:
         self.on = on
         self.engine = engine
         self.max_states = max_states
+        self.said: Said = {}
         self.fair = tuple(constraint for text in fair for constraint in self._constraints(text))
 
     def _constraints(self, text: str) -> tuple[Justice, ...]:
@@ -96,7 +97,7 @@ class Questions:
         Raises:
             InputError: A name is unknown.
         """
-        return resolve(formula, self.net, self.mission_net)
+        return resolve(formula, self.net, self.mission_net, self.said)
 
     @property
     def searchable(self) -> bool:
@@ -154,4 +155,4 @@ class Questions:
             core: The same, names looked up.
         """
         holds = self.evaluation.holds(core)
-        return Answer(text, holds, explain(self.evaluation, core), self.choice)
+        return Answer(text, holds, explain(self.evaluation, core, self.said), self.choice)

@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection
 from difflib import get_close_matches
-from itertools import repeat
-from typing import TYPE_CHECKING
+from itertools import islice, repeat
+from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.check.logic.formulas import (
     EG,
@@ -46,15 +46,23 @@ if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
 
 MAX_CORE = 50_000
+MAX_LISTED = 20
+"""How many known names an error lists where none of them is near."""
+
+Said: TypeAlias = dict[Core, Formula]
+"""By meaning the words of the mission that a formula has used for it."""
 
 
-def resolve(formula: Formula, net: PetriNet, mission_net: MissionNet | None = None) -> Core:
+def resolve(
+    formula: Formula, net: PetriNet, mission_net: MissionNet | None = None, said: Said | None = None
+) -> Core:
     """Looks up every name of a formula and rewrites it to the core.
 
     Args:
         formula: As it was written.
         net: Names places and transitions.
         mission_net: Names elements of the mission, where the net is of one.
+        said: Takes in what words of the mission mean, so that :func:`written` says them again.
 
     Returns:
         The same in the core.
@@ -66,7 +74,7 @@ def resolve(formula: Formula, net: PetriNet, mission_net: MissionNet | None = No
     """
     if _size(formula) > MAX_CORE:
         raise LimitError(f"the formula says more than {MAX_CORE} operators in full: the limit was hit")
-    return _Resolver(net, mission_net).core(formula)
+    return _Resolver(net, mission_net, {} if said is None else said).core(formula)
 
 
 _USES = {"<->": (2, 2), "AU": (1, 3)}
@@ -80,9 +88,10 @@ def _size(formula: Formula) -> int:
 
 
 class _Resolver:
-    def __init__(self, net: PetriNet, mission_net: MissionNet | None) -> None:
+    def __init__(self, net: PetriNet, mission_net: MissionNet | None, said: Said) -> None:
         self.net = net
         self.mission_net = mission_net
+        self.meant = said
 
     def core(self, formula: Formula) -> Core:
         match formula:
@@ -94,7 +103,11 @@ class _Resolver:
                 known = self.net.transition_index
                 return Fires(tuple(sorted({self.known(n, known, "transition", column) for n in names})))
             case Word():
-                return self.word(formula)
+                meaning = self.word(formula)
+                if not isinstance(meaning, Const):  # which other formulas mean as well
+                    self.meant.setdefault(meaning, formula)
+                    self.meant.setdefault(negation(meaning), Not(formula))
+                return meaning
         return mapped(formula, self.core)
 
     def known(self, name: str, index: Collection[str], what: str, column: int | None) -> int:
@@ -210,10 +223,13 @@ def marked(places: tuple[int, ...]) -> Core:
 def unknown(name: str, names: Collection[str], what: str, column: int | None) -> InputError:
     """The error for a name that does not exist."""
     near = get_close_matches(name, names, n=3)
-    if not near:  # the use of a protocol that qualifies a name may have been left out
+    if not near:  # the use of a protocol that qualifies a name may have been left out, or be another
         by_last = {known.rpartition(".")[2]: known for known in names}
-        near = [by_last[last] for last in get_close_matches(name, by_last, n=3)]
+        near = [by_last[last] for last in get_close_matches(name.rpartition(".")[2], by_last, n=3)]
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    if not near and names:
+        shown = islice(names, MAX_LISTED)
+        hint = f"; expected one of {', '.join(shown)}{', ...' if len(names) > MAX_LISTED else ''}"
     return _at(column, f"no {what} is named {name}{hint}")
 
 
@@ -221,13 +237,21 @@ def _at(column: int | None, message: str) -> InputError:
     return InputError.at(None, message if column is None else f"formula, column {column}: {message}")
 
 
-def written(formula: Core, net: PetriNet) -> Formula:
-    """A formula of the core with names instead of indices, and with the operators that a reader knows."""
+def written(formula: Core, net: PetriNet, said: Said | None = None) -> Formula:
+    """A formula of the core with names instead of indices, and with the operators that a reader knows.
+
+    Args:
+        formula: Of the core.
+        net: Names places and transitions.
+        said: Words of the mission that are said again, see :func:`resolve`.
+    """
 
     def of(inside: Core) -> Formula:
-        return written(inside, net)
+        return written(inside, net, said)
 
     match formula:
+        case AtMost() | Fires() | Not(AtMost() | Fires()) if said and formula in said:
+            return said[formula]
         case AtMost(((place, -1),), -1):
             return Compare(Sum(0, (net.places[place].name,)), ">=", Sum(1))
         case AtMost(weights, bound):

@@ -16,7 +16,7 @@ from typing import Any, Generic
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, TRUE, And, Core, Justice, Not, Or, walk
 from mcpn.check.logic.language import show
-from mcpn.check.logic.resolve import written
+from mcpn.check.logic.resolve import Said, written
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S, Space
@@ -41,14 +41,15 @@ class Note:
     formula: Core
     reason: str = ""
 
-    def words(self, net: PetriNet, moment: str) -> str:
+    def words(self, net: PetriNet, moment: str, said: Said | None = None) -> str:
         """The note for a reader.
 
         Args:
             net: The net that the formula speaks of.
             moment: The moment in the run, in words.
+            said: The user's words for parts of it.
         """
-        text = f"{moment}, {self.where}: {show(written(self.formula, net))}"
+        text = f"{moment}, {self.where}: {show(written(self.formula, net, said))}"
         return f"{text} ({self.reason})" if self.reason else text
 
 
@@ -62,6 +63,7 @@ class Witness:
         steps: Its edges.
         cycle: Index of the step with which the part begins that is repeated for ever, if there is one.
         shown: What the run shows, and where showing stops.
+        said: The user's words for what is shown.
     """
 
     space: Space[Any]
@@ -69,6 +71,7 @@ class Witness:
     steps: list[Edge] = field(default_factory=list)
     cycle: int | None = None
     shown: list[Note | str] = field(default_factory=list)
+    said: Said = field(default_factory=dict)
 
     @property
     def end(self) -> Any:
@@ -86,7 +89,7 @@ class Witness:
     def notes(self) -> list[str]:
         """What the run shows, for a reader."""
         return [
-            note if isinstance(note, str) else note.words(self.space.net, self._moment(note.step))
+            note if isinstance(note, str) else note.words(self.space.net, self._moment(note.step), self.said)
             for note in self.shown
         ]
 
@@ -125,17 +128,18 @@ class Witness:
         return Run(self.space.net, transitions_of(steps), settles=stable_only and self.space.net.priorities)
 
 
-def explain(evaluation: Evaluation[S], formula: Core) -> Witness:
+def explain(evaluation: Evaluation[S], formula: Core, said: Said | None = None) -> Witness:
     """Shows by a run why a formula holds, or fails, in the initial state.
 
     Args:
         evaluation: Of the formula on a space.
         formula: Of the core.
+        said: The user's words for parts of it.
 
     Returns:
         A witness or a counterexample. Runs to an ``EF`` are as short as the space's are.
     """
-    witness = Witness(evaluation.space, evaluation.space.initial.pick())
+    witness = Witness(evaluation.space, evaluation.space.initial.pick(), said=said or {})
     _Explanation(evaluation, witness).explain(formula, evaluation.holds(formula))
     return witness
 

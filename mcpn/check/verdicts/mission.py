@@ -176,7 +176,7 @@ def _checked(
             alternatives = composite_space(mission_net, options)
             proof = "each type of section, and each way from one to the next, proved on its own net"
         else:
-            graph = markings_by(mission_net.net, engine, limit, progress)
+            graph = markings_by(mission_net.net, engine, limit, progress, tokens=False)
             markings = graph
             alternatives, proof = alternatives_by(graph, limit)
         verdicts["confluent"] = Verdict("confluent", True, proof)

@@ -3,22 +3,29 @@
 The paper's activity leaves its alternative only when it is stopped or a resource fails (6.2). An activity
 that is declared to switch back also leaves it when one of higher priority becomes possible, and evaluates all
 of them again. An alternative is possible where the hardware that it consumes is in service, and some
-alternative of the producer of each software resource that it consumes is possible.
+alternative of the producer of each software resource that it consumes is possible, and no two of all these
+activities need the same hardware for themselves.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
 
 if TYPE_CHECKING:
     from mcpn.mission.facts.usage import Usage
 
+_T = TypeVar("_T")
+
 Ways: TypeAlias = frozenset[frozenset[str]]
 """Minimal sets of hardware that can fail, each enough if all of it is in service."""
+
+Held: TypeAlias = frozenset[tuple[str, str]]
+"""Hardware with the activity that holds it, empty where it is shared."""
 
 MAX_WAYS = 100
 """Sets of hardware that may make one alternative possible."""
@@ -33,7 +40,7 @@ class Switching:
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
-        self._ways: dict[str, Ways] = {}
+        self._ways: dict[str, frozenset[Held]] = {}
         self._back: dict[str, bool] = {}
 
     @cached_property
@@ -99,27 +106,44 @@ class Switching:
             LimitError: There are too many.
         """
         higher = self.usage.activities[activity].alternatives[:alternative]
-        ways = _minimal(way for better in higher for way in self._all_of(activity, better.consumes))
+        found = [held for better in higher for held in self._all_of(activity, better.consumes)]
+        ways = _minimal(frozenset(h for h, _ in held if self.usage.hardware[h].faulty) for held in found)
         # What is always possible is never left out.
         return frozenset() if frozenset() in ways else ways
 
-    def _possible(self, activity: str) -> Ways:
-        """Sets of hardware that make some alternative of an activity possible."""
+    def _possible(self, activity: str) -> frozenset[Held]:
+        """Sets of hardware with which some alternative of an activity is possible."""
         if activity not in self._ways:
             alternatives = self.usage.activities[activity].alternatives
             self._ways[activity] = _minimal(
-                way for each in alternatives for way in self._all_of(activity, each.consumes)
+                held for each in alternatives for held in self._all_of(activity, each.consumes)
             )
         return self._ways[activity]
 
-    def _all_of(self, activity: str, resources: Iterable[str]) -> Ways:
+    def _held(self, activity: str, hardware: str) -> Held:
+        """What matters of hardware that an activity consumes: that it can fail, that others need it, too."""
+        declared = self.usage.hardware[hardware]
+        if not declared.faulty and (declared.shared or self._consumers[hardware] == 1):
+            return frozenset()
+        return frozenset({(hardware, "" if declared.shared else activity)})
+
+    @cached_property
+    def _consumers(self) -> Counter[str]:
+        """By resource, how many activities consume it."""
+        activities = self.usage.activities.values()
+        return Counter(k for a in activities for k in {k for way in a.alternatives for k in way.consumes})
+
+    def _all_of(self, activity: str, resources: Iterable[str]) -> frozenset[Held]:
         usage = self.usage
-        found: Ways = frozenset({frozenset()})
+        found: frozenset[Held] = frozenset({frozenset()})
         for k in resources:
-            each = frozenset({usage.hardware_under(k)})
-            if k not in usage.hardware:
-                each = self._possible(usage.producer[k])
-            found = _minimal(one | other for one in found for other in each)
+            each = (
+                frozenset({self._held(activity, k)})
+                if k in usage.hardware
+                else self._possible(usage.producer[k])
+            )
+            together = (one | other for one in found for other in each)
+            found = _minimal(held for held in together if len({h for h, _ in held}) == len(held))
             if len(found) > MAX_WAYS:
                 raise LimitError(
                     f"activity {activity}: more than {MAX_WAYS} sets of hardware make an alternative "
@@ -128,8 +152,8 @@ class Switching:
         return found
 
 
-def _minimal(ways: Iterable[frozenset[str]]) -> Ways:
-    kept: list[frozenset[str]] = []
+def _minimal(ways: Iterable[frozenset[_T]]) -> frozenset[frozenset[_T]]:
+    kept: list[frozenset[_T]] = []
     for way in sorted(set(ways), key=len):
         if not any(other <= way for other in kept):
             kept.append(way)

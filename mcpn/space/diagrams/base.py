@@ -37,6 +37,7 @@ class Diagrams:
         self.everything = states
         self.initial = initial
         self.nothing = self.encoding.store.empty()
+        self._left_off: dict[Zdd, tuple[Zdd, Zdd]] = {}
         free = {
             t for t in self.encoding.events if self.net.transitions[t].internal or not self.net.priorities
         }
@@ -260,13 +261,19 @@ class Diagrams:
         """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`.
 
         Greatest fixpoint: states without a successor in the set are dropped until none is left; only what
-        led into states just dropped is looked at again.
+        led into states just dropped is looked at again. What was left off, because its time was spent or
+        because of what was asked, goes on where it was.
         """
-        found, ends = along, self.dead
-        lost = self._leaving(along - ends, along)
+        ends = self.dead
+        found, lost = self._left_off.get(along) or (along, self._leaving(along - ends, along))
         while lost and (asked is None or asked & found):
+            self._left_off[along] = found, lost
             found -= lost
             lost = self._leaving((self.before(lost) & found) - ends, found)
+        if lost:
+            self._left_off[along] = found, lost
+        else:
+            self._left_off.pop(along, None)
         return found
 
     def _leaving(self, states: Zdd, into: Zdd) -> Zdd:

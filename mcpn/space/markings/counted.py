@@ -32,6 +32,7 @@ FIRST_BITS = 4
 """Width of a place of which no bound is known."""
 MOST_BITS = 40
 """Sums of tokens stay within 64 bits."""
+MOST_WEIGHT = 2**62
 WORD = 64
 
 
@@ -140,10 +141,8 @@ def _explored(
     given = []
     for t, transition in enumerate(net.transitions):
         need, change = needs(net, t), changes(net, t)
-        if max((*need.values(), *change.values()), default=0) >= 2**MOST_BITS:
-            raise LimitError(
-                f"{transition.name} has a weight of more than {2**MOST_BITS - 1}: the limit was hit"
-            )
+        if max((*need.values(), *change.values()), default=0) > MOST_WEIGHT:
+            raise LimitError(f"{transition.name} has a weight of more than {MOST_WEIGHT}: the limit was hit")
         given.append((list(need.items()), list(change.items()), transition.internal))
     while True:
         fields = layout(widths.bits)

@@ -1,0 +1,41 @@
+"""Hints at names that exist, where a mission names something that does not."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from difflib import get_close_matches
+from itertools import chain, islice
+
+MAX_HINTS = 10
+"""How many unknown names are compared with the known ones: each comparison costs."""
+MAX_LISTED = 10
+"""How many known names are listed where none of them is near."""
+MAX_COMPARED = 500
+"""Among how many known names a near one is looked for."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A hint at the nearest known name, if there is one near."""
+    near = get_close_matches(name, sorted(islice(known, MAX_COMPARED)), n=1)
+    return f" (did you mean {near[0]}?)" if near else ""
+
+
+class Hints:
+    """Hints of one mission, as long as looking for them costs little."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, int], tuple[Iterable[str], str]] = {}
+
+    def near(self, name: str, known: Iterable[str], *others: str) -> str:
+        """A near name among the others and the known ones."""
+        key = name, id(known)  # what is kept keeps its identity
+        if key not in self._found and len(self._found) < MAX_HINTS:
+            self._found[key] = known, did_you_mean(name, chain(others, known))
+        return self._found[key][1] if key in self._found else ""
+
+    def known(self, name: str, known: Collection[str]) -> str:
+        """A near name, else all that there are if they are few."""
+        near = self.near(name, known)
+        if near or len(known) > MAX_LISTED:
+            return near
+        return f" (expected one of {', '.join(known)})" if known else " (none is declared)"
