@@ -242,8 +242,27 @@ class _Table(Generic[S]):
             if states:
                 yield from self.distinct(severity, states, failure.transition, hardware, section)
         if alone:
-            idle = Situation()
-            yield Case(Severity.NO_EFFECT, idle, idle, idle, *(False,) * 6, "")
+            yield self.without_effect(alone, self.prospects.objectives[section.name])
+
+    def without_effect(self, states: S, goal: Goal[S]) -> Case:
+        """That nothing changes, told of the states with the best prospects."""
+        idle, lost = Situation(), self.prospects.losing(goal, repairs=False)
+        best = states - lost or states
+        hopeless, without_hope = not states - lost, not best - self.lost
+        mission_lost = without_hope or not best - self.lost_unrepaired
+        return Case(
+            Severity.NO_EFFECT,
+            idle,
+            idle,
+            idle,
+            hopeless,
+            hopeless,
+            mission_lost,
+            without_hope,
+            False,
+            False,
+            "",
+        )
 
     def distinct(
         self, severity: Severity, states: S, transition: int, hardware: str, section: ElementarySection
