@@ -329,6 +329,7 @@ class TokenNet:
     ) -> tuple[str, int, list[int]]:
         """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""
 
+@disjoint_base
 class Checker:
     """Decides formulas of CTL at a marking, looking at no more markings than a depth-first search needs.
 
