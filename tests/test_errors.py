@@ -15,6 +15,7 @@ from mcpn.errors import (
     PremiseError,
     Problem,
     Source,
+    UnboundedError,
     UnsafeError,
 )
 from mcpn.space.compare import Disagreement
@@ -29,6 +30,7 @@ ERRORS = [
     InputError([Problem(Source("m.xml", 3), "no such activity"), Problem(None, "no robot")]),
     LimitError("more than 5 states"),
     UnsafeError("p", "t", ["q", "r"], ["u", "v"]),
+    UnboundedError(["p"], ["t"], ["u", "v"], (-1, 2)),
     ConfluenceError("not confluent", [["a"], ["b", "c"]]),
     DivergenceError("divergent", [["a", "a"]]),
     PremiseError("o", "p", ["MISSION_EV_START"]),

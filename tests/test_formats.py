@@ -72,7 +72,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     for path in (ROOT / "experiments" / "ulysse").glob("*.xml"):
         shutil.copy(path, tmp_path)
-    contended = CONTENDED.read_text().partition("```xml\n")[2].partition("```")[0]
+    contended = CONTENDED.read_text().partition("```xml")[2].partition("\n")[2].partition("```")[0]
     (tmp_path / "contended.xml").write_text(contended)
     (tmp_path / "unbounded.net").write_text(UNBOUNDED)
     (tmp_path / "unsafe.net").write_text("net n\npl p (1)\npl q (1)\ntr t p -> q\n")
