@@ -25,7 +25,7 @@ from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting, calm, mask_of, open_pairs, parting_among
-from mcpn.space.stable.nearest import WAYS, nearest_fault
+from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
@@ -170,6 +170,6 @@ def _error_at(space: SymbolicSpace, marking: tuple[int, ...], parting: Parting) 
     run = markings.run(begin, space.encoding.set_of(marking))
     assert run is not None, "the marking is reachable"
     before = [edge.transition for edge in run]
-    before, _, parting = Joining(net).deciding(before, mask_of(marking), parting, WAYS)
+    before, _, parting = Joining(net).deciding(before, mask_of(marking), parting)
     runs = [[*before, *way] for way in (parting.first, parting.second)]
     return confluence_error(net, [[net.transitions[t].name for t in run] for run in runs])

@@ -19,6 +19,9 @@ from mcpn.net.structure import conflicts
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.markings.firing import MaskedNet
 
+DECIDING_WAYS = 3_000
+"""Markings behind a parting from which every order is tried before it is taken for one that decides."""
+
 
 @dataclass(frozen=True, slots=True)
 class Join:
@@ -208,10 +211,10 @@ class Joining:
             EndlessRun: An internal run need not end.
         """
         run, at, parting = self._some_parting(marking, most)
-        return (run, at, None) if parting is None else self.deciding(run, at, parting, most)
+        return (run, at, None) if parting is None else self.deciding(run, at, parting)
 
     def deciding(
-        self, run: list[int], marking: int, parting: Parting, most: int
+        self, run: list[int], marking: int, parting: Parting, most: int = DECIDING_WAYS
     ) -> tuple[list[int], int, Parting]:
         """Goes on from where two runs part to where they part for good.
 
