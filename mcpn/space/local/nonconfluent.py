@@ -17,6 +17,7 @@ from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
 from mcpn.space.diagrams.symbolic import SymbolicSpace
 from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.runs import TwoOutcomes
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import PlacedSection
 from mcpn.space.local.sets import CompositeSet
@@ -113,9 +114,8 @@ def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None
     assert begin is not None, "there is an initial state"
     try:
         run = composite.run(begin, here, composite.everything - here)
-    except StopIteration:  # an event on the way has two outcomes itself, of which a run follows one
-        prove_confluent(composite.net)
-        raise AssertionError("the mission comes to an event with two outcomes") from None
+    except TwoOutcomes as nearer:  # then that is the error, whichever of the events there it is
+        run, transition = nearer.run, None
     assert run is not None, "the mission comes there"
     state = run[-1].target if run else begin
     events = [_event(composite, edge.transition) for edge in run]

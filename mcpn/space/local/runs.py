@@ -13,6 +13,18 @@ from mcpn.space.local.local_states import ALL, Allowed
 from mcpn.space.local.sets import CompositeSet, Member
 
 
+class TwoOutcomes(Exception):
+    """An event on the way has several outcomes, of which a run follows one, and not the one that leads on.
+
+    Args:
+        run: The edges before that event.
+    """
+
+    def __init__(self, run: list[Edge]) -> None:
+        super().__init__("an event has several outcomes")
+        self.run = run
+
+
 class Runs(Glued):
     """Edges of single states, and runs."""
 
@@ -82,6 +94,9 @@ class Runs(Glued):
         """A run from a member into a goal through as few sections as can be.
 
         Within each section it is a shortest one; see :meth:`mcpn.space.algebra.Space.run`.
+
+        Raises:
+            TwoOutcomes: The mission is not confluent, and the run would pass such an event.
         """
         allowed = self.filtered(transitions, guards)
         hops = self._hops(begin, goal, along, allowed)
@@ -91,13 +106,10 @@ class Runs(Glued):
         for hop in reversed(range(len(hops))):  # each edge out of a section leads one section nearer
             target = hops[hop][state[0]][1]
             inside = None if along is None else along.parts.get(state[0])
-            legs = self._run_inside(state, target, inside, allowed(state[0]))
-            run += legs
-            state = legs[-1].target if legs else state
+            state = self._run_inside(run, state, target, inside, allowed(state[0]))
             if hop:
                 onward = {name: closed for name, (closed, _) in hops[hop - 1].items()}
-                run.append(next(self._edges_to(state, onward, allowed(state[0]))))
-                state = run[-1].target
+                state = self._follow(run, state, onward, allowed(state[0]))
         return run
 
     def _in(self, state: Member, part: Zdd) -> bool:
@@ -144,20 +156,29 @@ class Runs(Glued):
                         targets[at] = targets[at] | leaving if at in targets else leaving
         return None
 
-    def _run_inside(self, begin: Member, goal: Zdd, along: Zdd | None, allowed: Allowed) -> list[Edge]:
-        """A shortest run within one section; there is one."""
-        name = begin[0]
+    def _follow(self, run: list[Edge], state: Member, goal: Mapping[str, Zdd], allowed: Allowed) -> Member:
+        """Goes on by an edge of one member into a set from which it is one step back."""
+        edge = next(self._edges_to(state, goal, allowed), None)
+        if edge is None:
+            raise TwoOutcomes(run)
+        run.append(edge)
+        target: Member = edge.target
+        return target
+
+    def _run_inside(
+        self, run: list[Edge], state: Member, goal: Zdd, along: Zdd | None, allowed: Allowed
+    ) -> Member:
+        """Goes on by a shortest run within one section; there is one."""
+        name = state[0]
         stage = self.stages[name]
         within = self.everything.parts[name] if along is None else along
         layers, seen = [goal], goal
-        while not self._in(begin, layers[-1]):
+        while not self._in(state, layers[-1]):
             earlier = layers[-1].images(stage.beside(allowed, undone=True))
             earlier |= stage.type.before_step(layers[-1], allowed)
             layers.append((earlier & within) - seen)
             assert layers[-1], "the caller knows that there is a run"
             seen |= layers[-1]
-        run, state = list[Edge](), begin
         for layer in reversed(layers[:-1]):
-            run.append(next(self._edges_to(state, {name: layer}, allowed)))
-            state = run[-1].target
-        return run
+            state = self._follow(run, state, {name: layer}, allowed)
+        return state

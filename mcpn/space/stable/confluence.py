@@ -137,8 +137,9 @@ def proof_by_joining(space: SymbolicSpace) -> str | None:
         ConfluenceError: Two runs behind one event end in different stable markings.
     """
     net = space.encoding.net
-    if space.endless or space.stable is None:
+    if space.endless:
         return None
+    assert space.stable is not None, "asked of nets with priorities"
     encoding, conflicts = space.encoding, list(open_conflicts(space))
     events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
     begun = encoding.initial() | space.stable.images(distinct(events))

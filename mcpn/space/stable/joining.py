@@ -317,22 +317,18 @@ def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -
     Raises:
         EndlessRun: An internal run need not end.
     """
-    contended = set(distinct(encoding.events[t] for pair in conflicts for t in pair))
-    free = [event for event in encoding.internal if event not in contended]
-    conditions = [
-        condition
-        for t, condition in encoding.enabling.items()
-        if condition is not None and encoding.events.get(t) in free
-    ]
+    contended = distinct(encoding.events[t] for pair in conflicts for t in pair)
+    free = dict.fromkeys(event for event in encoding.internal if event not in contended)
+    conditions = [c for t, c in encoding.enabling.items() if c is not None and encoding.events.get(t) in free]
     known, front, seen = encoding.store.empty(), begun, set[Zdd]()
     # The front holds what as many firings of contended transitions lead to. It is empty once all runs ended.
     while front:
-        front = front.saturate(free).without(conditions)
+        front = front.saturate(list(free)).without(conditions)
         if front in seen:
             raise EndlessRun(())
         seen.add(front)
         known |= front
-        front = front.images(list(contended))
+        front = front.images(contended)
     return known
 
 
