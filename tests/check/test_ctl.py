@@ -18,7 +18,7 @@ from mcpn.check.logic.formulas import Core, Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.resolve import progress, resolve
-from mcpn.check.logic.verdicts import answer_examination, answer_file
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.logic.witness import explain
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Mission
@@ -268,7 +268,7 @@ def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str
             if path.exists()
             else []
         )
-        answers = {found.name: found.value for found in answer_file(questions, known)}
+        answers = {found.name: found.value for found in answer_all(questions, known)}
         assert answers == {asked.name: verdicts[asked.name] for asked in known}
         compared += len(answers)
     return compared
@@ -304,4 +304,5 @@ def test_the_contest_s_examinations(
         expected = mcc_oracles[model][column]
         questions = Questions(read_net(mcc / model / "model.pnml"))
         wanted = str(expected == "1-safe").upper() if examination == "OneSafe" else expected
-        assert answer_examination(questions, examination).value == wanted, model
+        (answer,) = answer_all(questions, examinations=[examination])
+        assert answer.value == wanted, model

@@ -11,7 +11,7 @@ from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Deadlock, Formula,
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.resolve import resolve
 from mcpn.check.logic.simplify import simplified
-from mcpn.check.logic.verdicts import answer_file
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import Source
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.arrays import ArraySpace
@@ -57,7 +57,7 @@ def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataO
     edges = edges_of(net)
     asked = {f"f{i}": drawn(data, net, leaves=6) for i in range(4)}
     properties = [Property(name, formula, (), Source("file")) for name, formula in asked.items()]
-    answers = {found.name: found.value for found in answer_file(Questions(net), properties)}
+    answers = {found.name: found.value for found in answer_all(Questions(net), properties)}
     expected = {name: net.initial in satisfying(f, net, edges) for name, f in asked.items()}
     assert answers == {name: str(value).upper() for name, value in expected.items()}
 
