@@ -48,7 +48,8 @@ def answer_questions(folder: Path, model: str, file: str, answers: multiprocessi
     questions = Questions(read_net(folder / model / "model.pnml"))
     with suppress(McpnError, MemoryError):
         if file != "examinations":
-            for verdict in answer_file(questions, read_properties(folder / model / f"{file}.xml")):
+            asked = read_properties(folder / model / f"{file}.xml", questions.names)
+            for verdict in answer_file(questions, asked):
                 answers.put((verdict.name, verdict.value, verdict.techniques))
             return
     for name in EXAMINATIONS if file == "examinations" else ():

@@ -77,7 +77,6 @@ def ctl(
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
     from mcpn.check.logic.contest import read_properties
-    from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
     from mcpn.check.logic.verdicts import answer_examination, answer_file
 
@@ -91,8 +90,9 @@ def ctl(
         max_states=max_states,
     )
     # Everything asked is understood before anything is answered.
-    asked = [(text, questions.core(parse(text))) for text in formulas]
-    of_file = answer_file(questions, read_properties(properties)) if properties else iter(())
+    for text in formulas:
+        questions.formula(text)
+    of_file = answer_file(questions, read_properties(properties, questions.names)) if properties else ()
     of_net = [examination] if examination else []
     objects = []
     for verdict in chain(of_file, (answer_examination(questions, each) for each in of_net)):
@@ -101,9 +101,9 @@ def ctl(
             click.echo(str(verdict))
     answers = []
     with progress_line(as_json):
-        for text, core in asked:
+        for text in formulas:
             step(f"answering {text}")
-            answers.append(questions.answer(text, core))
+            answers.append(questions.answer(text))
     if scn:
         _write_scenario(answers[0], scn)
     if as_json:

@@ -6,7 +6,6 @@ import pytest
 
 from mcpn.check.causes.find import find_causes
 from mcpn.check.choice import SMALL, Attempt, answered
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
 from mcpn.check.spaces import Engine, On
 from mcpn.check.verdicts.mission import check
@@ -75,7 +74,7 @@ def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) ->
     formula = "EF (failure & oos(GPS_sensor))"
     for limit, engine in ((None, "explicit"), (1000, "local")):
         questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", max_states=limit)
-        answer = questions.answer(formula, questions.core(parse(formula)))
+        answer = questions.answer(formula)
         assert answer.holds
         assert answer.choice.engine == engine
         found = check(ulysse_net, max_states=limit)

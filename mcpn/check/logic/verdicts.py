@@ -10,6 +10,7 @@ the easy ones.
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, count, repeat
@@ -17,13 +18,13 @@ from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import Const, Core, walk
+from mcpn.check.logic.formulas import Const, Formula, walk
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.reachability import as_goal, as_reachability
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
-from mcpn.errors import InputError, McpnError
+from mcpn.errors import McpnError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
@@ -61,8 +62,8 @@ class _SliceSpent(Exception):
     """A formula has had its time slice."""
 
 
-Meaning: TypeAlias = Core | dict[int, int]
-"""A formula, or places with their weights, where the most tokens that they hold together is asked."""
+Meaning: TypeAlias = Formula | tuple[int, ...]
+"""A formula, or places, where the most tokens that they hold together is asked."""
 
 
 def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterator[Verdict]:
@@ -72,40 +73,15 @@ def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterato
         questions: About the net.
         properties: What is asked.
 
-    Returns:
-        The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
-        nets with priorities) or LimitError where what is left needs the space.
+    Yields:
+        The answers in the order in which they are found.
 
     Raises:
-        InputError: A name is unknown; every name is looked up before anything is answered.
+        UnboundedError: What is left needs the space, and the net is unbounded.
+        UnsafeError: The same, and the net has priorities and is not 1-safe.
+        LimitError: The same, and a limit was hit.
     """
-    return _answers(questions, properties, {asked.name: look_up(questions, asked) for asked in properties})
-
-
-def look_up(questions: Questions, asked: Property) -> Meaning:
-    """What a property asks, names looked up.
-
-    Raises:
-        InputError: A name is unknown.
-    """
-    if asked.formula is not None:
-        try:
-            return questions.core(asked.formula)
-        except InputError as error:
-            raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-    weights: dict[int, int] = {}
-    for name in asked.bound:
-        if name not in questions.net.place_index:
-            raise InputError.at(asked.source, f"no place is named {name}")
-        place = questions.net.place_index[name]
-        weights[place] = weights.get(place, 0) + 1
-    return weights
-
-
-def _answers(
-    questions: Questions, properties: Sequence[Property], meant: dict[str, Meaning]
-) -> Iterator[Verdict]:
-    waiting = _Waiting({asked.name: meant[asked.name] for asked in properties})
+    waiting = _Waiting({asked.name: asked.meaning for asked in properties})
     local = None
     if questions.searchable:
         yield from _simplified(questions.net, waiting)
@@ -149,15 +125,15 @@ class _Waiting:
         """The answer, with the ways by which parts were decided before."""
         return Verdict(name, value, tuple({**self.techniques.get(name, {}), **dict.fromkeys(techniques)}))
 
-    def parts(self) -> list[Core]:
+    def parts(self) -> list[Formula]:
         """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
-        formulas = [meaning for meaning in self.formulas.values() if not isinstance(meaning, dict)]
+        formulas = [meaning for meaning in self.formulas.values() if not isinstance(meaning, tuple)]
         return sorted({part: None for f in formulas for part in parts_at_first(f)}, key=_effort)
 
-    def learn(self, part: Core, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
+    def learn(self, part: Formula, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
         """Puts the value of a part where it is asked for, and yields what that answers."""
         for name, meaning in list(self.formulas.items()):
-            if isinstance(meaning, dict) or part not in parts_at_first(meaning):
+            if isinstance(meaning, tuple) or part not in parts_at_first(meaning):
                 continue
             self.techniques.setdefault(name, {}).update(dict.fromkeys(techniques))
             rest = replaced(meaning, lambda at: Const(value) if at == part else at)
@@ -171,12 +147,12 @@ def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
     """Answers what rewriting and the initial marking decide; of other formulas keeps what is left to ask."""
     marking, bounds = net.initial, place_bounds(net)
 
-    def at_start(atom: Core) -> bool:
+    def at_start(atom: Formula) -> bool:
         goal = as_goal(atom, net)
         return goal is not None and holds(goal, net, marking)
 
     for name, meaning in list(waiting.formulas.items()):
-        if isinstance(meaning, dict):
+        if isinstance(meaning, tuple):
             continue
         smaller = simplified(meaning, net, bounds)
         rest = at_first(smaller, at_start)
@@ -259,12 +235,12 @@ def _by_slices(
 
 
 def _effort(meaning: Meaning) -> int:
-    return 0 if isinstance(meaning, dict) else sum(1 for _ in walk(meaning))
+    return 0 if isinstance(meaning, tuple) else sum(1 for _ in walk(meaning))
 
 
 def _value(questions: Questions, meaning: Meaning) -> str:
-    if isinstance(meaning, dict):
-        return str(largest(questions.space, meaning))
+    if isinstance(meaning, tuple):
+        return str(largest(questions.space, Counter(meaning)))
     return str(questions.evaluation.holds(meaning)).upper()
 
 
