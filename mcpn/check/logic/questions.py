@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.choice import Asked, Attempt, Choice, answered
+from mcpn.check.choice import Asked, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Formula, Justice
 from mcpn.check.logic.language import parse
@@ -127,8 +127,8 @@ class Questions:
             self._chosen = DiagramMarkings(found), Choice("symbolic", "a diagram soon holds all markings")
         return "_chosen" in self.__dict__
 
-    def _made(self, attempt: Attempt, *, tokens: bool = True) -> Space[Any]:
-        engine, limit = attempt.engine, attempt.max_states
+    def _made(self, by: Choice, *, tokens: bool = True) -> Space[Any]:
+        engine, limit = by.engine, by.max_states
         return space_of(
             self.net, self.mission_net, engine=engine, on=self.on, max_states=limit, tokens=tokens
         )
