@@ -16,6 +16,7 @@ import resource
 import time
 from collections import Counter
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 
 from mcpn import __version__
@@ -50,9 +51,11 @@ def answer_questions(folder: Path, model: str, file: str, answers: multiprocessi
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
     questions = Questions(read_net(folder / model / "model.pnml"))
     paths = [folder / model / f"{name}.xml" for name in (FILES if file == TOGETHER else (file,))]
-    properties = [asked for path in paths if path.exists() for asked in read_properties(path)]
+    files = [read_properties(path, questions.names) for path in paths if path.exists()]
     with suppress(McpnError, MemoryError):
-        for verdict in answer_all(questions, properties, EXAMINATIONS if file in OF_NETS else ()):
+        for verdict in answer_all(
+            questions, chain.from_iterable(files), EXAMINATIONS if file in OF_NETS else ()
+        ):
             name = verdict.name.removeprefix(f"{questions.net.name}-")
             answers.put((name if name in EXAMINATIONS else verdict.name, verdict.value, verdict.techniques))
 

@@ -88,7 +88,6 @@ def ctl(
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
     from mcpn.check.logic.contest import read_properties
-    from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
     from mcpn.check.logic.verdicts import answer_all
 
@@ -102,8 +101,9 @@ def ctl(
         max_states=max_states,
     )
     # Everything asked is understood before anything is answered.
-    asked = [(text, questions.core(parse(text))) for text in formulas]
-    of_files = [each for path in dict.fromkeys(properties) for each in read_properties(path)]
+    for text in formulas:
+        questions.formula(text)
+    of_files = [each for path in dict.fromkeys(properties) for each in read_properties(path, questions.names)]
     objects = []
     for verdict in answer_all(questions, of_files, examinations):
         objects.append(_contest_object(verdict))
@@ -111,9 +111,9 @@ def ctl(
             click.echo(str(verdict))
     answers = []
     with progress_line(as_json):
-        for text, core in asked:
+        for text in formulas:
             step(f"answering {text}")
-            answers.append(questions.answer(text, core))
+            answers.append(questions.answer(text))
     if scn:
         _write_scenario(answers[0], scn)
     if as_json:

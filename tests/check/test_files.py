@@ -19,7 +19,7 @@ from mcpn.check.spaces import space_of
 from mcpn.errors import Source
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.symbolic import reach_briefly
-from tests.check.formulas import Edges, edges_of, formulas, satisfying
+from tests.check.formulas import Edges, edges_of, formulas, read, satisfying
 from tests.check.test_behaviour import ahead
 from tests.commands import mcpn, output
 from tests.draws import fewer
@@ -57,11 +57,11 @@ def test_all_are_answered_as_the_definitions_say_on_one_space(
     for file in ("a", "b"):
         for number in range(2):
             formula = data.draw(drawn)
-            asked.append(Property(f"{file}{number}", formula, (), Source(file)))
+            asked.append(Property(f"{file}{number}", read(formula, net), Source(file)))
             value = net.initial in satisfying(formula, net, edges)
             expected[f"{file}{number}"] = str(value).upper()
         bound = tuple(data.draw(st.lists(st.sampled_from(places), min_size=1, max_size=3)))
-        asked.append(Property(f"{file}-bound", None, bound, Source(file)))
+        asked.append(Property(f"{file}-bound", tuple(net.place_index[name] for name in bound), Source(file)))
         most = max(sum(marking[net.place_index[name]] for name in bound) for marking in edges)
         expected[f"{file}-bound"] = str(most)
     questions = Questions(net, engine=engine)

@@ -2,14 +2,15 @@
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
-(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. The formulas
-of all files and the examinations share it: cheap ones first, each with a time slice that grows round by
-round, so that one hard question does not cost the easy ones.
+(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. The formulas of
+all files and the examinations share it: cheap ones first, each with a time slice that grows round by round,
+so that one hard question does not cost the easy ones.
 """
 
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import chain, count, repeat
@@ -18,11 +19,10 @@ from typing import Any, TypeAlias
 from mcpn._kernel import Store
 from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import EU, FALSE, TRUE, Const, Core, Deadlock, walk
+from mcpn.check.logic.formulas import EU, FALSE, TRUE, Const, Deadlock, Formula, walk
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.reachability import as_goal, as_reachability
-from mcpn.check.logic.resolve import unknown
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
 from mcpn.errors import InputError, McpnError
@@ -67,9 +67,8 @@ class _SliceSpent(Exception):
     """A formula has had its time slice."""
 
 
-Meaning: TypeAlias = Core | dict[int, int] | str
-"""A formula; places with their weights, where the most tokens that they hold together is asked; or the name
-of an examination."""
+Meaning: TypeAlias = Formula | tuple[int, ...] | str
+"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
 
 
 def answer_all(
@@ -87,8 +86,7 @@ def answer_all(
         nets with priorities) or LimitError where what is left needs the space.
 
     Raises:
-        InputError: A name is unknown, or two properties have one name; this is found before anything is
-            answered.
+        InputError: Two properties have one name; this is found before anything is answered.
     """
     meant: dict[str, Meaning] = {
         f"{questions.net.name}-{name}": _examined(name, questions) for name in examinations
@@ -96,29 +94,8 @@ def answer_all(
     for asked in properties:
         if asked.name in meant:
             raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
-        meant[asked.name] = look_up(questions, asked)
+        meant[asked.name] = asked.meaning
     return _answers(questions, _Waiting(meant))
-
-
-def look_up(questions: Questions, asked: Property) -> Meaning:
-    """What a property asks, names looked up.
-
-    Raises:
-        InputError: A name is unknown.
-    """
-    if asked.formula is not None:
-        try:
-            return questions.core(asked.formula)
-        except InputError as error:
-            raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-    weights: dict[int, int] = {}
-    for name in asked.bound:
-        if name not in questions.net.place_index:
-            message = unknown(name, questions.net.place_index, "place", None)
-            raise InputError.at(asked.source, f"{asked.name}: {message}")
-        place = questions.net.place_index[name]
-        weights[place] = weights.get(place, 0) + 1
-    return weights
 
 
 def _examined(examination: str, questions: Questions) -> Meaning:
@@ -208,18 +185,20 @@ class _Waiting:
         """The names of what waits."""
         return sorted(self.formulas, key=lambda name: _effort(self.formulas[name]))
 
-    def cores(self) -> dict[str, Core]:
+    def temporal(self) -> dict[str, Formula]:
         """The formulas that wait."""
-        return {name: core for name, core in self.formulas.items() if not isinstance(core, dict | str)}
+        return {
+            name: formula for name, formula in self.formulas.items() if not isinstance(formula, tuple | str)
+        }
 
-    def parts(self) -> list[Core]:
+    def parts(self) -> list[Formula]:
         """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
-        parts = chain.from_iterable(map(parts_at_first, self.cores().values()))
+        parts = chain.from_iterable(map(parts_at_first, self.temporal().values()))
         return sorted(dict.fromkeys(parts), key=_effort)
 
-    def learn(self, part: Core, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
+    def learn(self, part: Formula, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
         """Puts the value of a part where it is asked for, and yields what that answers."""
-        for name, formula in self.cores().items():
+        for name, formula in self.temporal().items():
             if part not in parts_at_first(formula):
                 continue
             self.techniques.setdefault(name, {}).update(dict.fromkeys(techniques))
@@ -232,12 +211,12 @@ class _Waiting:
 
 def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
     """Answers what rewriting and the initial marking decide; of other formulas keeps what is left to ask."""
-    left = {name: formula for name, formula in waiting.cores().items() if formula != SOME_DEADLOCK}
+    left = {name: formula for name, formula in waiting.temporal().items() if formula != SOME_DEADLOCK}
     if not left:
         return
     marking, bounds = net.initial, place_bounds(net)
 
-    def at_start(atom: Core) -> bool:
+    def at_start(atom: Formula) -> bool:
         goal = as_goal(atom, net)
         return goal is not None and holds(goal, net, marking)
 
@@ -325,12 +304,12 @@ def _by_slices(
 def _effort(meaning: Meaning) -> int:
     if isinstance(meaning, str):
         return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0
-    return 0 if isinstance(meaning, dict) else sum(1 for _ in walk(meaning))
+    return 0 if isinstance(meaning, tuple) else sum(1 for _ in walk(meaning))
 
 
 def _value(questions: Questions, meaning: Meaning) -> str:
-    if isinstance(meaning, dict):
-        return str(largest(questions.space, meaning))
+    if isinstance(meaning, tuple):
+        return str(largest(questions.space, Counter(meaning)))
     if isinstance(meaning, str):
         return _told(Const(examine(meaning, questions.space)))
     return str(questions.evaluation.holds(meaning)).upper()
