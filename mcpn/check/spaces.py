@@ -99,10 +99,10 @@ def stable_space(
 
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if engine == "local":
-        from mcpn.space.local.composing import Options, composite_space
+        from mcpn.space.local.composing import composite_space
 
         with in_mission_words(mission_net):
-            return composite_space(mission_net, Options(progress=progress))
+            return composite_space(mission_net, progress=progress)
     if engine == "symbolic":
         return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
     # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
@@ -132,9 +132,9 @@ def mortal_space(
     """
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if engine == "local":
-        from mcpn.space.local.composing import Options, composite_space
+        from mcpn.space.local.composing import composite_space
 
-        return composite_space(mission_net, Options(mortal=True))
+        return composite_space(mission_net, may_die=True)
     from mcpn.net.mortal import mortal
 
     net = mortal(mission_net).net

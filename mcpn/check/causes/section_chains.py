@@ -32,9 +32,9 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.glued import CompositeSet
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Stage
-from mcpn.space.local.sets import CompositeSet
 from mcpn.space.markings.graph import Ints
 
 Array: TypeAlias = npt.NDArray[Any]
@@ -113,8 +113,8 @@ class SectionChains:
         for name, placed in self.sections.items():
             kind = placed.type
             if kind not in found:
-                space = ArraySpace(kind.listed(name, max_states, "numbers of risk list every state"))
-                found[kind] = Listed(Prospects(kind.net, space), kind.faulty)
+                kind.refuse_list(name, max_states, "numbers of risk list every state")
+                found[kind] = Listed(Prospects(kind.net, ArraySpace(kind.listed())), kind.faulty)
         return found
 
     def outlook(self, failing: Mapping[str, float], repaired: Mapping[str, float]) -> SectionsOutlook:

@@ -170,10 +170,11 @@ def _checked(
     alternatives: Space[Any] | None = None
     try:
         if engine == "local":
-            from mcpn.space.local.composing import Options, composite_space
+            from mcpn.space.local.composing import composite_space
 
-            options = Options(templates, executor, progress)
-            alternatives = composite_space(mission_net, options)
+            alternatives = composite_space(
+                mission_net, templates=templates, executor=executor, progress=progress
+            )
             proof = "each type of section, and each way from one to the next, proved on its own net"
         else:
             graph = markings_by(mission_net.net, engine, limit, progress, tokens=False)

@@ -17,11 +17,10 @@ from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.symbolic import SymbolicSpace
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.runs import TwoOutcomes
+from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
+from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Stage
-from mcpn.space.local.sets import CompositeSet, Parts
 from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
 from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among

@@ -6,18 +6,19 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
+from typing import Literal, NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
 from mcpn.net.compose import MissionNet
-from mcpn.net.sections import LocalPart
+from mcpn.net.petri import PetriNet
+from mcpn.net.sections import Element, LocalPart
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
-from mcpn.space.local.layout import Layout
+from mcpn.space.local.layout import Layout, idle_places, remembered
 from mcpn.space.stable.alternatives import AlternativesGraph, direct
 
 Exit = str
@@ -40,22 +41,17 @@ class Allowed(NamedTuple):
 
 ALL = Allowed()
 
-Given = ParamSpec("Given")
-Found = TypeVar("Found")
-Asked = Callable[Concatenate["SectionType", Given], Found]
+
+Kind = Literal["places", "transitions"]
 
 
-def remembered(compute: Asked[Given, Found]) -> Asked[Given, Found]:
-    """Makes a method that keeps what it has found, for all sections of the type."""
-
-    def method(type_: SectionType, /, *given: Given.args, **named: Given.kwargs) -> Found:
-        key = compute, *given
-        if key not in type_.known:
-            type_.known[key] = compute(type_, *given, **named)
-        return type_.known[key]  # type: ignore[return-value]
-
-    method.__doc__ = compute.__doc__
-    return method
+def by_element(net: PetriNet, kind: Kind) -> dict[Element, list[int]]:
+    """The places of a net, or its transitions, by the element that they are of, in the net's order."""
+    found: dict[Element, list[int]] = {}
+    for index, one in enumerate(getattr(net, kind)):
+        if one.provenance is not None:
+            found.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
+    return found
 
 
 class SectionType:
@@ -80,7 +76,6 @@ class SectionType:
         self.net = net
         self.layout = layout
         self.faulty = part.faulty
-        self.known: dict[Hashable, object] = {}
         self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
         assert explored.stable is not None, "nets of missions have priorities"
         self.size = explored.stable.count()
@@ -97,6 +92,11 @@ class SectionType:
         self.inside = stable - self.before
         for states in self.ended.values():
             self.inside -= states
+
+    @remembered
+    def elements(self, kind: Kind) -> Mapping[Element, list[int]]:
+        """The places of the local net, or its transitions, by the element that they are of."""
+        return by_element(self.net.net, kind)
 
     # --- steps and closures: inside the section, or from inside to its ends ---
 
@@ -150,6 +150,8 @@ class SectionType:
     @remembered
     def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
+        if not along:
+            return goal
         within = along | goal
         steps = self.graph.back(along, allowed.local, dict(allowed.guards))
         beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
@@ -199,23 +201,13 @@ class SectionType:
     @cached_property
     def _patterns(self) -> list[list[frozenset[int]]]:
         """By own hardware and its status, what is marked of the levels that its status decides."""
-        found = []
-        for name in self.faulty:
-            states = [self._alone(name, status) for status in range(len(self.layout.roles) + 1)]
-            always = states[0].intersection(*states)
-            found.append([state - always for state in states])
-        return found
-
-    def _alone(self, name: str, status: int) -> frozenset[int]:
-        """Marked levels before the entry with one resource in a status, and all others in service."""
-        marked, unmarked = list[int](), list[int]()
-        for other in self.faulty:
-            for number, role in enumerate(self.layout.roles):
-                level, reverse = self.encoding.bit(self.net.by_role[role, other][0])
-                (marked if (other == name and number < status) != reverse else unmarked).append(level)
-        state = self.before.subset(marked, unmarked).pick()
-        assert state is not None, "before the entry hardware may be in any state"
-        return self._local(state)
+        found = {name: [set[int]() for _ in range(len(self.layout.roles) + 1)] for name in self.faulty}
+        for place, (name, slot, reverse) in idle_places(self.net).items():
+            level, opposite = self.encoding.bit(place)
+            for status, marked in enumerate(found[name]):
+                if ((slot < status) != reverse) != opposite:
+                    marked.add(level)
+        return [[frozenset(marked) for marked in found[name]] for name in self.faulty]
 
     def _local(self, state: Sequence[int]) -> frozenset[int]:
         return frozenset(level for level in state if level < self.layout.first_slot)
@@ -258,8 +250,13 @@ class SectionType:
 
     # --- listed one by one ---
 
-    def listed(self, section: str, max_states: int, why: str) -> AlternativesGraph:
-        """The stable states of the local net, one by one.
+    def listed(self) -> AlternativesGraph:
+        """The stable states of the local net, one by one."""
+        # The composite has proved what the mission reaches confluent.
+        return direct(self.net.net, proof=False, max_states=self.size)
+
+    def refuse_list(self, section: str, max_states: int, why: str) -> None:
+        """Raises an error where there are too many states to be listed.
 
         Args:
             section: The section's name, for the error.
@@ -267,14 +264,8 @@ class SectionType:
             why: What needs the list, for the error.
 
         Raises:
-            LimitError: There are more states than allowed; the message says how many.
+            LimitError: There are more; the message says how many.
         """
-        self.refuse_list(section, max_states, why)
-        # The composite has proved what the mission reaches confluent.
-        return direct(self.net.net, proof=False, max_states=max_states)
-
-    def refuse_list(self, section: str, max_states: int, why: str) -> None:
-        """Raises the error of :meth:`listed` without a list."""
         if self.size > max_states:
             found = f"section {section} has {self.size:,} states: {why}"
             raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")
