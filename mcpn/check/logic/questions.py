@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.choice import Asked, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.witness import Witness, explain
-from mcpn.check.spaces import On, space_of
+from mcpn.check.spaces import Asked, Choice, On, answered, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
@@ -55,7 +54,7 @@ class Questions:
         on: The graph that formulas speak of.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.choice`, with a search before it where one may do.
+            :mod:`mcpn.check.spaces`, with a search before it where one may do.
         max_states: Limit on states that are listed one by one.
 
     Raises:
@@ -128,10 +127,7 @@ class Questions:
         return "_chosen" in self.__dict__
 
     def _made(self, by: Choice, *, tokens: bool = True) -> Space[Any]:
-        engine, limit = by.engine, by.max_states
-        return space_of(
-            self.net, self.mission_net, engine=engine, on=self.on, max_states=limit, tokens=tokens
-        )
+        return space_of(self.mission_net or self.net, by, self.on, tokens=tokens)
 
     def one_safe(self) -> Choice | None:
         """Whether no place ever holds two tokens: who has found so, or ``None`` where one does."""
