@@ -17,7 +17,7 @@ from mcpn.check.logic.formulas import Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.verdicts import answer_examination, answer_file
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.logic.witness import explain
 from mcpn.check.spaces import Asked
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
@@ -264,7 +264,7 @@ def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str
         path = mcc / model / f"{file}.xml"
         asked = read_properties(path, questions.names) if path.exists() else []
         known = [each for each in asked if verdicts.get(each.name, "?") != "?"]
-        answers = {found.name: found.value for found in answer_file(questions, known)}
+        answers = {found.name: found.value for found in answer_all(questions, known)}
         assert answers == {each.name: verdicts[each.name] for each in known}
         compared += len(answers)
     return compared
@@ -300,4 +300,5 @@ def test_the_contest_s_examinations(
         expected = mcc_oracles[model][column]
         questions = Questions(read_net(mcc / model / "model.pnml"))
         wanted = str(expected == "1-safe").upper() if examination == "OneSafe" else expected
-        assert answer_examination(questions, examination).value == wanted, model
+        (answer,) = answer_all(questions, examinations=[examination])
+        assert answer.value == wanted, model

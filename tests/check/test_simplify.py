@@ -10,7 +10,7 @@ from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Deadlock, Not, Or, walk
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import simplified
-from mcpn.check.logic.verdicts import answer_file
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import Source
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.arrays import ArraySpace
@@ -56,7 +56,7 @@ def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataO
     edges = edges_of(net)
     asked = {f"f{i}": drawn(data, net, leaves=6) for i in range(4)}
     properties = [Property(name, read(formula, net), Source("file")) for name, formula in asked.items()]
-    answers = {found.name: found.value for found in answer_file(Questions(net), properties)}
+    answers = {found.name: found.value for found in answer_all(Questions(net), properties)}
     expected = {name: net.initial in satisfying(f, net, edges) for name, f in asked.items()}
     assert answers == {name: str(value).upper() for name, value in expected.items()}
 

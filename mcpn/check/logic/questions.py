@@ -129,15 +129,27 @@ class Questions:
     def _made(self, by: Choice, *, tokens: bool = True) -> Space[Any]:
         return space_of(self.mission_net or self.net, by, self.on, tokens=tokens)
 
-    def one_safe(self) -> Choice | None:
-        """Whether no place ever holds two tokens: who has found so, or ``None`` where one does."""
-        made = partial(self._made, tokens=False)
-        try:
-            return answered(
-                made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
-            )[1]
-        except UnsafeError:
-            return None
+    def one_safe(self) -> bool:
+        """Whether no place ever holds two tokens; where none does, the space is made by that.
+
+        Raises:
+            LimitError: A limit was hit.
+        """
+        if "_chosen" not in self.__dict__:
+            made = partial(self._made, tokens=False)
+            try:
+                self._chosen = answered(
+                    made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
+                )
+            except UnsafeError:
+                return False
+            return True
+        space = self.space
+        if isinstance(space, DiagramMarkings):
+            return space.space.max_tokens_in_place <= 1
+        # The space of a net with priorities is there only if it is 1-safe.
+        places = () if self.net.priorities else range(len(self.net.places))
+        return not any(space.everything - space.at_most({place: 1}, 1) for place in places)
 
     @cached_property
     def evaluation(self) -> Evaluation[Any]:
