@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.logic.evaluate import Evaluation
@@ -116,18 +116,19 @@ class Questions:
 
     @cached_property
     def _chosen(self) -> tuple[Space[Any], Choice]:
-        return answered(
-            self._made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
-        )
+        return self._made()
+
+    def _made(self, *, tokens: bool = True) -> tuple[Space[Any], Choice]:
+        def by(choice: Choice) -> Space[Any]:
+            return space_of(self.mission_net or self.net, choice, self.on, tokens=tokens)
+
+        return answered(by, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states)
 
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""
         if "_chosen" not in self.__dict__ and (found := reach_briefly(self.net)) is not None:
             self._chosen = DiagramMarkings(found), Choice("symbolic", "a diagram soon holds all markings")
         return "_chosen" in self.__dict__
-
-    def _made(self, by: Choice, *, tokens: bool = True) -> Space[Any]:
-        return space_of(self.mission_net or self.net, by, self.on, tokens=tokens)
 
     def one_safe(self) -> bool:
         """Whether no place ever holds two tokens; where none does, the space is made by that.
@@ -136,11 +137,8 @@ class Questions:
             LimitError: A limit was hit.
         """
         if "_chosen" not in self.__dict__:
-            made = partial(self._made, tokens=False)
             try:
-                self._chosen = answered(
-                    made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
-                )
+                self._chosen = self._made(tokens=False)
             except UnsafeError:
                 return False
             return True
