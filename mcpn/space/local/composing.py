@@ -9,10 +9,9 @@ in which it fails are looked for among those that the mission comes to.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
@@ -26,14 +25,12 @@ from mcpn.space.local.layout import Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
+from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.confluence import direct_with_proof
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
-
-Progress: TypeAlias = Callable[[int, int], None]
-"""Called after each local space and junction with how many are done and how many there are."""
 
 
 def composite_space(
@@ -51,7 +48,7 @@ def composite_space(
         templates: The set of templates that the mission is composed with, the paper's by default; with
             another no two sections are taken for one type.
         executor: Where sections are explored; in this process one after the other by default.
-        progress: Called after each local space.
+        progress: Called after each local space with how many are done and how many there are.
         may_die: Whether hardware may die (:mod:`mcpn.net.mortal`).
 
     Returns:
@@ -72,10 +69,10 @@ def composite_space(
             raise error
     alone = SectionParts(usage).alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
-    kinds = {name: part.type if templates is None else name for name, part in parts.items()}
-    first: dict[Hashable, str] = {}
-    for name in parts:
-        first.setdefault(kinds[name], name)  # the first section of a type stands for it
+    first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
+    standing = {
+        name: first.setdefault(part.type if templates is None else name, name) for name, part in parts.items()
+    }
     named = mortal if may_die else lambda net: net
     nets = {name: named(parts[name].net(templates)) for name in first.values()}
     explored: dict[str, SymbolicSpace] = {}
@@ -93,7 +90,7 @@ def composite_space(
         step(f"checking what section {name} hands on")
         type_.check_premise(name, explored[name])
     step("joining the sections")
-    stages = [whole.stage(s, parts[s.name], types[first[kinds[s.name]]]) for s in mission_net.graph.sections]
+    stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
     if not may_die:  # what may die behaves as what may not
         if templates is not None:

@@ -267,12 +267,11 @@ class CompositeSpace(Glued):
         if hops is None:
             return None
         run, state = list[Edge](), begin
-        for hop in reversed(range(len(hops))):  # each edge out of a section leads one section nearer
-            layers = self._layers(state, hops[hop][state[0]][1], within, allowed(state[0]))
-            steps: list[Mapping[str, Zdd]] = [{state[0]: layer} for layer in reversed(layers[:-1])]
-            if hop:
-                steps.append({name: closed for name, (closed, _) in hops[hop - 1].items()})
-            for target in steps:
+        while hops:  # each edge out of a section leads one section nearer
+            _, targets = hops.pop()
+            layers = self._layers(state, targets[state[0]], within, allowed(state[0]))
+            onward: list[Mapping[str, Zdd]] = [{state[0]: layer} for layer in reversed(layers[:-1])]
+            for target in [*onward, *(closed for closed, _ in hops[-1:])]:
                 edge = next(self._edges(state, allowed(state[0]), target), None)
                 if edge is None:
                     raise TwoOutcomes(run)
@@ -286,26 +285,24 @@ class CompositeSpace(Glued):
         goal: CompositeSet,
         within: Mapping[str, Zdd],
         allowed: Callable[[str], Allowed],
-    ) -> list[dict[str, tuple[Zdd, Zdd]]] | None:
-        """By number of sections to leave before the goal: from which states, and to where in a section."""
-        hops: list[dict[str, tuple[Zdd, Zdd]]] = []
+    ) -> list[tuple[Parts, Parts]] | None:
+        """By number of sections to leave before the goal: from which states, and to which."""
+        hops: list[tuple[Parts, Parts]] = []
         seen, targets = Parts(), Parts(goal.parts)
         while targets:
-            hop: dict[str, tuple[Zdd, Zdd]] = {}
-            onward = Parts()
+            closed, onward = Parts(), Parts()
             for name, target in targets.items():
                 stage = self.stages[name]
-                closed = stage.type.reaching(target, within.get(name, self.empty), allowed(name))
-                closed -= seen.get(name, self.empty)
-                if seen.add(name, closed):
-                    hop[name] = closed, target
-            hops.append(hop)
-            if begin[0] in hop and self._in(begin, hop[begin[0]][0]):
+                found = stage.type.reaching(target, within.get(name, self.empty), allowed(name))
+                closed.add(name, found - seen.get(name, self.empty))
+                if seen.add(name, found):
+                    for before, leaving in self.leaving_for(
+                        name, stage.entries(closed[name]), within, allowed
+                    ):
+                        onward.add(before, leaving)
+            hops.append((closed, targets))
+            if begin[0] in closed and self._in(begin, closed[begin[0]]):
                 return hops
-            for name, (closed, _) in hop.items():
-                entries = self.stages[name].entries(closed)
-                for before, leaving in self.leaving_for(name, entries, within, allowed):
-                    onward.add(before, leaving)
             targets = onward
         return None
 

@@ -137,12 +137,10 @@ class Glued:
         beside = None if wanted is None else wanted.intersection(self.layout.toggles)
 
         def of(name: str) -> Allowed:
-            whole = self.stages[name].transitions
-            local = None if wanted is None else frozenset(i for i, t in enumerate(whole) if t in wanted)
-            guarded = [(i, t) for i, t in enumerate(whole) if t in limits] if limits else []
-            return Allowed(
-                local, beside, tuple((i, limits[t].parts.get(name, self.empty)) for i, t in guarded)
-            )
+            own = [*enumerate(self.stages[name].transitions)]
+            local = None if wanted is None else frozenset(i for i, t in own if t in wanted)
+            guarded = ((i, limits[t].parts.get(name, self.empty)) for i, t in own if t in limits)
+            return Allowed(local, beside, tuple(guarded))
 
         return cache(of)
 

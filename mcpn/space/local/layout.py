@@ -56,7 +56,6 @@ class Layout:
     Args:
         mission_net: The net of the whole mission.
         places: Most places of a local net.
-        memory_limit: Bytes that the store may take.
 
     Attributes:
         hardware: All hardware of the mission that can fail, in document order.
@@ -64,25 +63,25 @@ class Layout:
         slots: By hardware, its slots.
     """
 
-    def __init__(self, mission_net: MissionNet, places: int, memory_limit: int = DEFAULT_MEMORY) -> None:
+    def __init__(self, mission_net: MissionNet, places: int) -> None:
         self.mission_net = mission_net
         faulty = set(mission_net.saying("oos").values())
         self.hardware = tuple(h.name for h in mission_net.mission.hardware if h.name in faulty)
         self.roles = [role for role in ROLES if mission_net.saying(role)]
         self.first_slot, each = places, len(self.roles)
-        self.store = Store(places + each * len(self.hardware), memory_limit)
+        self.store = Store(places + each * len(self.hardware), DEFAULT_MEMORY)
         self.slots = {
             name: range(places + each * i, places + each * (i + 1)) for i, name in enumerate(self.hardware)
         }
 
     @cached_property
-    def all_slots(self) -> list[int]:
+    def all_slots(self) -> tuple[int, ...]:
         """The slots of all hardware."""
         return self.slots_of(self.hardware)
 
-    def slots_of(self, hardware: Sequence[str]) -> list[int]:
+    def slots_of(self, hardware: Sequence[str]) -> tuple[int, ...]:
         """The slots of some hardware."""
-        return list(chain.from_iterable(self.slots[name] for name in hardware))
+        return tuple(chain.from_iterable(self.slots[name] for name in hardware))
 
     def opened(self, states: Zdd, slots: Iterable[int]) -> Zdd:
         """The same with some slots, unmarked so far, in either state."""

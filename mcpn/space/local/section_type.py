@@ -6,8 +6,9 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
+from itertools import chain
 from typing import Literal, NamedTuple
 
 from mcpn._kernel import Zdd
@@ -136,7 +137,7 @@ class SectionType:
 
     @remembered
     def toggling(self, among: Zdd, goal: Zdd, own: tuple[str, ...]) -> list[tuple[int, Zdd]]:
-        """The same of transitions of the whole net, of hardware beside a section with some own hardware."""
+        """The same of transitions of the whole net, of hardware but a section's own."""
         ways = ((t.transition, goal.images([t.undo], within=among)) for t in self.layout.beside(None, own))
         return [(t, states) for t, states in ways if states]
 
@@ -170,26 +171,27 @@ class SectionType:
         return self.graph.ending(inside).images([self.encoding.undoing[self.net.start]], within=self.before)
 
     @remembered
-    def to_slots(self, states: Zdd, own: Sequence[str], exit_: Exit | None) -> Zdd:
+    def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The states of all hardware in some idle local states.
 
         Args:
             states: States before the entry, or after an exit.
-            own: The section's hardware that can fail, in the order of the type's.
+            own: The slots of the section's own hardware, in the order of the type's.
             exit_: The exit; ``None`` for states before the entry.
         """
-        found = states.subset(unmarked=self.layout.slots_of(own))
-        for ways in self._ways(own):
-            found = found.images([to for to, _ in ways])
-        return found.images([self.layout.store.event(self._idle(exit_), [])])
+        found, event = states.subset(unmarked=own), self.layout.store.event
+        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+            found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
+        return found.images([event(self._idle(exit_), [])])
 
     @remembered
-    def from_slots(self, hardware: Zdd, own: Sequence[str], exit_: Exit | None) -> Zdd:
+    def from_slots(self, hardware: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The idle local states, before the entry or after an exit, with all hardware in some states."""
-        found = hardware.images([self.layout.store.event([], self._idle(exit_))])
-        for ways in self._ways(own):
-            found = found.images([back for _, back in ways])
-        return self.layout.opened(found, self.layout.slots_of(own))
+        event = self.layout.store.event
+        found = hardware.images([event([], self._idle(exit_))])
+        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+            found = found.images([event([slot, *lost], gained)]) | found.subset(unmarked=[slot])
+        return self.layout.opened(found, own)
 
     def _idle(self, exit_: Exit | None) -> list[int]:
         """Marked levels before the entry, or after an exit, with all hardware in service."""
@@ -199,32 +201,14 @@ class SectionType:
         return self.encoding.marked_levels(marking)
 
     @cached_property
-    def _patterns(self) -> list[list[frozenset[int]]]:
-        """By own hardware and its status, what is marked of the levels that its status decides."""
-        found = {name: [set[int]() for _ in range(len(self.layout.roles) + 1)] for name in self.faulty}
-        for place, (name, slot, reverse) in idle_places(self.net).items():
+    def _changing(self) -> list[tuple[list[int], list[int]]]:
+        """By own slot, the levels that are marked at an idle state unless it is, and only if it is."""
+        slots = ((name, number) for name in self.faulty for number in range(len(self.layout.roles)))
+        found = {slot: (set[int](), set[int]()) for slot in slots}
+        for place, (name, number, reverse) in idle_places(self.net).items():
             level, opposite = self.encoding.bit(place)
-            for status, marked in enumerate(found[name]):
-                if ((slot < status) != reverse) != opposite:
-                    marked.add(level)
-        return [[frozenset(marked) for marked in found[name]] for name in self.faulty]
-
-    def _local(self, state: Sequence[int]) -> frozenset[int]:
-        return frozenset(level for level in state if level < self.layout.first_slot)
-
-    @remembered
-    def _ways(self, own: Sequence[str]) -> list[list[tuple[int, int]]]:
-        """By own hardware and status: the event that moves the status to its slots, and the one back."""
-        found = []
-        for name, states in zip(own, self._patterns, strict=True):
-            slots, levels, ways = self.layout.slots[name], frozenset().union(*states), []
-            for status, marked in enumerate(states):
-                lost, gained = marked - states[0], [*states[0] - marked, *slots[:status]]
-                read, zero = marked & states[0], [*levels - marked - states[0], *slots[status:]]
-                event = self.layout.store.event
-                ways.append((event([*lost], gained, [*read], zero), event(gained, [*lost], [*read], zero)))
-            found.append(ways)
-        return found
+            found[name, number][reverse == opposite].add(level)
+        return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
         """Checks that a section hands on the status of its hardware and nothing else.
@@ -237,15 +221,17 @@ class SectionType:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
         """
         any_status = self.layout.opened(self.layout.store.singleton([]), self.layout.all_slots)
+        own = self.layout.slots_of(self.faulty)
         for exit_, states in ((None, self.before), *self.ended.items()):
-            state = (states - self.from_slots(any_status, self.faulty, exit_)).pick()
-            if state is not None:
-                levels = self._local(state) ^ frozenset(self._idle(exit_))
-                hardware = frozenset[int]().union(*(marked for known in self._patterns for marked in known))
-                first = min(self.encoding.places[level] for level in (levels - hardware) or levels)
+            found = (states - self.from_slots(any_status, own, exit_)).pick()
+            if found is not None:
+                state = [level for level in found if level < self.layout.first_slot]
+                levels = {*state} ^ {*self._idle(exit_)}
+                levels = levels.difference(*chain(*self._changing)) or levels
                 space = DiagramAlternatives(explored)
-                run = space.run(space.initial.pick() or (), space.single(sorted(self._local(state))))
-                events = [str(self.net.net.transitions[edge.transition].event) for edge in run or ()]
+                run = space.run(space.initial.pick() or (), space.single(state)) or []
+                events = [str(self.net.net.transitions[edge.transition].event) for edge in run]
+                first = min(self.encoding.places[level] for level in levels)
                 raise PremiseError(section, self.net.net.places[first].name, events)
 
     # --- listed one by one ---

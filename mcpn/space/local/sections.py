@@ -56,7 +56,7 @@ class Stage:
         return self.part.faulty
 
     @cached_property
-    def slots(self) -> list[int]:
+    def slots(self) -> tuple[int, ...]:
         """Its own slots, which sets of its states leave open."""
         return self.type.layout.slots_of(self.faulty)
 
@@ -87,21 +87,21 @@ class Stage:
 
     def entered(self, hardware: Zdd) -> Zdd:
         """First states, entered with all hardware in some states."""
-        return self.type.entered(self.type.from_slots(hardware, self.faulty, None))
+        return self.type.entered(self.type.from_slots(hardware, self.slots, None))
 
     def entries(self, inside: Zdd) -> Zdd:
         """The states of all hardware with which it is entered in some of its states."""
-        return self.type.to_slots(self.type.entries(inside), self.faulty, None)
+        return self.type.to_slots(self.type.entries(inside), self.slots, None)
 
     def ended(self, exit_: Exit, hardware: Zdd) -> Zdd:
         """States after an exit with all hardware in some states."""
-        return self.type.from_slots(hardware, self.faulty, exit_)
+        return self.type.from_slots(hardware, self.slots, exit_)
 
     def step(self, part: Zdd, allowed: Allowed = ALL) -> tuple[Zdd, list[tuple[str, Zdd]]]:
         """States one of its own events later, and how all hardware is where it ends."""
         after = self.type.after(part, allowed)
         leaving = [
-            (route, self.type.to_slots(ended, self.faulty, exit_))
+            (route, self.type.to_slots(ended, self.slots, exit_))
             for exit_, route in self.routes.items()
             if (ended := after & self.type.ended[exit_])
         ]
