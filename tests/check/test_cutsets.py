@@ -86,7 +86,7 @@ def test_regions_on_markings_and_on_stable_markings_agree(
         for repairs in (True, False):
             one = alternatives.losing(on_stable, repairs=repairs)
             wanted = markings.allowed(on_all, repairs=repairs) | internal
-            other = on_all.running - markings.space.reaching(on_all.won, on_all.along, wanted)
+            other = on_all.running - markings.space.reaching(on_all.won, on_all.running, wanted)
             assert np.array_equal(one.mask, other.mask[stable])
 
 

@@ -68,20 +68,12 @@ class CutSets(Generic[S]):
         self.hardware = mortal.hardware
         self.images = ImageStore(len(self.hardware))
         self._dead = mortal.places("dead", self.hardware)
-        self._hopeful: dict[tuple[str, str], S] = {}
 
     # --- families of sets of hardware --------------------------------------------------------------------
 
     def lost(self, states: S) -> Zdd:
         """The sets of hardware that are dead in some states."""
         return self.space.image(states, self._dead, self.images)
-
-    def hopeful(self, goal: Goal[S]) -> S:
-        """States from which a goal can be reached with what is still alive."""
-        key = goal.kind, goal.name
-        if key not in self._hopeful:
-            self._hopeful[key] = self.mortal.hopeful(goal)
-        return self._hopeful[key]
 
     @cached_property
     def _from_start(self) -> S:
@@ -113,7 +105,7 @@ class CutSets(Generic[S]):
             Every set, where it is lost in some state that reaches the goal; smaller sets are survived too.
         """
         states = self.states(goal, moment, section)
-        return self.lost(states if moment is Moment.START else states & self.hopeful(goal))
+        return self.lost(states if moment is Moment.START else states & self.mortal.hopeful(goal))
 
     def states(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> S:
         """The states at a moment: those that have reached the goal for ``START``, else those that may."""
@@ -126,7 +118,7 @@ class CutSets(Generic[S]):
 
     def lost_at_worst(self, goal: Goal[S]) -> Zdd:
         """The sets of hardware that lose a goal at the worst moment."""
-        return self.lost(self.states(goal, Moment.SOMETIME) - self.hopeful(goal))
+        return self.lost(self.states(goal, Moment.SOMETIME) - self.mortal.hopeful(goal))
 
     # --- minimal cut sets ----------------------------------------------------------------------------------
 
