@@ -68,6 +68,7 @@ class CutSets(Generic[S]):
         self.space = mortal.space
         self.hardware = mortal.hardware
         self.images = ImageStore(len(self.hardware))
+        self._minimal: dict[Zdd, list[CutSet]] = {}
         self._dead = mortal.places("dead", self.hardware)
 
     @cached_property
@@ -121,7 +122,10 @@ class CutSets(Generic[S]):
         Raises:
             LimitError: There are too many.
         """
-        return sorted(map(self._names, self.images.minimal(family)), key=lambda names: (len(names), names))
+        if family not in self._minimal:
+            names = map(self._names, self.images.minimal(family))
+            self._minimal[family] = sorted(names, key=lambda members: (len(members), members))
+        return self._minimal[family]
 
     def _names(self, members: Iterable[int]) -> CutSet:
         return tuple(sorted(self.hardware[member] for member in members))

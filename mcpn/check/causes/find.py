@@ -23,7 +23,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.notebook import Told
-from mcpn.space.algebra import Alike, Space
+from mcpn.space.algebra import Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
 from mcpn.steps import step
@@ -155,17 +155,20 @@ def find_causes(
         stable = stable_by(attempt, mission_net, None if attempt.brief else progress)
         return stable, mortal_space(mission_net, engine=attempt.engine, max_states=attempt.max_states)
 
-    (stable, dying), choice = answered(
+    (stable, dying_space), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
     step("finding what hardware the mission needs")
-    finding = _Finding(Prospects(mission_net, stable), CutSets(Prospects(mortal(mission_net), dying)))
-    step("finding the causes of failure of the mission")
+    finding = _Finding(Prospects(mission_net, stable), CutSets(Prospects(mortal(mission_net), dying_space)))
+    alive, dying = finding.prospects, finding.cuts.mortal
     return Causes(
         mission_net,
-        finding.prospects,
-        finding.goal(finding.prospects.mission, finding.cuts.mortal.mission, None),
-        {section.name: finding.objective(section) for section in mission_net.graph.walk()},
+        alive,
+        finding.goal(alive.mission, dying.mission),
+        {
+            name: finding.goal(alive.objectives[name], dying.objectives[name], section)
+            for name, section in alive.sections.items()
+        },
         [finding.survival(section) for section in (None, *mission_net.graph.sections)],
         choice,
     )
@@ -176,30 +179,9 @@ class _Finding:
         self.prospects = prospects
         self.cuts = cuts
         self.scenarios = Scenarios(prospects)
-        self.alike: Alike[GoalCauses] = Alike()
 
-    def objective(self, section: Section) -> GoalCauses:
-        """Why an objective fails; found once for those that differ in names alone."""
-        step(f"finding the causes of failure of objective {section.name}")
-        goal, dying = self.prospects.objectives[section.name], self.cuts.mortal.objectives[section.name]
-        at_moments = (self.cuts.states(dying, moment, section) for moment in Moment)
-        pieces = [list(self.prospects.space.pieces(states)) for states in (goal.running, goal.won)]
-        pieces += [list(self.cuts.space.pieces(states)) for states in (dying.running, dying.won, *at_moments)]
-        kinds = tuple(tuple(piece.kind for piece in of) for of in pieces)
-        if not goal.running or any(None in of for of in kinds):
-            return self.goal(goal, dying, section)
-        names = pieces[0][0].names
-        key = names.index(goal.name), kinds
-        found, renamed = self.alike.known(key, names, lambda: self.goal(goal, dying, section))
-        return replace(
-            found,
-            name=goal.name,
-            critical=[critical.renamed(renamed) for critical in found.critical],
-            critical_with_repairs=[critical.renamed(renamed) for critical in found.critical_with_repairs],
-            find_run=lambda names: self.scenarios.to_failure(goal, names),
-        )
-
-    def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None) -> GoalCauses:
+    def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
+        step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
         wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
         losing = {moment: self.cuts.losing(dying, moment, section) for moment in wanted}
         moments = {moment.value: self.cuts.minimal(lost) for moment, lost in losing.items()}

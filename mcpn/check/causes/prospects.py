@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic, Literal, TypeAlias
 
@@ -58,13 +58,6 @@ class CriticalEvent:
     objectives: tuple[str, ...]
     mode: Mode
     edges: int
-
-    def renamed(self, names: Mapping[str, str]) -> CriticalEvent:
-        """The same with other names of objectives."""
-        event = self.event
-        if event.what in (What.SUCCESS, What.FAILURE):
-            event = Event(event.what, names[event.element])
-        return replace(self, event=event, objectives=tuple(names[name] for name in self.objectives))
 
 
 Counted: TypeAlias = Mapping[tuple[tuple[str, ...], tuple[tuple[str, str], ...]], int]
