@@ -132,9 +132,9 @@ def test_a_mission_that_never_ends_has_neither() -> None:
     h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
     ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",), ()]}
     again = replace(objective("x", "a"), success="x", failure="x")
-    found = numbers(mission([h], ways, again))
-    assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
-    assert found.importance == {"H": 0}
+    for found in (numbers(mission([h], ways, again)), sections_numbers(mission([h], ways, again))):
+        assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
+        assert found.importance == {"H": 0}
 
 
 def test_durations_must_be_known() -> None:
