@@ -33,7 +33,7 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.local.sections import PlacedSection
+from mcpn.space.local.sections import Stage
 from mcpn.space.local.sets import CompositeSet
 from mcpn.space.markings.graph import Ints
 
@@ -164,7 +164,7 @@ class Step:
         known: Kernels of this outlook's chains, by the decays of what is beside.
     """
 
-    placed: PlacedSection
+    placed: Stage
     chain: Chain
     used: tuple[str, ...]
     axes: tuple[int, ...]
