@@ -23,7 +23,7 @@ from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.resolve import resolve
+from mcpn.check.logic.names import Names
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
@@ -72,7 +72,7 @@ def success_reachable(found: MissionNet, dead: tuple[str, ...]) -> bool:
     places = tuple(replace(p, initial=tokens.get(p.name, p.initial)) for p in found.net.places)
     kept = tuple(t for t in found.net.transitions if t.event not in {Event(What.REPAIRED, h) for h in dead})
     net = replace(found.net, places=places, transitions=kept)
-    return Evaluation(DiagramMarkings(reach(net))).holds(resolve(parse("EF success"), net, found))
+    return Evaluation(DiagramMarkings(reach(net))).holds(parse("EF success", Names(net, found)))
 
 
 def in_a_row(objectives: int, ways: int) -> Mission:

@@ -1,7 +1,8 @@
 """Answers the properties of Model Checking Contest nets, and compares with the contest's verdicts.
 
 Usage: ``python experiments/mcc_properties.py FOLDER [NET...]`` with a folder that holds ``formulas.tsv``,
-``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and 4 GiB of its own.
+``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and 4 GiB of its own;
+with ``--file together`` all files and examinations of a net share one.
 It takes up to a minute for each file of properties.
 """
 
@@ -15,6 +16,7 @@ import resource
 import time
 from collections import Counter
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 
 from mcpn import __version__
@@ -27,6 +29,8 @@ FILES = (
     "ReachabilityCardinality",
     "UpperBounds",
 )
+TOGETHER = "together"
+OF_NETS = ("examinations", TOGETHER)
 EXAMINATIONS = {
     "ReachabilityDeadlock": "deadlock_exists",
     "QuasiLiveness": "quasi_live",
@@ -40,21 +44,20 @@ def answer_questions(folder: Path, model: str, file: str, answers: multiprocessi
     """Answers one file, or the examinations; puts verdicts as they come."""
     from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.questions import Questions
-    from mcpn.check.logic.verdicts import answer_examination, answer_file
+    from mcpn.check.logic.verdicts import answer_all
     from mcpn.errors import McpnError
     from mcpn.net.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
     questions = Questions(read_net(folder / model / "model.pnml"))
+    paths = [folder / model / f"{name}.xml" for name in (FILES if file == TOGETHER else (file,))]
+    files = [read_properties(path, questions.names) for path in paths if path.exists()]
     with suppress(McpnError, MemoryError):
-        if file != "examinations":
-            for verdict in answer_file(questions, read_properties(folder / model / f"{file}.xml")):
-                answers.put((verdict.name, verdict.value, verdict.techniques))
-            return
-    for name in EXAMINATIONS if file == "examinations" else ():
-        with suppress(McpnError, MemoryError):
-            verdict = answer_examination(questions, name)
-            answers.put((name, verdict.value, verdict.techniques))
+        for verdict in answer_all(
+            questions, chain.from_iterable(files), EXAMINATIONS if file in OF_NETS else ()
+        ):
+            name = verdict.name.removeprefix(f"{questions.net.name}-")
+            answers.put((name if name in EXAMINATIONS else verdict.name, verdict.value, verdict.techniques))
 
 
 def run(folder: Path, model: str, file: str, used: Counter[str]) -> dict[str, str]:
@@ -93,7 +96,11 @@ def main() -> None:
     )
     parser.add_argument("folder", type=Path)
     parser.add_argument("nets", nargs="*")
-    parser.add_argument("--file", action="append", help="only this file, or 'examinations'; may be repeated")
+    parser.add_argument(
+        "--file",
+        action="append",
+        help="only this file, or 'examinations', or all 'together' in one process; may be repeated",
+    )
     parser.add_argument("--all", action="store_true", help="a row for every file")
     arguments = parser.parse_args()
     folder: Path = arguments.folder
@@ -110,7 +117,9 @@ def main() -> None:
     used: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):
         for kind in arguments.file or (*FILES, "examinations"):
-            wanted = examined(oracles[model]) if kind == "examinations" else expected.get((model, kind), {})
+            wanted = examined(oracles[model]) if kind in OF_NETS else {}
+            for name in FILES if kind == TOGETHER else (kind,):
+                wanted |= expected.get((model, name), {})
             if not wanted:
                 continue
             started, before = time.perf_counter(), cpu_of_children()

@@ -114,13 +114,10 @@ def ctl(
         >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
         True
     """
-    from mcpn.check.logic.language import parse
-
     mission_net = None if isinstance(of, PetriNet) else as_net(of)
     net = of if mission_net is None else mission_net.net
     assert isinstance(net, PetriNet)
-    questions = Questions(net, mission_net, on=on, fair=fair, engine=engine)
-    return questions.answer(formula, questions.core(parse(formula)))
+    return Questions(net, mission_net, on=on, fair=fair, engine=engine).answer(formula)
 
 
 def picture(

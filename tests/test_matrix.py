@@ -15,7 +15,6 @@ from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
 from mcpn.check.nets.behaviour import behaviour
 from mcpn.check.spaces import Engine, On, space_of, stable_space
@@ -64,7 +63,7 @@ def answers(engine: Engine, on: On, formula: str, *fair: str) -> bool:
     """Whether a formula is answered, with a run that shows it."""
     found = mission(contention=False)
     questions = Questions(found.net, found, on=on, fair=fair, engine=engine)
-    answer = questions.answer(formula, questions.core(parse(formula)))
+    answer = questions.answer(formula)
     return bool(answer.witness.steps) or answer.holds
 
 

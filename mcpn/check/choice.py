@@ -8,13 +8,11 @@ Questions about all markings go to diagrams, beside which markings are listed as
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, TypeAlias, TypeVar
 
-from mcpn.check.spaces import Engine, On, space_of, stable_space
+from mcpn.check.spaces import Engine, On
 from mcpn.errors import LimitError, PremiseError
-from mcpn.space.algebra import Space
-from mcpn.space.markings.explicit import Progress
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -30,39 +28,26 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Who has answered.
+    """An engine that is asked, or that has answered.
 
     Args:
         engine: The engine.
-        why: Why this one; ``None`` where it was named.
+        why: Why this one; ``None`` where it was named, or only others have refused so far.
+        max_states: Its limit on states that are listed; ``None`` for its own.
+        brief: Whether it ends soon, whatever the mission is: it lists the markings, of which there are few.
     """
 
     engine: Engine
     why: str | None = None
+    max_states: int | None = None
+    brief: bool = False
 
     def __str__(self) -> str:
         return f"engine {self.engine}" if self.why is None else f"engine {self.engine}: {self.why}"
 
 
-@dataclass(frozen=True, slots=True)
-class Attempt:
-    """One engine to ask.
-
-    Args:
-        engine: The engine.
-        max_states: Its limit on states that are listed; ``None`` for its own.
-        why: Why it is asked; ``None`` where only others have refused.
-        brief: Whether it ends soon, whatever the mission is.
-    """
-
-    engine: Engine
-    max_states: int | None
-    why: str | None = None
-    brief: bool = False
-
-
 def answered(
-    ask: Callable[[Attempt], Found],
+    ask: Callable[[Choice], Found],
     mission_net: MissionNet | None,
     *,
     engine: Asked,
@@ -83,52 +68,35 @@ def answered(
         PremiseError: The same, where only composition was asked.
     """
     if engine != "auto":
-        return ask(Attempt(engine, max_states)), Choice(engine)
+        choice = Choice(engine, max_states=max_states)
+        return ask(choice), choice
     refusal: LimitError | PremiseError | None = None
     refused = ""
-    for attempt in _attempts(mission_net, on, max_states):
+    for choice in _choices(mission_net, on, max_states):
         try:
-            why = attempt.why or f"{refused} gives no answer: {refusal}"
-            return ask(attempt), Choice(attempt.engine, why)
+            why = choice.why or f"{refused} gives no answer: {refusal}"
+            return ask(choice), replace(choice, why=why)
         except (LimitError, PremiseError) as error:
-            refusal, refused = error, attempt.engine
+            refusal, refused = error, choice.engine
     assert refusal is not None, "some engine is asked"
     raise refusal
 
 
-def _attempts(mission_net: MissionNet | None, on: On, max_states: int | None) -> Iterator[Attempt]:
+def _choices(mission_net: MissionNet | None, on: On, max_states: int | None) -> Iterator[Choice]:
     """The engines to ask, the one that promises most first."""
     if mission_net is None or on == "markings":
-        yield Attempt("symbolic", max_states, "a diagram holds all markings, however many they are")
-        yield Attempt("explicit", max_states)
+        yield Choice("symbolic", "a diagram holds all markings, however many they are", max_states)
+        yield Choice("explicit", max_states=max_states)
         return
     limit = SMALL if max_states is None else min(SMALL, max_states)
     # Before the mission begins any set of hardware may be out of service, each in a marking of its own.
     faulty = sum(h.faulty for h in mission_net.mission.hardware)
     if 2**faulty <= limit:
-        yield Attempt("explicit", limit, "the markings graph is small", brief=True)
+        yield Choice("explicit", "the markings graph is small", limit, brief=True)
         many = f"there are more than {limit} markings"
     else:
         many = f"{faulty} hardware resources that may fail have 2^{faulty} states"
     sections = len(mission_net.graph.sections)
     own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
-    yield Attempt("local", max_states, f"{many}, so {own} explored on its own")
-    yield Attempt("symbolic", max_states)
-
-
-def stable_by(attempt: Attempt, mission_net: MissionNet, progress: Progress | None = None) -> Space[Any]:
-    """The alternatives graph of a mission by one engine; a brief attempt lists the markings.
-
-    Args:
-        attempt: The engine and its limit.
-        mission_net: The mission's net.
-        progress: As for :func:`mcpn.check.spaces.stable_space`.
-
-    Raises:
-        SemanticsError: The mission is not 1-safe or not confluent.
-        LimitError: A limit was hit.
-    """
-    engine, limit = attempt.engine, attempt.max_states
-    if attempt.brief:
-        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=limit)
-    return stable_space(mission_net, engine=engine, max_states=limit, progress=progress)
+    yield Choice("local", f"{many}, so {own} explored on its own", max_states)
+    yield Choice("symbolic", max_states=max_states)

@@ -32,7 +32,9 @@ def space_of(
     engine: Engine = "symbolic",
     on: On = "markings",
     max_states: int | None = None,
+    progress: Progress | None = None,
     tokens: bool = True,
+    direct: bool = False,
 ) -> Space[Any]:
     """The space of a net, on one of its graphs, by one of the engines.
 
@@ -42,7 +44,10 @@ def space_of(
         engine: Arrays, diagrams or composition.
         on: The graph; the alternatives graph is of nets with priorities.
         max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges that are listed, or with local spaces done and to
+            do.
         tokens: Whether the places of a net without priorities may hold several tokens.
+        direct: Whether arrays go from one stable state of a mission to the next, not through all markings.
 
     Raises:
         InputError: The net has no such graph, or composition is asked of a net of no mission.
@@ -55,24 +60,35 @@ def space_of(
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     if on == "alternatives" and not net.priorities:
         raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
-    if engine == "local":
-        if mission_net is None or on == "markings":
-            raise InputError.at(
-                None,
-                "composition makes the alternatives graph of a mission: sections hand on stable states only",
-            )
-        from mcpn.space.local.composing import composite_space
-        from mcpn.space.stable.clash import in_mission_words
-
-        with in_mission_words(mission_net):
-            return composite_space(mission_net)
-    markings = markings_by(net, engine, limit, tokens=tokens)
+    if engine == "local" and (mission_net is None or on == "markings"):
+        raise InputError.at(
+            None,
+            "composition makes the alternatives graph of a mission: sections hand on stable states only",
+        )
     if on == "markings":
-        return markings
+        return markings_by(net, engine, limit, progress, tokens=tokens)
     from mcpn.space.stable.clash import in_mission_words
 
     with in_mission_words(mission_net):
-        return alternatives_by(markings, limit)[0]
+        if engine == "local" and mission_net is not None:
+            from mcpn.space.local.composing import Options, composite_space
+
+            return composite_space(mission_net, Options(progress=progress))
+        if engine == "explicit" and direct and mission_net is not None:
+            return _from_stable_to_stable(mission_net, limit, progress)
+        return alternatives_by(markings_by(net, engine, limit, progress, tokens=tokens), limit)[0]
+
+
+def _from_stable_to_stable(mission_net: MissionNet, max_states: int, progress: Progress | None) -> Space[Any]:
+    # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
+    faulty = sum(h.faulty for h in mission_net.mission.hardware)
+    if 2**faulty > max_states:
+        found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
+        raise LimitError(f"{found}, the limit on states is {max_states}: use --engine local")
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.stable.confluence import direct_with_proof
+
+    return ArraySpace(direct_with_proof(mission_net.net, max_states=max_states, progress=progress))
 
 
 def stable_space(
@@ -81,40 +97,18 @@ def stable_space(
     engine: Engine = "symbolic",
     max_states: int | None = None,
     progress: Progress | None = None,
+    direct: bool = True,
 ) -> Space[Any]:
-    """The alternatives graph of a mission, the whole markings graph left out where the engine can.
-
-    Args:
-        mission_net: The mission's net.
-        engine: Arrays, diagrams or composition.
-        max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges that are listed, or with local spaces done and to
-            do.
-
-    Raises:
-        SemanticsError: The mission is not 1-safe or not confluent.
-        LimitError: A limit was hit.
-    """
-    from mcpn.space.stable.clash import in_mission_words
-
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    if engine == "local":
-        from mcpn.space.local.composing import Options, composite_space
-
-        with in_mission_words(mission_net):
-            return composite_space(mission_net, Options(progress=progress))
-    if engine == "symbolic":
-        return space_of(mission_net.net, mission_net, engine=engine, on="alternatives", max_states=max_states)
-    # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
-    faulty = sum(h.faulty for h in mission_net.mission.hardware)
-    if 2**faulty > limit:
-        found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
-        raise LimitError(f"{found}, the limit on states is {limit}: use --engine local")
-    from mcpn.space.arrays import ArraySpace
-    from mcpn.space.stable.confluence import direct_with_proof
-
-    with in_mission_words(mission_net):
-        return ArraySpace(direct_with_proof(mission_net.net, max_states=limit, progress=progress))
+    """The alternatives graph of a mission; see :func:`space_of`."""
+    return space_of(
+        mission_net.net,
+        mission_net,
+        engine=engine,
+        on="alternatives",
+        max_states=max_states,
+        progress=progress,
+        direct=direct,
+    )
 
 
 def mortal_space(

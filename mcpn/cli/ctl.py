@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,8 +37,19 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 @click.command()
 @click.argument("file", type=FILE)
 @click.argument("formulas", nargs=-1, metavar="FORMULA...")
-@click.option("--properties", type=FILE, help="Answer a property file of the Model Checking Contest.")
-@click.option("--examination", type=click.Choice(EXAMINATIONS), help="Answer an examination of the contest.")
+@click.option(
+    "--properties",
+    multiple=True,
+    type=FILE,
+    help="Answer a property file of the Model Checking Contest; may be repeated.",
+)
+@click.option(
+    "--examination",
+    "examinations",
+    multiple=True,
+    type=click.Choice(EXAMINATIONS),
+    help="Answer an examination of the contest; may be repeated.",
+)
 @click.option(
     "--on",
     "graph",
@@ -57,8 +67,8 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 def ctl(
     file: Path,
     formulas: tuple[str, ...],
-    properties: Path | None,
-    examination: str | None,
+    properties: tuple[Path, ...],
+    examinations: tuple[str, ...],
     graph: str,
     fair: tuple[str, ...],
     engine: Asked,
@@ -69,17 +79,17 @@ def ctl(
 ) -> None:
     """Answer CTL formulas on FILE, a mission or a net.
 
-    Exit code 1 if some FORMULA does not hold; property files and examinations answer with 0 either way.
+    All that one call asks shares one space. Exit code 1 if some FORMULA does not hold; property files and
+    examinations answer with 0 either way.
     """
-    if not (formulas or properties or examination):
+    if not (formulas or properties or examinations):
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
     from mcpn.check.logic.contest import read_properties
-    from mcpn.check.logic.language import parse
     from mcpn.check.logic.questions import Questions
-    from mcpn.check.logic.verdicts import answer_examination, answer_file
+    from mcpn.check.logic.verdicts import answer_all
 
     net, mission_net = _subject(file, import_root)
     questions = Questions(
@@ -91,19 +101,19 @@ def ctl(
         max_states=max_states,
     )
     # Everything asked is understood before anything is answered.
-    asked = [(text, questions.core(parse(text))) for text in formulas]
-    of_file = answer_file(questions, read_properties(properties)) if properties else iter(())
-    of_net = [examination] if examination else []
+    for text in formulas:
+        questions.formula(text)
+    of_files = [each for path in dict.fromkeys(properties) for each in read_properties(path, questions.names)]
     objects = []
-    for verdict in chain(of_file, (answer_examination(questions, each) for each in of_net)):
+    for verdict in answer_all(questions, of_files, examinations):
         objects.append(_contest_object(verdict))
         if not as_json:
             click.echo(str(verdict))
     answers = []
     with progress_line(as_json):
-        for text, core in asked:
+        for text in formulas:
             step(f"answering {text}")
-            answers.append(questions.answer(text, core))
+            answers.append(questions.answer(text))
     if scn:
         _write_scenario(answers[0], scn)
     if as_json:

@@ -28,7 +28,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked, Attempt
+    from mcpn.check.choice import Asked, Choice
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.algebra import Space
@@ -165,7 +165,8 @@ def alternatives(
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
-    from mcpn.check.choice import answered, stable_by
+    from mcpn.check.choice import answered
+    from mcpn.check.spaces import stable_space
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import AlternativesGraph
     from mcpn.space.stable.clash import in_mission_words
@@ -182,12 +183,15 @@ def alternatives(
 
         mission_net, engine = part_of(mission_net, section).net(), "explicit"
 
-    def ask(attempt: Attempt) -> Space[Any]:
-        if attempt.engine == "explicit" and not attempt.brief:
+    def ask(choice: Choice) -> Space[Any]:
+        by, limit = choice.engine, choice.max_states
+        if by == "explicit" and not choice.brief:
             with progress_line(as_json) as progress:
-                return _listed(mission_net, method or "direct", proof, attempt.max_states, progress)
-        with progress_line(as_json or attempt.brief, SECTIONS) as progress:
-            return stable_by(attempt, mission_net, progress)
+                return _listed(mission_net, method or "direct", proof, limit, progress)
+        with progress_line(as_json or choice.brief, SECTIONS) as progress:
+            return stable_space(
+                mission_net, engine=by, max_states=limit, progress=progress, direct=not choice.brief
+            )
 
     with in_mission_words(mission_net):
         space, choice = answered(ask, mission_net, engine=engine, on="alternatives", max_states=max_states)

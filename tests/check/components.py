@@ -19,9 +19,9 @@ from mcpn.check.logic.formulas import (
     EX,
     And,
     Const,
-    Core,
     Deadlock,
     Fires,
+    Formula,
     Justice,
     Not,
     Or,
@@ -43,20 +43,20 @@ class ByComponents:
     def __init__(self, graph: StateGraph, fair: Sequence[Justice] = ()) -> None:
         self.graph = graph
         self.fair = tuple(fair)
-        self._known: dict[Core, Mask] = {}
+        self._known: dict[Formula, Mask] = {}
         self._plain = ByComponents(graph) if fair else self  # constraints speak of all paths
 
-    def holds(self, formula: Core) -> bool:
+    def holds(self, formula: Formula) -> bool:
         """Whether the initial state satisfies a formula."""
         return bool(self.states(formula)[0])
 
-    def states(self, formula: Core) -> Mask:
+    def states(self, formula: Formula) -> Mask:
         """Which states satisfy a formula, shape (states,)."""
         if formula not in self._known:
             self._known[formula] = self._evaluate(formula)
         return self._known[formula]
 
-    def _evaluate(self, formula: Core) -> Mask:
+    def _evaluate(self, formula: Formula) -> Mask:
         graph = self.graph
         match formula:
             case Const(value):

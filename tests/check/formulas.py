@@ -1,55 +1,83 @@
-"""Generated formulas, and evaluation by the definitions on plain sets of markings."""
+"""Generated formulas as people write them, and evaluation by the definitions on plain sets of markings.
+
+A formula here is an operator and its operands: ``("AU", a, b)``, ``("enabled", "t", "u")``, or a relation
+and two sums, each a constant and places: ``("<=", (1, "p"), (0, "q", "r"))``.
+"""
 
 from __future__ import annotations
 
+import json
+from typing import Any, TypeAlias
+
 from hypothesis import strategies as st
 
-from mcpn.check.logic.formulas import (
-    EG,
-    EU,
-    EX,
-    RELATIONS,
-    And,
-    Compare,
-    Const,
-    Deadlock,
-    Derived,
-    Enabled,
-    Formula,
-    Not,
-    Or,
-    Stable,
-    Sum,
-    temporal,
-)
+from mcpn.check.logic.formulas import Formula
+from mcpn.check.logic.language import parse
+from mcpn.check.logic.names import Names
+from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
 
 Edges = dict[Marking, list[tuple[int, Marking]]]
+Written: TypeAlias = tuple[Any, ...]
+RELATIONS = ("<", "<=", "=", "!=", ">=", ">")
 
 
-def formulas(places: list[str], transitions: list[str], *, leaves: int = 6) -> st.SearchStrategy[Formula]:
+def formulas(places: list[str], transitions: list[str], *, leaves: int = 6) -> st.SearchStrategy[Written]:
     """Formulas over a net's names, all operators."""
-    sums = st.builds(Sum, st.integers(0, 3), st.lists(st.sampled_from(places), max_size=3).map(tuple))
-    atoms: st.SearchStrategy[Formula] = st.one_of(
-        st.sampled_from([Const(True), Const(False), Deadlock(), Stable()]),
-        st.builds(Compare, sums, st.sampled_from(RELATIONS), sums),
-        st.builds(lambda p: Compare(Sum(0, (p,)), ">=", Sum(1)), st.sampled_from(places)),
+    sums = st.builds(lambda constant, names: (constant, *names), st.integers(0, 3), _some(places, 0))
+    atoms: st.SearchStrategy[Written] = st.one_of(
+        st.sampled_from([("true",), ("false",), ("deadlock",), ("stable",)]),
+        st.tuples(st.sampled_from(RELATIONS), sums, sums),
+        st.tuples(st.just("place"), st.sampled_from(places)),
     )
     if transitions:
-        some = st.lists(st.sampled_from(transitions), min_size=1, max_size=3).map(tuple)
-        atoms |= st.builds(Enabled, some)
+        atoms |= _some(transitions, 1).map(lambda names: ("enabled", *names))
 
-    def wider(inside: st.SearchStrategy[Formula]) -> st.SearchStrategy[Formula]:
-        several = st.lists(inside, min_size=2, max_size=3).map(tuple)
+    def wider(inside: st.SearchStrategy[Written]) -> st.SearchStrategy[Written]:
+        several = st.lists(inside, min_size=2, max_size=3)
         return st.one_of(
-            *(st.builds(unary, inside) for unary in (Not, EX, EG)),
-            *(st.builds(temporal, st.just(operator), inside) for operator in ("AX", "EF", "AF", "AG")),
-            *(st.builds(temporal, st.just(o), inside, inside) for o in ("->", "<->", "EU", "AU")),
-            st.builds(And, several),
-            st.builds(Or, several),
+            st.tuples(st.sampled_from(["!", "EX", "AX", "EF", "AF", "EG", "AG"]), inside),
+            st.tuples(st.sampled_from(["->", "<->", "EU", "AU"]), inside, inside),
+            st.builds(lambda operator, operands: (operator, *operands), st.sampled_from("&|"), several),
         )
 
     return st.recursive(atoms, wider, max_leaves=leaves)
+
+
+def _some(names: list[str], least: int) -> st.SearchStrategy[list[str]]:
+    return st.lists(st.sampled_from(names), min_size=least, max_size=3)
+
+
+def text(formula: Written) -> str:
+    """The formula in the language that is checked, every operator in parentheses."""
+    operator, *operands = formula
+    if operator in ("true", "false", "deadlock", "stable"):
+        return str(operator)
+    if operator == "place":
+        return _quoted(operands[0])
+    if operator == "enabled":
+        return f"enabled({', '.join(map(_quoted, operands))})"
+    if operator in RELATIONS:
+        left, right = (
+            " + ".join([str(constant), *(f"tokens({_quoted(name)})" for name in names)])
+            for constant, *names in operands
+        )
+        return f"({left} {operator} {right})"
+    inside = list(map(text, operands))
+    if operator in ("EU", "AU"):
+        return f"{operator[0]}[{' U '.join(inside)}]"
+    if len(inside) == 1:
+        return f"({operator} {inside[0]})"
+    return f"({f' {operator} '.join(inside)})"
+
+
+def _quoted(name: str) -> str:
+    return json.dumps(name, ensure_ascii=False)
+
+
+def read(formula: Written, net: PetriNet, mission_net: MissionNet | None = None) -> Formula:
+    """The formula as the program reads its text."""
+    return parse(text(formula), Names(net, mission_net))
 
 
 def edges_of(net: PetriNet) -> Edges:
@@ -64,11 +92,11 @@ def edges_of(net: PetriNet) -> Edges:
     return found
 
 
-def satisfying(formula: Formula, net: PetriNet, edges: Edges) -> set[Marking]:
+def satisfying(formula: Written, net: PetriNet, edges: Edges) -> set[Marking]:
     """The markings that satisfy a formula, by fixpoints over plain sets; paths are maximal."""
     everything = set(edges)
 
-    def of(inside: Formula) -> set[Marking]:
+    def of(inside: Written) -> set[Marking]:
         return satisfying(inside, net, edges)
 
     def some_next(goal: set[Marking]) -> set[Marking]:
@@ -88,43 +116,47 @@ def satisfying(formula: Formula, net: PetriNet, edges: Edges) -> set[Marking]:
             found = wider
 
     match formula:
-        case Const(value):
-            return everything if value else set()
-        case Not(a):
+        case ("true",):
+            return everything
+        case ("false",):
+            return set()
+        case ("!", a):
             return everything - of(a)
-        case And(inside):
+        case ("&", *inside):
             return everything.intersection(*map(of, inside))
-        case Or(inside):
+        case ("|", *inside):
             return set[Marking]().union(*map(of, inside))
-        case Derived("->", (a, b)):
+        case ("->", a, b):
             return (everything - of(a)) | of(b)
-        case Derived("<->", (a, b)):
+        case ("<->", a, b):
             return everything - (of(a) ^ of(b))
-        case EX(a):
+        case ("EX", a):
             return some_next(of(a))
-        case Derived("AX", (a,)):
+        case ("AX", a):
             return every_next(of(a))
-        case Derived("EF", (a,)):
+        case ("EF", a):
             return least(of(a), everything, every=False)
-        case Derived("AF", (a,)):
+        case ("AF", a):
             return least(of(a), everything, every=True)
-        case EG(a):
+        case ("EG", a):
             return everything - least(everything - of(a), everything, every=True)
-        case Derived("AG", (a,)):
+        case ("AG", a):
             return everything - least(everything - of(a), everything, every=False)
-        case EU(a, b):
+        case ("EU", a, b):
             return least(of(b), of(a), every=False)
-        case Derived("AU", (a, b)):
+        case ("AU", a, b):
             return least(of(b), of(a), every=True)
-        case Compare(left, relation, right):
-            return {m for m in everything if _compares(net, m, left, relation, right)}
-        case Enabled(names):
+        case ("place", name):
+            return {m for m in everything if m[net.place_index[name]]}
+        case ("enabled", *names):
             wanted = {net.transition_index[name] for name in names}
             return {m for m in everything if any(t in wanted for t, _ in edges[m])}
-        case Deadlock():
+        case ("deadlock",):
             return {m for m in everything if not edges[m]}
-        case Stable():
+        case ("stable",):
             return {m for m in everything if not net.priorities or not _internal(net, m)}
+        case (relation, left, right):
+            return {m for m in everything if _compares(net, m, left, relation, right)}
     raise TypeError(formula)
 
 
@@ -132,8 +164,8 @@ def _internal(net: PetriNet, marking: Marking) -> bool:
     return any(net.transitions[t].internal for t in net.enabled(marking))
 
 
-def _compares(net: PetriNet, marking: Marking, left: Sum, relation: str, right: Sum) -> bool:
+def _compares(net: PetriNet, marking: Marking, left: Written, relation: str, right: Written) -> bool:
     a, b = (
-        side.constant + sum(marking[net.place_index[name]] for name in side.places) for side in (left, right)
+        constant + sum(marking[net.place_index[name]] for name in names) for constant, *names in (left, right)
     )
-    return {"<": a < b, "<=": a <= b, "=": a == b, "!=": a != b, ">=": a >= b, ">": a > b}[relation]
+    return bool({"<": a < b, "<=": a <= b, "=": a == b, "!=": a != b, ">=": a >= b, ">": a > b}[relation])

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mcpn.check.causes.find import find_causes
-from mcpn.check.choice import SMALL, Attempt, answered
-from mcpn.check.logic.language import parse
+from mcpn.check.choice import SMALL, Choice, answered
 from mcpn.check.logic.questions import Questions
 from mcpn.check.spaces import Engine, On
 from mcpn.check.verdicts.mission import check
@@ -29,8 +28,8 @@ def with_hardware(count: int) -> MissionNet:
 def test_another_engine_is_asked_where_one_refuses(refusals: int) -> None:
     asked: list[Engine] = []
 
-    def ask(attempt: Attempt) -> int:
-        asked.append(attempt.engine)
+    def ask(choice: Choice) -> int:
+        asked.append(choice.engine)
         if len(asked) <= refusals:
             raise LimitError(f"refusal {len(asked)}")
         return 7
@@ -46,8 +45,8 @@ def test_another_engine_is_asked_where_one_refuses(refusals: int) -> None:
 def test_where_all_refuse_the_last_one_s_error_is_told(on: On) -> None:
     asked: list[Engine] = []
 
-    def ask(attempt: Attempt) -> int:
-        asked.append(attempt.engine)
+    def ask(choice: Choice) -> int:
+        asked.append(choice.engine)
         raise LimitError(f"refusal {len(asked)}")
 
     with pytest.raises(LimitError, match=r"refusal [23]") as caught:
@@ -62,8 +61,8 @@ def test_where_all_refuse_the_last_one_s_error_is_told(on: On) -> None:
 def test_much_hardware_is_not_listed_to_find_out() -> None:
     asked: list[Engine] = []
 
-    def ask(attempt: Attempt) -> int:
-        asked.append(attempt.engine)
+    def ask(choice: Choice) -> int:
+        asked.append(choice.engine)
         return 0
 
     _, choice = answered(ask, with_hardware(SMALL.bit_length()), engine="auto", on="alternatives")
@@ -75,7 +74,7 @@ def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) ->
     formula = "EF (failure & oos(GPS_sensor))"
     for limit, engine in ((None, "explicit"), (1000, "local")):
         questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", max_states=limit)
-        answer = questions.answer(formula, questions.core(parse(formula)))
+        answer = questions.answer(formula)
         assert answer.holds
         assert answer.choice.engine == engine
         found = check(ulysse_net, max_states=limit)

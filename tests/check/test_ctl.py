@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import Core, Formula, Justice
+from mcpn.check.logic.formulas import Formula, Justice
 from mcpn.check.logic.language import parse
+from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.resolve import progress, resolve
-from mcpn.check.logic.verdicts import answer_examination, answer_file
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.logic.witness import explain
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Mission
@@ -35,7 +35,7 @@ from mcpn.space.markings.graph import StateGraph
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.testing import missions
 from tests.check.components import ByComponents
-from tests.check.formulas import edges_of, formulas, satisfying
+from tests.check.formulas import Written, edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
 from tests.turns import ByTurns
@@ -45,7 +45,7 @@ def names(net: PetriNet) -> tuple[list[str], list[str]]:
     return [p.name for p in net.places], [t.name for t in net.transitions]
 
 
-def satisfy(evaluation: Evaluation[Any], formula: Core) -> set[Marking]:
+def satisfy(evaluation: Evaluation[Any], formula: Formula) -> set[Marking]:
     """The markings that satisfy a formula, picked one after the other."""
     space, found = evaluation.space, set()
     left = evaluation.states(formula)
@@ -56,7 +56,7 @@ def satisfy(evaluation: Evaluation[Any], formula: Core) -> set[Marking]:
     return found
 
 
-def by_components(evaluation: ByComponents, formula: Core) -> set[Marking]:
+def by_components(evaluation: ByComponents, formula: Formula) -> set[Marking]:
     graph, found = evaluation.graph, evaluation.states(formula)
     return {graph.marking(state) for state in range(graph.states) if found[state]}
 
@@ -73,7 +73,7 @@ def test_spaces_and_the_definitions_agree(net: PetriNet, data: st.DataObject) ->
     evaluations = list(map(Evaluation, spaces(net)))
     for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
         expected = satisfying(formula, net, edges)
-        core = resolve(formula, net)
+        core = read(formula, net)
         for evaluation in evaluations:
             assert evaluation.holds(core) == (net.initial in expected)
             assert satisfy(evaluation, core) == expected
@@ -83,7 +83,7 @@ def test_spaces_and_the_definitions_agree(net: PetriNet, data: st.DataObject) ->
 def constraints(net: PetriNet) -> st.SearchStrategy[list[Justice]]:
     fires = st.lists(st.integers(0, len(net.transitions) - 1), max_size=2).map(tuple)
     places, transitions = names(net)
-    states = formulas(places, transitions, leaves=2).map(lambda formula: resolve(formula, net))
+    states = formulas(places, transitions, leaves=2).map(lambda formula: read(formula, net))
     return st.lists(st.builds(Justice, states, fires if net.transitions else st.just(())), max_size=3)
 
 
@@ -111,13 +111,13 @@ def test_fairness_on_every_space_agrees_with_components(net: PetriNet, data: st.
     evaluations = [Evaluation(space, fair) for space in everyone]
     oracle = ByComponents(graph, fair)
     for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
-        core = resolve(formula, net)
+        core = read(formula, net)
         for evaluation in evaluations:
             assert satisfy(evaluation, core) == by_components(oracle, core)
             assert evaluation.holds(core) == oracle.holds(core)
 
 
-def check_witness(mission_net: MissionNet, evaluation: Evaluation[Any], core: Core) -> None:
+def check_witness(mission_net: MissionNet, evaluation: Evaluation[Any], core: Formula) -> None:
     """The run shown is one of the whole net, ends where its space says, and comes round where it says so."""
     net, witness = mission_net.net, explain(evaluation, core)
     marking = net.initial
@@ -153,12 +153,12 @@ def test_spaces_agree_on_both_graphs_of_missions(mission: Mission, data: st.Data
         with suppress(LimitError):  # interruptions
             graphs[-1][1].append(composite_space(mission_net))
             event("by composition")
-    drawn: list[Formula] = data.draw(st.lists(formulas(*names(net), leaves=4), min_size=2, max_size=2))
+    drawn: list[Written] = data.draw(st.lists(formulas(*names(net), leaves=4), min_size=2, max_size=2))
     for graph, every in graphs:
         for fair in ((), progress(mission_net)):
             oracle = ByComponents(graph, fair)
             for formula in drawn:
-                core = resolve(formula, net, mission_net)
+                core = read(formula, net, mission_net)
                 expected = by_components(oracle, core)
                 for each in every:
                     evaluation = Evaluation(each, fair)
@@ -208,13 +208,12 @@ def test_ulysse(
         engine=engine,
         fair=fair,
     )
-    core = questions.core(parse(formula))
-    assert questions.answer(formula, core).holds is holds
+    assert questions.answer(formula).holds is holds
 
 
 def test_words_need_a_mission(ulysse_net: MissionNet) -> None:
     with pytest.raises(InputError, match="is a word of missions"):
-        resolve(parse("success"), ulysse_net.net)
+        parse("success", Names(ulysse_net.net))
     with pytest.raises(InputError, match="progress speaks of missions"):
         Questions(ulysse_net.net, fair=["progress"])
 
@@ -263,13 +262,10 @@ def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str
     compared = 0
     for file in FILES:
         path = mcc / model / f"{file}.xml"
-        known = (
-            [asked for asked in read_properties(path) if verdicts.get(asked.name, "?") != "?"]
-            if path.exists()
-            else []
-        )
-        answers = {found.name: found.value for found in answer_file(questions, known)}
-        assert answers == {asked.name: verdicts[asked.name] for asked in known}
+        asked = read_properties(path, questions.names) if path.exists() else []
+        known = [each for each in asked if verdicts.get(each.name, "?") != "?"]
+        answers = {found.name: found.value for found in answer_all(questions, known)}
+        assert answers == {each.name: verdicts[each.name] for each in known}
         compared += len(answers)
     return compared
 
@@ -304,4 +300,5 @@ def test_the_contest_s_examinations(
         expected = mcc_oracles[model][column]
         questions = Questions(read_net(mcc / model / "model.pnml"))
         wanted = str(expected == "1-safe").upper() if examination == "OneSafe" else expected
-        assert answer_examination(questions, examination).value == wanted, model
+        (answer,) = answer_all(questions, examinations=[examination])
+        assert answer.value == wanted, model

@@ -17,7 +17,7 @@ from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.resolve import resolve
+from mcpn.check.logic.names import Names
 from mcpn.check.spaces import Engine
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
@@ -316,7 +316,7 @@ def success_reachable(found: MissionNet, dead: Collection[str]) -> bool:
     repairs = [f"{h}_EV_RD" for h in dead]
     kept = [t for t in net.transitions if str(t.event) not in repairs]
     crippled = replace(net, places=tuple(places), transitions=tuple(kept))
-    formula = resolve(parse("EF success"), crippled, found)
+    formula = parse("EF success", Names(crippled, found))
     return Evaluation(DiagramMarkings(reach(crippled))).holds(formula)
 
 

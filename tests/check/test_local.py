@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from mcpn._kernel import Checker, Goals, TokenNet
 from mcpn.check.logic.formulas import EG, EU, EX, Const, walk
 from mcpn.check.logic.local import LocalCheck
-from mcpn.check.logic.resolve import resolve
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search.goal import AtMost
-from tests.check.formulas import edges_of, formulas, satisfying
+from tests.check.formulas import edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import graph_of, nets, state_machines, token_nets
 
@@ -30,7 +29,7 @@ def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> N
     edges = edges_of(net)
     places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
     drawn = data.draw(st.lists(formulas(places, transitions, leaves=8), min_size=1, max_size=4))
-    cores = [resolve(formula, net) for formula in drawn]
+    cores = [read(formula, net) for formula in drawn]
     check = LocalCheck(net, cores)
     # Budgets that are too small leave nothing behind that is not so; seeds change no answer.
     rounds = data.draw(st.lists(st.integers(1, 40), max_size=6))
@@ -41,7 +40,7 @@ def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> N
             assert found is not None or steps < 10**6
     assert check.markings <= len(edges)
     for formula, core in zip(drawn, cores, strict=True):
-        for inside, _ in walk(core):
+        for inside in walk(core):
             if isinstance(inside, EX | EU | EG):
                 assert check.decide(inside, 10**6) is not None
         assert check.decide(core, 10**6) == (net.initial in satisfying(formula, net, edges))

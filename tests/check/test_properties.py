@@ -9,7 +9,7 @@ from hypothesis import given
 
 from mcpn.check.logic.formulas import EU, Const
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.resolve import resolve
+from mcpn.check.logic.names import Names
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.modes import functioning_modes
@@ -273,4 +273,4 @@ def test_what_no_route_reaches_is_told_with_its_line(tmp_path: Path) -> None:
         (3, "activity surface is never started"),
         (7, "objective backup can never be entered: no route reaches it"),
     ]
-    assert resolve(parse("EF objective(backup)"), found.net, found) == EU(Const(True), Const(False))
+    assert parse("EF objective(backup)", Names(found.net, found)) == EU(Const(True), Const(False))

@@ -7,17 +7,16 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Deadlock, Formula, Not, Or, walk
+from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Deadlock, Not, Or, walk
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.resolve import resolve
 from mcpn.check.logic.simplify import simplified
-from mcpn.check.logic.verdicts import answer_file
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import Source
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.markings.explicit import explore
 from mcpn.space.search.equation import place_bounds
-from tests.check.formulas import edges_of, formulas, satisfying
+from tests.check.formulas import Written, edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
 
@@ -25,9 +24,9 @@ NETS = nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn
 PLAIN = nets(max_places=5, max_transitions=6, events=False) | state_machines().map(lambda drawn: drawn[0])
 
 
-def drawn(data: st.DataObject, net: PetriNet, **bounds: int) -> Formula:
+def drawn(data: st.DataObject, net: PetriNet, **bounds: int) -> Written:
     places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
-    formula: Formula = data.draw(formulas(places, transitions, **bounds))
+    formula: Written = data.draw(formulas(places, transitions, **bounds))
     return formula
 
 
@@ -38,7 +37,7 @@ def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.Dat
     edges, evaluation = edges_of(net), Evaluation(ArraySpace(explore(net)))
     for _ in range(4):
         formula = drawn(data, net, leaves=8)
-        core = resolve(formula, net)
+        core = read(formula, net)
         smaller = simplified(core, net, place_bounds(net))
         assert sum(1 for _ in walk(smaller)) <= sum(1 for _ in walk(core))
         found: set[Marking] = set()
@@ -56,8 +55,8 @@ def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataO
     assume(reachable(net)[2])
     edges = edges_of(net)
     asked = {f"f{i}": drawn(data, net, leaves=6) for i in range(4)}
-    properties = [Property(name, formula, (), Source("file")) for name, formula in asked.items()]
-    answers = {found.name: found.value for found in answer_file(Questions(net), properties)}
+    properties = [Property(name, read(formula, net), Source("file")) for name, formula in asked.items()]
+    answers = {found.name: found.value for found in answer_all(Questions(net), properties)}
     expected = {name: net.initial in satisfying(f, net, edges) for name, f in asked.items()}
     assert answers == {name: str(value).upper() for name, value in expected.items()}
 

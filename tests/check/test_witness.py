@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Const, Justice, walk
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.resolve import resolve
 from mcpn.check.logic.witness import Witness, explain, scenario
 from mcpn.check.spaces import Engine
 from mcpn.net.compose import MissionNet
@@ -24,7 +22,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import explore
-from tests.check.formulas import edges_of, formulas, satisfying
+from tests.check.formulas import edges_of, formulas, read, satisfying
 from tests.net.nets import nets, reachable, state_machines
 from tests.shares import returns_early
 
@@ -57,7 +55,7 @@ def test_runs_show_what_they_say(net: PetriNet, data: st.DataObject) -> None:
     distance, _, _ = reachable(net)
     places = [p.name for p in net.places]
     inner = data.draw(formulas(places, [t.name for t in net.transitions], leaves=2))
-    core = resolve(inner, net)
+    core = read(inner, net)
     satisfied = satisfying(inner, net, edges)
     every = [EU(Const(True), core), EG(core), EX(core)]
     for evaluation, formula in product(map(Evaluation, spaces(net)), every):
@@ -65,7 +63,7 @@ def test_runs_show_what_they_say(net: PetriNet, data: st.DataObject) -> None:
         passed = replayed(net, witness)
         if not evaluation.holds(formula):
             continue
-        temporal = any(isinstance(inside, EX | EU | EG) for inside, _ in walk(core))
+        temporal = any(isinstance(inside, EX | EU | EG) for inside in walk(core))
         if isinstance(formula, EU) and not temporal:
             assert passed[-1] in satisfied
             assert len(witness.steps) == min(distance[m] for m in satisfied)
@@ -85,9 +83,7 @@ def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -
     places = [p.name for p in net.places]
     drawn = data.draw(st.lists(formulas(places, [], leaves=1), min_size=1, max_size=2))
     fires = tuple(data.draw(st.lists(st.integers(0, len(net.transitions) - 1), max_size=2)))
-    fair = [Justice(resolve(formula, net)) for formula in drawn] + [Justice(Const(False), fires)] * bool(
-        fires
-    )
+    fair = [Justice(read(formula, net)) for formula in drawn] + [Justice(Const(False), fires)] * bool(fires)
     for space in spaces(net):
         evaluation = Evaluation(space, fair)
         everything = EG(Const(True))
@@ -110,7 +106,7 @@ def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
     questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine="explicit")
 
     def notes(text: str) -> list[str]:
-        answer = questions.answer(text, questions.core(parse(text)))
+        answer = questions.answer(text)
         return [note.partition("here: ")[2] for note in answer.witness.notes]
 
     words = [
@@ -123,7 +119,7 @@ def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
     assert sorted(notes(f"EF ({' & '.join(words)})")) == sorted(words)
     # What is written by places and transitions is said so; what fails is said in the same words.
     plain = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine="explicit")
-    answer = plain.answer("EF GPS_sensor_OOS", plain.core(parse("EF GPS_sensor_OOS")))
+    answer = plain.answer("EF GPS_sensor_OOS")
     assert [note.rpartition(": ")[2] for note in answer.witness.notes] == ["GPS_sensor_OOS"]
     assert notes("AG !oos(GPS_sensor)") == ["oos(GPS_sensor)"]
 
@@ -131,7 +127,7 @@ def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
 @pytest.mark.parametrize("engine", ["explicit", "symbolic"])
 def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet, engine: Engine) -> None:
     questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine=engine)
-    answer = questions.answer("EF failure", questions.core(parse("EF failure")))
+    answer = questions.answer("EF failure")
     assert answer.holds
     told = list(in_words(ulysse_net, answer.witness.run))
     # The first objective, diving and going up must fail in turn: no run has fewer events.

@@ -14,7 +14,6 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.resolve import resolve
 from mcpn.check.nets.behaviour import behaviour
 from mcpn.check.nets.properties import check_net
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
@@ -30,7 +29,7 @@ from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, closure
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.summary import summarise
-from tests.check.formulas import formulas, satisfying
+from tests.check.formulas import formulas, read, satisfying
 from tests.check.test_behaviour import ahead
 from tests.check.test_ctl import names, satisfy
 from tests.draws import fewer
@@ -122,7 +121,7 @@ def test_formulas_hold_where_the_definitions_say(net: PetriNet, data: st.DataObj
     evaluations = [Evaluation(space) for space in spaces(net)]
     for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
         expected = satisfying(formula, net, graph)
-        core = resolve(formula, net)
+        core = read(formula, net)
         for evaluation in evaluations:
             assert satisfy(evaluation, core) == expected
             assert evaluation.holds(core) == (net.initial in expected)

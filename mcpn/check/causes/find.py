@@ -15,8 +15,8 @@ from typing import Any
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.check.causes.scenarios import Scenarios
-from mcpn.check.choice import Asked, Attempt, Choice, answered, stable_by
-from mcpn.check.spaces import mortal_space
+from mcpn.check.choice import Asked, Choice, answered
+from mcpn.check.spaces import mortal_space, stable_space
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
@@ -151,9 +151,15 @@ def find_causes(
         LimitError: A limit was hit: on states, memory or minimal cut sets.
     """
 
-    def spaces(attempt: Attempt) -> tuple[Space[Any], Space[Any]]:
-        stable = stable_by(attempt, mission_net, None if attempt.brief else progress)
-        return stable, mortal_space(mission_net, engine=attempt.engine, max_states=attempt.max_states)
+    def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
+        stable = stable_space(
+            mission_net,
+            engine=by.engine,
+            max_states=by.max_states,
+            progress=None if by.brief else progress,
+            direct=not by.brief,
+        )
+        return stable, mortal_space(mission_net, engine=by.engine, max_states=by.max_states)
 
     (stable, dying_space), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states

@@ -6,6 +6,7 @@ Reference: the contest's manual of property files (https://mcc.lip6.fr/); namesp
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -13,18 +14,18 @@ from typing import cast
 from lxml import etree
 
 from mcpn.check.logic.formulas import (
-    And,
-    Compare,
-    Const,
+    FALSE,
+    OPERATORS,
+    TRUE,
     Deadlock,
-    Derived,
-    Enabled,
+    Fires,
     Formula,
-    Not,
-    Or,
     Sum,
-    temporal,
+    compare,
+    negation,
+    within_limit,
 )
+from mcpn.check.logic.names import Names
 from mcpn.errors import InputError, Source
 from mcpn.xmlio import parse_xml
 
@@ -38,43 +39,52 @@ class Property:
 
     Args:
         name: Its id.
-        formula: What is asked, or ``None`` where a bound is.
-        bound: Places, where the most tokens that they hold together is asked.
+        meaning: A formula; or places, where the most tokens that they hold together is asked.
         source: Its line.
     """
 
     name: str
-    formula: Formula | None
-    bound: tuple[str, ...]
+    meaning: Formula | tuple[int, ...]
     source: Source
 
 
-def read_properties(path: Path) -> list[Property]:
+def read_properties(path: Path, names: Names) -> list[Property]:
     """Reads a property file.
 
     Args:
         path: The file.
+        names: Look up places and transitions.
 
     Returns:
-        Its properties, in its order; names of places and transitions are not looked up yet.
+        Its properties, in its order.
 
     Raises:
-        InputError: The file is no property file, with the line of what was found.
+        InputError: The file is no property file, or a name is unknown, with the line of what was found.
+        LimitError: A formula is too large, see :func:`mcpn.check.logic.formulas.within_limit`.
     """
     root = parse_xml(path, MAX_BYTES)
-    reader = _Reader(str(path))
+    reader = _Reader(str(path), names)
     reader.expect(root, "property-set")
     return [reader.property(element) for element in root]
 
 
 _QUANTIFIERS = {"exists-path": "E", "all-paths": "A"}
 _OPERATORS = {"finally": "F", "globally": "G", "next": "X"}
-_CONNECTIVES = {"implication": "->", "equivalence": "<->"}
+_CONNECTIVES = {
+    "negation": ("!", 1),
+    "conjunction": ("&", None),
+    "disjunction": ("|", None),
+    "implication": ("->", 2),
+    "equivalence": ("<->", 2),
+}
+"""By element the operator, and the number of its operands where not any will do."""
 
 
 class _Reader:
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, names: Names) -> None:
         self.file = file
+        self.lookup = names
+        self.asked = "", Source(file)  # the property that is being read
 
     def source(self, element: etree._Element) -> Source:
         return Source(self.file, cast(int, element.sourceline))
@@ -91,9 +101,9 @@ class _Reader:
         if self.tag(element) != tag:
             raise self.wrong(element, f"<{tag}> of the namespace {_NAMESPACE[1:-1]}")
 
-    def only(self, element: etree._Element, count: int = 1) -> list[etree._Element]:
+    def only(self, element: etree._Element, count: int | None = 1) -> list[etree._Element]:
         children = list(element)
-        if len(children) != count:
+        if len(children) != count and count is not None:
             found = etree.QName(element).localname
             message = f"<{found}> holds {len(children)} elements, expected {count}"
             raise InputError.at(self.source(element), message)
@@ -106,33 +116,29 @@ class _Reader:
             if tag not in parts:
                 raise InputError.at(self.source(element), f"a property without <{tag}>")
         name, (body,) = (parts["id"].text or "").strip(), self.only(parts["formula"])
+        self.asked = name, self.source(element)
         if self.tag(body) == "place-bound":
-            return Property(name, None, self.names(body, "place"), self.source(element))
-        return Property(name, self.formula(body), (), self.source(element))
+            return Property(name, self.named(body, "place", self.lookup.place), self.source(element))
+        return Property(name, within_limit(self.formula(body)), self.source(element))
 
     def formula(self, element: etree._Element) -> Formula:
         match self.tag(element):
             case "true" | "false" as value:
-                return Const(value == "true")
-            case "negation":
-                return Not(self.formula(*self.only(element)))
-            case "conjunction":
-                return And(tuple(map(self.formula, element)))
-            case "disjunction":
-                return Or(tuple(map(self.formula, element)))
-            case "implication" | "equivalence" as connective:
-                return Derived(_CONNECTIVES[connective], tuple(map(self.formula, self.only(element, 2))))
+                return TRUE if value == "true" else FALSE
+            case tag if tag in _CONNECTIVES:
+                operator, count = _CONNECTIVES[tag]
+                return OPERATORS[operator](*map(self.formula, self.only(element, count)))
             case "exclusive-disjunction":
-                return Not(Derived("<->", tuple(map(self.formula, self.only(element, 2)))))
+                return negation(OPERATORS["<->"](*map(self.formula, self.only(element, 2))))
             case "exists-path" | "all-paths" as quantifier:
                 return self.path(_QUANTIFIERS[quantifier], *self.only(element))
             case "is-fireable":
-                return Enabled(self.names(element, "transition"))
+                return Fires(tuple(sorted({*self.named(element, "transition", self.lookup.transition)})))
             case "deadlock":
                 return Deadlock()
             case "integer-le":
                 small, large = map(self.sum, self.only(element, 2))
-                return Compare(small, "<=", large)
+                return compare(small, "<=", large)
         raise self.wrong(element, "a formula on states")
 
     def path(self, quantifier: str, element: etree._Element) -> Formula:
@@ -142,9 +148,9 @@ class _Reader:
             self.expect(before, "before")
             self.expect(reach, "reach")
             inside = (self.formula(*self.only(part)) for part in (before, reach))
-            return temporal(f"{quantifier}U", *inside)
+            return OPERATORS[f"{quantifier}U"](*inside)
         if tag in _OPERATORS:
-            return temporal(quantifier + _OPERATORS[tag], self.formula(*self.only(element)))
+            return OPERATORS[quantifier + _OPERATORS[tag]](self.formula(*self.only(element)))
         raise self.wrong(element, "<finally>, <globally>, <next> or <until>")
 
     def sum(self, element: etree._Element) -> Sum:
@@ -155,15 +161,19 @@ class _Reader:
                     raise InputError.at(
                         self.source(element), f"found {text!r}, expected an integer of at most 18 digits"
                     )
-                return Sum(int(text))
+                return int(text), ()
             case "tokens-count":
-                return Sum(0, self.names(element, "place"))
+                return 0, self.named(element, "place", self.lookup.place)
             case "integer-sum":
                 parts = [self.sum(child) for child in element]
-                return Sum(sum(p.constant for p in parts), tuple(n for p in parts for n in p.places))
+                return sum(constant for constant, _ in parts), tuple(p for _, places in parts for p in places)
         raise self.wrong(element, "<tokens-count>, <integer-constant> or <integer-sum>")
 
-    def names(self, element: etree._Element, tag: str) -> tuple[str, ...]:
+    def named(self, element: etree._Element, tag: str, lookup: Callable[[str], int]) -> tuple[int, ...]:
         for child in element:
             self.expect(child, tag)
-        return tuple((child.text or "").strip() for child in element)
+        try:
+            return tuple(lookup((child.text or "").strip()) for child in element)
+        except InputError as error:
+            name, source = self.asked
+            raise InputError.at(source, f"{name}: {error}") from None

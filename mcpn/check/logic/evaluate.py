@@ -22,9 +22,9 @@ from mcpn.check.logic.formulas import (
     TRUE,
     And,
     Const,
-    Core,
     Deadlock,
     Fires,
+    Formula,
     Justice,
     Not,
     Or,
@@ -47,11 +47,11 @@ class Evaluation(Generic[S]):
     def __init__(self, space: Space[S], fair: Sequence[Justice] = ()) -> None:
         self.space = space
         self.fair = tuple(fair)
-        self._known: dict[Core, S] = {}
+        self._known: dict[Formula, S] = {}
         self.plain: Evaluation[S] = Evaluation(space) if fair else self
         """Evaluates the constraints themselves, whose operators speak of all paths."""
 
-    def holds(self, formula: Core) -> bool:
+    def holds(self, formula: Formula) -> bool:
         """Whether the initial state satisfies a formula; evaluates no more than this takes."""
         match formula:
             case Not(operand):
@@ -67,13 +67,13 @@ class Evaluation(Generic[S]):
                 return bool(initial & self.space.staying(self.states(operand), initial))
         return bool(self.space.initial & self.states(formula))
 
-    def states(self, formula: Core) -> S:
+    def states(self, formula: Formula) -> S:
         """The states that satisfy a formula."""
         if formula not in self._known:
             self._known[formula] = self._evaluate(formula)
         return self._known[formula]
 
-    def _evaluate(self, formula: Core) -> S:
+    def _evaluate(self, formula: Formula) -> S:
         space = self.space
         match formula:
             case Const(value):
@@ -100,9 +100,9 @@ class Evaluation(Generic[S]):
                 return space.reaching(self.states(right) & self.fair_states, self._along(left))
             case EG(operand):
                 return self._always(self.states(operand))
-        raise TypeError(f"no formula of the core: {formula!r}")
+        raise TypeError(f"no formula: {formula!r}")
 
-    def _along(self, formula: Core) -> S | None:
+    def _along(self, formula: Formula) -> S | None:
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
         return None if formula == TRUE else self.states(formula)
 
@@ -178,7 +178,7 @@ class Evaluation(Generic[S]):
                 parts.append((part, [(c, states) for c, states in constraints if together & states]))
 
 
-def _effort(formula: Core) -> int:
+def _effort(formula: Formula) -> int:
     """How much a formula takes: operators that need a fixpoint count most."""
     costs = {EG: 100, EU: 10, EX: 10}
-    return sum(costs.get(type(inside), 1) for inside, _ in walk(formula))
+    return sum(costs.get(type(inside), 1) for inside in walk(formula))

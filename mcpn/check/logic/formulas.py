@@ -1,8 +1,7 @@
-"""Formulas of CTL: what a user writes, and the small core that evaluation knows.
+"""Formulas of CTL: Boolean connectives, ``EX``, ``EU`` and ``EG`` over conditions on markings.
 
-What is written names places, transitions and words of the mission (:class:`Compare`, :class:`Enabled`,
-:class:`Word`) and has all operators. The core, which :mod:`mcpn.check.logic.resolve` makes, has indices for
-names, and ``!``, ``&``, ``|``, ``EX``, ``EU`` and ``EG`` for all operators.
+Every other operator is written with these (:data:`OPERATORS`). Names of places, transitions and elements of
+the mission are looked up as a formula is read (:mod:`mcpn.check.logic.names`).
 
 Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
 false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
@@ -10,14 +9,15 @@ false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Literal, TypeAlias, get_args
+from dataclasses import dataclass
+from typing import TypeAlias
 
+from mcpn.errors import LimitError
 from mcpn.space.search.goal import AtMost
 
-Relation: TypeAlias = Literal["<", "<=", "=", "!=", ">=", ">"]
-RELATIONS: tuple[Relation, ...] = get_args(Relation)
+MAX_SIZE = 50_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +25,23 @@ class Const:
     """True or false everywhere."""
 
     value: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Deadlock:
+    """Nothing may fire."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stable:
+    """No internal transition may fire; true everywhere in nets without priorities."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fires:
+    """Some of these transitions, by index, may fire now, priorities respected."""
+
+    transitions: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,99 +87,7 @@ class EU:
     right: Formula
 
 
-@dataclass(frozen=True, slots=True)
-class Derived:
-    """An operator that the core does without; :data:`MEANING` has what it stands for."""
-
-    operator: str
-    operands: tuple[Formula, ...]
-
-
-# --- atoms as they are written -------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Sum:
-    """A constant and the tokens of some places; a place that stands twice counts twice."""
-
-    constant: int
-    places: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Compare:
-    """A comparison of two sums of tokens."""
-
-    left: Sum
-    relation: Relation
-    right: Sum
-    column: int | None = field(default=None, compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Enabled:
-    """Some of these transitions may fire now, priorities respected."""
-
-    transitions: tuple[str, ...]
-    column: int | None = field(default=None, compare=False)
-
-
-@dataclass(frozen=True, slots=True)
-class Deadlock:
-    """Nothing may fire."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stable:
-    """No internal transition may fire; true everywhere in nets without priorities."""
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A word of the mission.
-
-    Args:
-        kind: One of :data:`WORDS`, or ``success`` or ``failure``, which have no argument.
-        argument: The element's name.
-        value: For ``alternative(activity)=value``.
-        column: Where it stands, from 1.
-    """
-
-    kind: str
-    argument: str | None = None
-    value: str | None = None
-    column: int | None = field(default=None, compare=False)
-
-
-WORDS = {
-    "objective": "the objective runs",
-    "pending": "the objective is about to be entered",
-    "activity": "an alternative of the activity runs",
-    "alternative": "this alternative of the activity runs",
-    "waiting": "the activity waits for a resource",
-    "refused": "the activity has no possible alternative",
-    "oos": "the hardware resource is out of service",
-    "available": "the hardware is in service; the software's producer runs",
-    "event": "the event may be the next to happen",
-}
-
-# --- atoms of the core ---------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Fires:
-    """Some of these transitions, by index, may fire now."""
-
-    transitions: tuple[int, ...]
-
-
-Written: TypeAlias = Compare | Enabled | Word
-Formula: TypeAlias = (
-    Const | Not | And | Or | EX | EG | EU | Derived | Deadlock | Stable | Written | AtMost | Fires
-)
-Core: TypeAlias = Formula
-"""A formula without :data:`Written` atoms and without :class:`Derived` operators."""
-
+Formula: TypeAlias = AtMost | Const | Deadlock | Stable | Fires | Not | And | Or | EX | EG | EU
 TRUE, FALSE = Const(True), Const(False)
 
 
@@ -177,7 +102,7 @@ class Justice:
         transitions: and wherever it fires one of these.
     """
 
-    states: Core = Const(False)
+    states: Formula = FALSE
     transitions: tuple[int, ...] = ()
 
 
@@ -191,37 +116,64 @@ def negation(formula: Formula) -> Formula:
     return Not(formula)
 
 
-def _both(a: Core, b: Core) -> Core:
+def _both(a: Formula, b: Formula) -> Formula:
     return And((a, b))
 
 
-def _every_until(a: Core, b: Core) -> Core:
+def _same(a: Formula, b: Formula) -> Formula:
+    return Or((_both(a, b), _both(negation(a), negation(b))))
+
+
+def _every_until(a: Formula, b: Formula) -> Formula:
     stays = negation(b)
     return _both(negation(EU(stays, _both(negation(a), stays))), negation(EG(stays)))
 
 
-MEANING: Mapping[str, Callable[..., Core]] = {
+OPERATORS: Mapping[str, Callable[..., Formula]] = {
+    "!": negation,
+    "&": lambda *operands: And(operands),
+    "|": lambda *operands: Or(operands),
     "->": lambda a, b: Or((negation(a), b)),
-    "<->": lambda a, b: Or((_both(a, b), _both(negation(a), negation(b)))),
+    "<->": _same,
+    "EX": EX,
     "AX": lambda a: negation(EX(negation(a))),
     "EF": lambda a: EU(TRUE, a),
     "AF": lambda a: negation(EG(negation(a))),
+    "EG": EG,
     "AG": lambda a: negation(EU(TRUE, negation(a))),
+    "EU": EU,
     "AU": _every_until,
 }
-"""What derived operators stand for in the core."""
+"""By the operators that people write, the formulas of their operands."""
+
+Sum: TypeAlias = tuple[int, tuple[int, ...]]
+"""A constant and the tokens of some places, by index; a place that stands twice counts twice."""
 
 
-def temporal(operator: str, *operands: Formula) -> Formula:
-    """The formula of a temporal operator, given by its name: ``EX``, ``AU`` and so on."""
-    basic: Mapping[str, Callable[..., Formula]] = {"EX": EX, "EG": EG, "EU": EU}
-    return basic[operator](*operands) if operator in basic else Derived(str(operator), operands)
+def compare(left: Sum, relation: str, right: Sum) -> Formula:
+    """A comparison of two sums of tokens.
+
+    Args:
+        left: The sum on the left.
+        relation: ``<``, ``<=``, ``=``, ``!=``, ``>=`` or ``>``.
+        right: The sum on the right.
+    """
+    if relation in ("=", "!="):
+        equal = _both(compare(left, "<=", right), compare(right, "<=", left))
+        return equal if relation == "=" else Not(equal)
+    if relation in (">", ">="):
+        left, right = right, left
+    weights = Counter(left[1])
+    weights.subtract(right[1])
+    terms = tuple(sorted((place, weight) for place, weight in weights.items() if weight))
+    bound = right[0] - left[0] - ("=" not in relation)
+    return AtMost(terms, bound) if terms else Const(bound >= 0)
 
 
 def operands(formula: Formula) -> tuple[Formula, ...]:
     """The formulas directly inside a formula."""
     match formula:
-        case And(inside) | Or(inside) | Derived(_, inside):
+        case And(inside) | Or(inside):
             return inside
         case Not(a) | EX(a) | EG(a):
             return (a,)
@@ -230,8 +182,8 @@ def operands(formula: Formula) -> tuple[Formula, ...]:
     return ()
 
 
-def mapped(formula: Core, of: Callable[[Core], Core]) -> Core:
-    """The same operator of the core with other operands: each is what ``of`` makes of it."""
+def mapped(formula: Formula, of: Callable[[Formula], Formula]) -> Formula:
+    """The same operator with other operands: each is what ``of`` makes of it."""
     match formula:
         case And(inside) | Or(inside):
             return type(formula)(tuple(map(of, inside)))
@@ -244,10 +196,21 @@ def mapped(formula: Core, of: Callable[[Core], Core]) -> Core:
     return formula
 
 
-def walk(formula: Formula) -> Iterator[tuple[Formula, int]]:
-    """Every formula inside a formula, itself included, with the number of operators around it."""
-    stack = [(formula, 0)]
+def walk(formula: Formula) -> Iterator[Formula]:
+    """Every formula inside a formula, itself included."""
+    stack = [formula]
     while stack:
-        at, depth = stack.pop()
-        yield at, depth
-        stack.extend((inside, depth + 1) for inside in operands(at))
+        at = stack.pop()
+        yield at
+        stack.extend(operands(at))
+
+
+def within_limit(formula: Formula) -> Formula:
+    """A formula, if it is not too large: ``<->`` and ``A[ U ]`` say what is in them twice.
+
+    Raises:
+        LimitError: It has more than :data:`MAX_SIZE` operators.
+    """
+    if any(number == MAX_SIZE for number, _ in enumerate(walk(formula))):
+        raise LimitError(f"the formula says more than {MAX_SIZE} operators in full: the limit was hit")
+    return formula

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import Literal
 
 from mcpn._kernel import Checker
-from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Core, Not, Or, operands
+from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Formula, Not, Or, operands
 from mcpn.check.logic.reachability import as_goal
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import Goal, encode
@@ -32,14 +32,14 @@ class LocalCheck:
 
     Args:
         net: A net without priorities, whose numbers fit (:attr:`Searches.fits`).
-        formulas: Of the core.
+        formulas: Those to decide.
         max_bytes: What the markings and the values of operators at them may take.
     """
 
-    def __init__(self, net: PetriNet, formulas: Iterable[Core], *, max_bytes: int = MAX_BYTES) -> None:
+    def __init__(self, net: PetriNet, formulas: Iterable[Formula], *, max_bytes: int = MAX_BYTES) -> None:
         assert not net.priorities, "atoms are conditions on tokens alone"
         self.net = net
-        self._numbers: dict[Core, int] = {}
+        self._numbers: dict[Formula, int] = {}
         self._given_up: set[int] = set()
         self._operators: list[tuple[str, list[int]]] = []
         goals: list[Goal] = []
@@ -52,7 +52,7 @@ class LocalCheck:
         ]
         self._kernel = Checker(Searches(net).kernel, net.initial, encoded, told, max_bytes)
 
-    def _add(self, formula: Core, goals: list[Goal]) -> int:
+    def _add(self, formula: Formula, goals: list[Goal]) -> int:
         if formula not in self._numbers:
             goal = as_goal(formula, self.net)
             if goal is None:
@@ -71,7 +71,7 @@ class LocalCheck:
             self._numbers[formula] = len(self._operators) - 1
         return self._numbers[formula]
 
-    def decide(self, formula: Core, max_steps: int, seed: int = 0) -> bool | None:
+    def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
         """Whether a formula holds, or ``None`` where a limit was hit.
 
         Args:

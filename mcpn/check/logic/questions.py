@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.choice import Asked, Attempt, Choice, answered
+from mcpn.check.choice import Asked, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import Core, Formula, Justice
+from mcpn.check.logic.formulas import Formula, Justice
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.resolve import Said, progress, resolve
+from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.check.spaces import On, space_of
 from mcpn.errors import InputError, UnsafeError
@@ -79,25 +79,26 @@ class Questions:
         self.on = on
         self.engine = engine
         self.max_states = max_states
-        self.said: Said = {}
+        self.names = Names(net, mission_net)
         self.fair = tuple(constraint for text in fair for constraint in self._constraints(text))
 
     def _constraints(self, text: str) -> tuple[Justice, ...]:
         if text != PROGRESS:
-            return (Justice(self.core(parse(text))),)
+            return (Justice(self.formula(text)),)
         if self.mission_net is None:
             raise InputError.at(
                 None, f"the constraint {PROGRESS} speaks of missions, and this net is of none"
             )
         return progress(self.mission_net)
 
-    def core(self, formula: Formula) -> Core:
-        """The formula with its names looked up.
+    def formula(self, text: str) -> Formula:
+        """The formula of a text.
 
         Raises:
-            InputError: A name is unknown.
+            InputError: It is none, or a name is unknown.
+            LimitError: It is too large.
         """
-        return resolve(formula, self.net, self.mission_net, self.said)
+        return parse(text, self.names)
 
     @property
     def searchable(self) -> bool:
@@ -126,33 +127,41 @@ class Questions:
             self._chosen = DiagramMarkings(found), Choice("symbolic", "a diagram soon holds all markings")
         return "_chosen" in self.__dict__
 
-    def _made(self, attempt: Attempt, *, tokens: bool = True) -> Space[Any]:
-        engine, limit = attempt.engine, attempt.max_states
+    def _made(self, by: Choice, *, tokens: bool = True) -> Space[Any]:
+        engine, limit = by.engine, by.max_states
         return space_of(
             self.net, self.mission_net, engine=engine, on=self.on, max_states=limit, tokens=tokens
         )
 
-    def one_safe(self) -> Choice | None:
-        """Whether no place ever holds two tokens: who has found so, or ``None`` where one does."""
-        made = partial(self._made, tokens=False)
-        try:
-            return answered(
-                made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
-            )[1]
-        except UnsafeError:
-            return None
+    def one_safe(self) -> bool:
+        """Whether no place ever holds two tokens; where none does, the space is made by that.
+
+        Raises:
+            LimitError: A limit was hit.
+        """
+        if "_chosen" not in self.__dict__:
+            made = partial(self._made, tokens=False)
+            try:
+                self._chosen = answered(
+                    made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
+                )
+            except UnsafeError:
+                return False
+            return True
+        space = self.space
+        if isinstance(space, DiagramMarkings):
+            return space.space.max_tokens_in_place <= 1
+        # The space of a net with priorities is there only if it is 1-safe.
+        places = () if self.net.priorities else range(len(self.net.places))
+        return not any(space.everything - space.at_most({place: 1}, 1) for place in places)
 
     @cached_property
     def evaluation(self) -> Evaluation[Any]:
         """Evaluates formulas on the space, under the constraints."""
         return Evaluation(self.space, self.fair)
 
-    def answer(self, text: str, core: Core) -> Answer:
-        """Answers a formula, and shows by a run why.
-
-        Args:
-            text: The formula as it was written.
-            core: The same, names looked up.
-        """
-        holds = self.evaluation.holds(core)
-        return Answer(text, holds, explain(self.evaluation, core, self.said), self.choice)
+    def answer(self, text: str) -> Answer:
+        """Answers a formula, and shows by a run why; it raises what :meth:`formula` and :attr:`space` do."""
+        formula = self.formula(text)
+        holds = self.evaluation.holds(formula)
+        return Answer(text, holds, explain(self.evaluation, formula, self.names), self.choice)

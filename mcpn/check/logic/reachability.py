@@ -6,16 +6,16 @@
 
 from __future__ import annotations
 
-from mcpn.check.logic.formulas import EU, And, Const, Core, Deadlock, Fires, Not, Or, Stable
+from mcpn.check.logic.formulas import EU, And, Const, Deadlock, Fires, Formula, Not, Or, Stable
 from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable, negation
 
 
-def as_reachability(formula: Core, net: PetriNet) -> Goal | None:
+def as_reachability(formula: Formula, net: PetriNet) -> Goal | None:
     """The goal of a formula ``EF f``.
 
     Args:
-        formula: Of the core.
+        formula: The formula.
         net: A net without priorities.
 
     Returns:
@@ -27,7 +27,7 @@ def as_reachability(formula: Core, net: PetriNet) -> Goal | None:
     return None
 
 
-def as_goal(formula: Core, net: PetriNet) -> Goal | None:
+def as_goal(formula: Formula, net: PetriNet) -> Goal | None:
     """The markings of a net without priorities that satisfy a formula; ``None`` if it speaks of paths."""
     match formula:
         case Const(value):

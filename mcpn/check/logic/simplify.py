@@ -1,4 +1,4 @@
-"""Smaller formulas of the core that hold in the same states, or in the same initial state.
+"""Smaller formulas that hold in the same states, or in the same initial state.
 
 The rules are those of CTL on maximal paths, all of which count: not for use with fairness.
 
@@ -19,9 +19,9 @@ from mcpn.check.logic.formulas import (
     TRUE,
     And,
     Const,
-    Core,
     Deadlock,
     Fires,
+    Formula,
     Not,
     Or,
     Stable,
@@ -32,11 +32,11 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import AtMost, needs
 
 
-def simplified(formula: Core, net: PetriNet | None = None, bounds: Sequence[float] = ()) -> Core:
+def simplified(formula: Formula, net: PetriNet | None = None, bounds: Sequence[float] = ()) -> Formula:
     """A formula that holds in the same states.
 
     Args:
-        formula: Of the core.
+        formula: The formula.
         net: The net whose transitions it names.
         bounds: Most tokens of each place of the net in any reachable marking; infinity where not known.
 
@@ -51,14 +51,14 @@ class _Simplifier:
     def __init__(self, net: PetriNet | None, bounds: Sequence[float]) -> None:
         self.net = net
         self.bounds = bounds
-        self._known: dict[Core, Core] = {}
+        self._known: dict[Formula, Formula] = {}
 
-    def simplify(self, formula: Core) -> Core:
+    def simplify(self, formula: Formula) -> Formula:
         if formula not in self._known:
             self._known[formula] = self._simplify(formula)
         return self._known[formula]
 
-    def _simplify(self, formula: Core) -> Core:
+    def _simplify(self, formula: Formula) -> Formula:
         formula = mapped(formula, self.simplify)
         match formula:
             case And(operands) | Or(operands):
@@ -76,7 +76,7 @@ class _Simplifier:
                 return Fires(possible) if possible else FALSE
         return formula
 
-    def _comparison(self, formula: Core, weights: tuple[tuple[int, int], ...], bound: int) -> Core:
+    def _comparison(self, formula: Formula, weights: tuple[tuple[int, int], ...], bound: int) -> Formula:
         most = sum(weight * self.bounds[place] for place, weight in weights if weight > 0)
         least = sum(weight * self.bounds[place] for place, weight in weights if weight < 0)
         if most <= bound:
@@ -87,10 +87,10 @@ class _Simplifier:
         return all(weight <= self.bounds[place] for place, weight in needs(net, transition).items())
 
 
-def joined(connective: type[And] | type[Or], operands: Sequence[Core]) -> Core:
+def joined(connective: type[And] | type[Or], operands: Sequence[Formula]) -> Formula:
     """The conjunction or disjunction of simplified formulas."""
     neutral, absorbing = (TRUE, FALSE) if connective is And else (FALSE, TRUE)
-    found: dict[Core, None] = {}
+    found: dict[Formula, None] = {}
     for operand in operands:
         inside = operand.operands if isinstance(operand, connective) else (operand,)
         found.update(dict.fromkeys(inside))
@@ -102,7 +102,7 @@ def joined(connective: type[And] | type[Or], operands: Sequence[Core]) -> Core:
     return connective(tuple(found))
 
 
-def _until(left: Core, right: Core) -> Core:
+def _until(left: Formula, right: Formula) -> Formula:
     if isinstance(right, Const) or left in (FALSE, right):
         return right
     # E[f U E[f U g]] is E[f U g], and EF E[h U g] is EF g; also as one of several alternatives.
@@ -113,7 +113,7 @@ def _until(left: Core, right: Core) -> Core:
     return EU(left, right)
 
 
-def replaced(formula: Core, value: Callable[[Core], Core]) -> Core:
+def replaced(formula: Formula, value: Callable[[Formula], Formula]) -> Formula:
     """A formula with other parts outside of temporal operators: each is what ``value`` makes of it."""
     match formula:
         case Not(operand):
@@ -123,18 +123,18 @@ def replaced(formula: Core, value: Callable[[Core], Core]) -> Core:
     return value(formula)
 
 
-def at_first(formula: Core, holds: Callable[[Core], bool]) -> Core:
+def at_first(formula: Formula, holds: Callable[[Formula], bool]) -> Formula:
     """A formula with the same value in the initial state, as far as that state alone decides.
 
     Args:
-        formula: A simplified one of the core.
+        formula: A simplified one.
         holds: Whether the initial state satisfies a formula without temporal operators and connectives.
 
     Returns:
         A constant where the initial state decides; else what is left to ask there.
     """
 
-    def value(part: Core) -> Core:
+    def value(part: Formula) -> Formula:
         match part:
             case AtMost() | Fires() | Deadlock() | Stable():
                 return Const(holds(part))
@@ -153,7 +153,7 @@ def at_first(formula: Core, holds: Callable[[Core], bool]) -> Core:
     return replaced(formula, value)
 
 
-def parts_at_first(formula: Core) -> list[Core]:
+def parts_at_first(formula: Formula) -> list[Formula]:
     """The parts that a formula's value in the initial state is a Boolean combination of."""
     match formula:
         case Not(operand):

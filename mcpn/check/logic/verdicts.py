@@ -2,22 +2,24 @@
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
-(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. The formulas of a file share
-it: cheap ones first, each with a time slice that grows round by round, so that one hard formula does not cost
-the easy ones.
+(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. The formulas of
+all files and the examinations share it: cheap ones first, each with a time slice that grows round by round,
+so that one hard question does not cost the easy ones.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import chain, count, repeat
 from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
+from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import Const, Core, walk
+from mcpn.check.logic.formulas import EU, FALSE, TRUE, Const, Deadlock, Formula, walk
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.reachability import as_goal, as_reachability
@@ -28,13 +30,17 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.equation import place_bounds
-from mcpn.space.search.goal import DEADLOCK, holds
+from mcpn.space.search.goal import holds
 from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio
 from mcpn.space.search.searches import Searches
 
 DIAGRAMS, REWRITING = "DECISION_DIAGRAMS", "QUERY_REDUCTION"
 FIRST_SLICE, GROWTH = 1.5, 4.0
 WALK_STEPS = 50_000
+ONE_SAFE = "OneSafe"
+SOME_DEADLOCK = EU(TRUE, Deadlock())
+EFFORT_OF_LIVENESS = 30
+"""As many operators a formula has that takes about as long: closures to and fro."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula: two rounds before the space is built, the others between rounds of slices."""
 
@@ -61,64 +67,58 @@ class _SliceSpent(Exception):
     """A formula has had its time slice."""
 
 
-Meaning: TypeAlias = Core | dict[int, int]
-"""A formula, or places with their weights, where the most tokens that they hold together is asked."""
+Meaning: TypeAlias = Formula | tuple[int, ...] | str
+"""A formula; places, where the most tokens that they hold together is asked; or an examination's name."""
 
 
-def answer_file(questions: Questions, properties: Sequence[Property]) -> Iterator[Verdict]:
-    """Answers the properties of a file.
+def answer_all(
+    questions: Questions, properties: Iterable[Property] = (), examinations: Iterable[str] = ()
+) -> Iterator[Verdict]:
+    """Answers properties, of one file or several, and examinations, on one space.
 
     Args:
         questions: About the net.
         properties: What is asked.
+        examinations: Names of :data:`mcpn.check.nets.behaviour.EXAMINATIONS`.
 
     Returns:
         The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
         nets with priorities) or LimitError where what is left needs the space.
 
     Raises:
-        InputError: A name is unknown; every name is looked up before anything is answered.
+        InputError: Two properties have one name; this is found before anything is answered.
     """
-    return _answers(questions, properties, {asked.name: look_up(questions, asked) for asked in properties})
+    meant: dict[str, Meaning] = {
+        f"{questions.net.name}-{name}": _examined(name, questions) for name in examinations
+    }
+    for asked in properties:
+        if asked.name in meant:
+            raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
+        meant[asked.name] = asked.meaning
+    return _answers(questions, _Waiting(meant))
 
 
-def look_up(questions: Questions, asked: Property) -> Meaning:
-    """What a property asks, names looked up.
-
-    Raises:
-        InputError: A name is unknown.
-    """
-    if asked.formula is not None:
-        try:
-            return questions.core(asked.formula)
-        except InputError as error:
-            raise InputError.at(asked.source, f"{asked.name}: {error}") from error
-    weights: dict[int, int] = {}
-    for name in asked.bound:
-        if name not in questions.net.place_index:
-            raise InputError.at(asked.source, f"no place is named {name}")
-        place = questions.net.place_index[name]
-        weights[place] = weights.get(place, 0) + 1
-    return weights
+def _examined(examination: str, questions: Questions) -> Meaning:
+    """What an examination asks: a formula, where a search may answer it."""
+    if examination == "ReachabilityDeadlock" and questions.searchable:
+        return SOME_DEADLOCK
+    return examination
 
 
-def _answers(
-    questions: Questions, properties: Sequence[Property], meant: dict[str, Meaning]
-) -> Iterator[Verdict]:
-    waiting = _Waiting({asked.name: meant[asked.name] for asked in properties})
+def _answers(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
+    yield from _found_unsafe(questions, waiting)
     local = None
     if questions.searchable:
         yield from _simplified(questions.net, waiting)
-        if Searches(questions.net).fits:
+        if waiting.parts() and Searches(questions.net).fits:
             local = _Local(questions.net, waiting)
             yield from local.round(LOCAL_STEPS[0], searched=False)
         yield from _reached(questions, waiting)
         if local is not None:
             yield from local.round(LOCAL_STEPS[1], searched=False)
-    if not waiting.formulas:
-        return
     try:
-        space = questions.space
+        yield from _one_safe(questions, waiting)
+        space = questions.space if waiting.formulas else None
     except McpnError:
         if local is not None:
             for steps in LOCAL_STEPS[2:]:
@@ -129,9 +129,31 @@ def _answers(
     if isinstance(space, DiagramMarkings | DiagramAlternatives):
         yield from _by_slices(questions, space.encoding.store, waiting, local)
         return
-    technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
-    for name, meaning in waiting.formulas.items():
-        yield waiting.verdict(name, _value(questions, meaning), technique)
+    for name in waiting.cheap_first():
+        value = _value(questions, waiting.formulas[name])
+        yield waiting.verdict(name, value, _technique(questions.choice.engine))
+
+
+def _technique(engine: Asked) -> str:
+    return EXPLICIT if engine == "explicit" else DIAGRAMS
+
+
+def _found_unsafe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
+    """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
+    searches = Searches(questions.net)
+    for name in waiting.asking(ONE_SAFE):
+        if max(questions.net.initial, default=0) > 1:
+            yield waiting.answer(name, FALSE, INITIAL_STATE)
+        elif questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+            yield waiting.answer(name, FALSE, RANDOM_WALK)
+
+
+def _one_safe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
+    """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
+    for name in waiting.asking(ONE_SAFE):
+        safe = questions.one_safe()
+        engine = questions.choice.engine if safe else questions.engine
+        yield waiting.answer(name, Const(safe), _technique(engine))
 
 
 @dataclass
@@ -140,6 +162,7 @@ class _Waiting:
 
     Args:
         formulas: By name; of a formula, what is left to ask in the initial marking.
+        techniques: By which ways parts of them were decided.
     """
 
     formulas: dict[str, Meaning]
@@ -149,18 +172,37 @@ class _Waiting:
         """The answer, with the ways by which parts were decided before."""
         return Verdict(name, value, tuple({**self.techniques.get(name, {}), **dict.fromkeys(techniques)}))
 
-    def parts(self) -> list[Core]:
-        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
-        formulas = [meaning for meaning in self.formulas.values() if not isinstance(meaning, dict)]
-        return sorted({part: None for f in formulas for part in parts_at_first(f)}, key=_effort)
+    def answer(self, name: str, value: Const, technique: str) -> Verdict:
+        """The answer to what then waits no more."""
+        del self.formulas[name]
+        return self.verdict(name, _told(value), technique)
 
-    def learn(self, part: Core, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
+    def asking(self, examination: str) -> list[str]:
+        """The name of an examination, if it waits."""
+        return [name for name, meaning in self.formulas.items() if meaning == examination]
+
+    def cheap_first(self) -> list[str]:
+        """The names of what waits."""
+        return sorted(self.formulas, key=lambda name: _effort(self.formulas[name]))
+
+    def temporal(self) -> dict[str, Formula]:
+        """The formulas that wait."""
+        return {
+            name: formula for name, formula in self.formulas.items() if not isinstance(formula, tuple | str)
+        }
+
+    def parts(self) -> list[Formula]:
+        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
+        parts = chain.from_iterable(map(parts_at_first, self.temporal().values()))
+        return sorted(dict.fromkeys(parts), key=_effort)
+
+    def learn(self, part: Formula, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
         """Puts the value of a part where it is asked for, and yields what that answers."""
-        for name, meaning in list(self.formulas.items()):
-            if isinstance(meaning, dict) or part not in parts_at_first(meaning):
+        for name, formula in self.temporal().items():
+            if part not in parts_at_first(formula):
                 continue
             self.techniques.setdefault(name, {}).update(dict.fromkeys(techniques))
-            rest = replaced(meaning, lambda at: Const(value) if at == part else at)
+            rest = replaced(formula, lambda at: Const(value) if at == part else at)
             self.formulas[name] = rest
             if isinstance(rest, Const):
                 del self.formulas[name]
@@ -169,16 +211,17 @@ class _Waiting:
 
 def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
     """Answers what rewriting and the initial marking decide; of other formulas keeps what is left to ask."""
+    left = {name: formula for name, formula in waiting.temporal().items() if formula != SOME_DEADLOCK}
+    if not left:
+        return
     marking, bounds = net.initial, place_bounds(net)
 
-    def at_start(atom: Core) -> bool:
+    def at_start(atom: Formula) -> bool:
         goal = as_goal(atom, net)
         return goal is not None and holds(goal, net, marking)
 
-    for name, meaning in list(waiting.formulas.items()):
-        if isinstance(meaning, dict):
-            continue
-        smaller = simplified(meaning, net, bounds)
+    for name, formula in left.items():
+        smaller = simplified(formula, net, bounds)
         rest = at_first(smaller, at_start)
         waiting.formulas[name] = rest
         if isinstance(rest, Const):
@@ -240,7 +283,7 @@ def _by_slices(
 
     later = chain(LOCAL_STEPS[2:], repeat(LOCAL_STEPS[-1]))
     for limit in (FIRST_SLICE * GROWTH**number for number in count()):
-        for name in sorted(waiting.formulas, key=lambda name: _effort(waiting.formulas[name])):
+        for name in waiting.cheap_first():
             until = time.process_time() + limit
             store.progress = watch
             try:
@@ -259,12 +302,16 @@ def _by_slices(
 
 
 def _effort(meaning: Meaning) -> int:
-    return 0 if isinstance(meaning, dict) else sum(1 for _ in walk(meaning))
+    if isinstance(meaning, str):
+        return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0
+    return 0 if isinstance(meaning, tuple) else sum(1 for _ in walk(meaning))
 
 
 def _value(questions: Questions, meaning: Meaning) -> str:
-    if isinstance(meaning, dict):
-        return str(largest(questions.space, meaning))
+    if isinstance(meaning, tuple):
+        return str(largest(questions.space, Counter(meaning)))
+    if isinstance(meaning, str):
+        return _told(Const(examine(meaning, questions.space)))
     return str(questions.evaluation.holds(meaning)).upper()
 
 
@@ -283,29 +330,3 @@ def largest(space: Space[Any], weights: dict[int, int]) -> int:
         else:
             high = middle
     return low
-
-
-def answer_examination(questions: Questions, examination: str) -> Verdict:
-    """Answers an examination of the contest (see :func:`mcpn.check.nets.behaviour.examine`).
-
-    Raises:
-        UnsafeError: It needs the space, and the net has priorities and is not 1-safe.
-        UnboundedError: It needs the space, and the net is unbounded.
-        LimitError: It needs the space, and a limit was hit.
-    """
-    net = questions.net
-    name = f"{net.name}-{examination}"
-    if examination == "OneSafe":
-        if max(net.initial, default=0) > 1:
-            return Verdict(name, "FALSE", (INITIAL_STATE,))
-        searches = Searches(net)
-        if questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
-            return Verdict(name, "FALSE", (RANDOM_WALK,))
-        safe = questions.one_safe()
-        technique = EXPLICIT if safe is not None and safe.engine == "explicit" else DIAGRAMS
-        return Verdict(name, str(safe is not None).upper(), (technique,))
-    if examination == "ReachabilityDeadlock" and questions.searchable:
-        for _, found in Portfolio(net).decide([DEADLOCK], go_on=lambda: not questions.brief()):
-            return Verdict(name, str(found.reachable).upper(), found.techniques)
-    technique = EXPLICIT if questions.choice.engine == "explicit" else DIAGRAMS
-    return Verdict(name, str(examine(examination, questions.space)).upper(), (technique,))

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from typing import Any, Generic
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, TRUE, And, Core, Justice, Not, Or, walk
+from mcpn.check.logic.formulas import EG, EU, EX, TRUE, And, Formula, Justice, Not, Or, negation, walk
 from mcpn.check.logic.language import show
-from mcpn.check.logic.resolve import Said, written
+from mcpn.check.logic.names import Names
 from mcpn.net.formats.tina import quote
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, S, Space
 from mcpn.space.run import Run, transitions_of
 
@@ -38,18 +38,12 @@ class Note:
 
     step: int
     where: str
-    formula: Core
+    formula: Formula
     reason: str = ""
 
-    def words(self, net: PetriNet, moment: str, said: Said | None = None) -> str:
-        """The note for a reader.
-
-        Args:
-            net: The net that the formula speaks of.
-            moment: The moment in the run, in words.
-            said: The user's words for parts of it.
-        """
-        text = f"{moment}, {self.where}: {show(written(self.formula, net, said))}"
+    def words(self, moment: str, names: Names) -> str:
+        """The note for a reader, at a moment in the run."""
+        text = f"{moment}, {self.where}: {show(self.formula, names)}"
         return f"{text} ({self.reason})" if self.reason else text
 
 
@@ -63,15 +57,15 @@ class Witness:
         steps: Its edges.
         cycle: Index of the step with which the part begins that is repeated for ever, if there is one.
         shown: What the run shows, and where showing stops.
-        said: The user's words for what is shown.
+        names: Names for a reader.
     """
 
     space: Space[Any]
     start: Any
+    names: Names
     steps: list[Edge] = field(default_factory=list)
     cycle: int | None = None
     shown: list[Note | str] = field(default_factory=list)
-    said: Said = field(default_factory=dict)
 
     @property
     def end(self) -> Any:
@@ -89,7 +83,7 @@ class Witness:
     def notes(self) -> list[str]:
         """What the run shows, for a reader."""
         return [
-            note if isinstance(note, str) else note.words(self.space.net, self._moment(note.step), self.said)
+            note if isinstance(note, str) else note.words(self._moment(note.step), self.names)
             for note in self.shown
         ]
 
@@ -128,18 +122,19 @@ class Witness:
         return Run(self.space.net, transitions_of(steps), settles=stable_only and self.space.net.priorities)
 
 
-def explain(evaluation: Evaluation[S], formula: Core, said: Said | None = None) -> Witness:
+def explain(evaluation: Evaluation[S], formula: Formula, names: Names | None = None) -> Witness:
     """Shows by a run why a formula holds, or fails, in the initial state.
 
     Args:
         evaluation: Of the formula on a space.
-        formula: Of the core.
-        said: The user's words for parts of it.
+        formula: The formula.
+        names: Those that it was read with; the net's alone by default.
 
     Returns:
         A witness or a counterexample. Runs to an ``EF`` are as short as the space's are.
     """
-    witness = Witness(evaluation.space, evaluation.space.initial.pick(), said=said or {})
+    space = evaluation.space
+    witness = Witness(space, space.initial.pick(), names or Names(space.net))
     _Explanation(evaluation, witness).explain(formula, evaluation.holds(formula))
     return witness
 
@@ -150,7 +145,7 @@ class _Explanation(Generic[S]):
         self.space = evaluation.space
         self.witness = witness
 
-    def explain(self, formula: Core, holds: bool) -> None:
+    def explain(self, formula: Formula, holds: bool) -> None:
         """Extends the run to demonstrate the value of a formula at its last state."""
         match formula:
             case Not(operand):
@@ -171,11 +166,11 @@ class _Explanation(Generic[S]):
                 self.note("all along", operand)
                 self.stay(operand)
             case EX() | EU() | EG():
-                self.note("every run from here", Not(formula), "no single run shows it")
+                self.note("every run from here", negation(formula), "no single run shows it")
             case _:
-                self.note("here", formula if holds else Not(formula))
+                self.note("here", formula if holds else negation(formula))
 
-    def explain_some(self, operands: tuple[Core, ...], holds: bool, *, all_needed: bool) -> None:
+    def explain_some(self, operands: tuple[Formula, ...], holds: bool, *, all_needed: bool) -> None:
         """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
         shown = [o for o in operands if self.at_end(self.evaluation.states(o)) == holds]
         if not shown:
@@ -185,7 +180,7 @@ class _Explanation(Generic[S]):
             for operand in shown:
                 if operand not in temporal[:1]:
                     reason = "shown by a run of its own, not by this one" if operand in temporal else ""
-                    self.note("here", operand if holds else Not(operand), reason)
+                    self.note("here", operand if holds else negation(operand), reason)
             shown = temporal[:1]
         if shown:
             self.explain(min(shown, key=_is_temporal), holds)
@@ -213,7 +208,7 @@ class _Explanation(Generic[S]):
         assert run is not None, "evaluation said that there is such a run"
         self.witness.steps += run
 
-    def stay(self, operand: Core) -> None:
+    def stay(self, operand: Formula) -> None:
         """Appends an endless path inside a set, or one to a dead state."""
         evaluation, along = self.evaluation, self.evaluation.states(operand)
         if evaluation.fair:
@@ -265,12 +260,12 @@ class _Explanation(Generic[S]):
 
     # --- words ---
 
-    def note(self, where: str, formula: Core, reason: str = "") -> None:
+    def note(self, where: str, formula: Formula, reason: str = "") -> None:
         self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
 
-def _is_temporal(formula: Core) -> bool:
-    return any(isinstance(inside, EX | EU | EG) for inside, _ in walk(formula))
+def _is_temporal(formula: Formula) -> bool:
+    return any(isinstance(inside, EX | EU | EG) for inside in walk(formula))
 
 
 def scenario(witness: Witness) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from mcpn.check.choice import Asked, Attempt, Choice, answered
+from mcpn.check.choice import Asked, Choice, answered
 from mcpn.check.modes import Mode
 from mcpn.check.spaces import Engine, alternatives_by, markings_by
 from mcpn.check.verdicts.modes import functioning_modes
@@ -148,8 +148,8 @@ def check(
         LimitError: A limit was hit.
     """
 
-    def by(attempt: Attempt) -> MissionCheck:
-        return _checked(mission_net, attempt, None if attempt.brief else progress, executor, templates)
+    def by(choice: Choice) -> MissionCheck:
+        return _checked(mission_net, choice, None if choice.brief else progress, executor, templates)
 
     found, choice = answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)
     return replace(found, choice=choice)
@@ -157,13 +157,13 @@ def check(
 
 def _checked(
     mission_net: MissionNet,
-    attempt: Attempt,
+    choice: Choice,
     progress: Progress | None,
     executor: Executor | None,
     templates: TemplateSet | None,
 ) -> MissionCheck:
     """Every verdict, by one engine."""
-    engine, max_states = attempt.engine, attempt.max_states
+    engine, max_states = choice.engine, choice.max_states
     verdicts = {name: Verdict(name, None) for name in (*REQUIRED, *INFORMATIVE)}
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     markings: Space[Any] | None = None

@@ -21,7 +21,7 @@ from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
-from mcpn.space.local.alone import local_graph
+from mcpn.space.local.composing import local_graph
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 MOST_STATES = 16

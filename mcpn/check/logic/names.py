@@ -1,0 +1,188 @@
+"""What names in formulas stand for: places and transitions of a net, words about a mission."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from difflib import get_close_matches
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from mcpn.check.logic.formulas import FALSE, Const, Fires, Formula, Justice, negation
+from mcpn.errors import InputError
+from mcpn.net.events import START, Event, What
+from mcpn.net.petri import PetriNet
+from mcpn.space.search.goal import AtMost
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+
+MAX_LISTED = 20
+"""How many known names an error lists where none of them is near."""
+
+WORDS = {
+    "objective": "the objective runs",
+    "pending": "the objective is about to be entered",
+    "activity": "an alternative of the activity runs",
+    "alternative": "this alternative of the activity runs",
+    "waiting": "the activity waits for a resource",
+    "refused": "the activity has no possible alternative",
+    "oos": "the hardware resource is out of service",
+    "available": "the hardware is in service; the software's producer runs",
+    "event": "the event may be the next to happen",
+}
+"""What a formula may say of an element of the mission."""
+
+
+class Names:
+    """Looks names up in a net and its mission; an unknown one is an InputError that lists what is near.
+
+    Args:
+        net: Names places and transitions.
+        mission_net: Names elements of the mission, where the net is of one.
+
+    Attributes:
+        said: By formula the words about the mission that were looked up for it.
+    """
+
+    def __init__(self, net: PetriNet, mission_net: MissionNet | None = None) -> None:
+        self.net = net
+        self.mission_net = mission_net
+        self.said: dict[Formula, tuple[str, ...]] = {}
+
+    def place(self, name: str) -> int:
+        """The index of a place."""
+        return self.net.place_index[_known(name, self.net.place_index, "place")]
+
+    def transition(self, name: str) -> int:
+        """The index of a transition."""
+        return self.net.transition_index[_known(name, self.net.transition_index, "transition")]
+
+    def word(self, *said: str) -> Formula:
+        """What a word about the mission means.
+
+        Args:
+            said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value`` the value
+                too; or ``success`` or ``failure`` alone.
+        """
+        if self.mission_net is None:
+            raise InputError.at(None, f"{said[0]} is a word of missions, and this net is of none")
+        meaning = _Meaning(self.net, self.mission_net).word(*said)
+        if not isinstance(meaning, Const):  # which other formulas mean as well
+            self.said.setdefault(meaning, said)
+        return meaning
+
+
+class _Meaning:
+    """Gives words about a mission their meaning."""
+
+    def __init__(self, net: PetriNet, mission_net: MissionNet) -> None:
+        self.net = net
+        self.mission_net = mission_net
+        self.activities = mission_net.usage.activities
+
+    def word(self, kind: str, name: str = "", value: str | None = None) -> Formula:
+        match kind:
+            case "success" | "failure":
+                return self.said(kind, [self.mission_net.mission.name])
+            case "objective" | "pending":
+                graph = self.mission_net.graph
+                # Copies of an objective, for what comes after a handler that happens once, are the same to
+                # who asks for it as it is written.
+                copies: dict[str, list[str]] = {}
+                for section in (*graph.walk(), *graph.never_entered()):
+                    for known in dict.fromkeys((section.name, section.written)):
+                        copies.setdefault(known, []).append(section.name)
+                return self.said(kind, copies[_element(name, copies, "objective")])
+            case "oos" | "available":
+                hardware = [h.name for h in self.mission_net.mission.hardware]
+                producers = self.mission_net.usage.producer
+                if kind == "available" and name in producers:
+                    return self.running("active", producers[name])
+                known_here = hardware if kind == "oos" else [*hardware, *producers]
+                oos = self.said("oos", [_element(name, known_here, "resource")])
+                return oos if kind == "oos" else negation(oos)
+            case "event":
+                return self.event(name)
+            case "alternative":
+                return self.alternative(name, value)
+        activity = _element(name, self.activities, "activity")
+        if kind == "refused":
+            return self.said("refused", [activity])
+        return self.running("wait" if kind == "waiting" else "active", activity)
+
+    def event(self, name: str) -> Formula:
+        texts = {str(t.event) for t in self.net.transitions if t.event}
+        event = Event(What.DECLARED, name)
+        if str(event) not in texts and name not in {e.name for e in self.mission_net.mission.events}:
+            event = Event.parse(_element(name, texts, "event"))
+        return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
+
+    def alternative(self, name: str, value: str | None) -> Formula:
+        if value is None:
+            name, _, value = name.rpartition(".")
+            if not name:
+                raise InputError.at(None, f"expected alternative(activity)=name, found no name after {value}")
+        activity = _element(name, self.activities, "activity")
+        known = [a.name for a in self.activities[activity].alternatives]
+        return self.said("active", [f"{activity}.{_element(value, known, f'alternative of {activity}')}"])
+
+    def running(self, kind: str, activity: str) -> Formula:
+        return self.said(kind, [f"{activity}.{a.name}" for a in self.activities[activity].alternatives])
+
+    def said(self, kind: str, names: Collection[str]) -> Formula:
+        """Some place that says so is marked; false where the templates have none."""
+        return marked(p for p, role in self.mission_net.roles.items() if role[0] == kind and role[1] in names)
+
+
+def marked(places: Iterable[int]) -> Formula:
+    """Some of these places holds a token."""
+    terms = tuple((place, -1) for place in sorted(places))
+    return AtMost(terms, -1) if terms else FALSE
+
+
+def _element(name: str, names: Collection[str], what: str) -> str:
+    """The name in full: the use of a protocol that qualifies it may be left out where one name fits."""
+    fitting = [known for known in names if known.endswith(f".{name}")]
+    return fitting[0] if name not in names and len(fitting) == 1 else _known(name, names, what)
+
+
+def _known(name: str, names: Collection[str], what: str) -> str:
+    """The name, which exists.
+
+    Raises:
+        InputError: It does not.
+    """
+    if name in names:
+        return name
+    near = get_close_matches(name, names, n=3)
+    if not near:  # the use of a protocol that qualifies a name may have been left out, or be another
+        by_last = {known.rpartition(".")[2]: known for known in names}
+        near = [by_last[last] for last in get_close_matches(name.rpartition(".")[2], by_last, n=3)]
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    if not near and names:
+        shown = ", ".join(islice(names, MAX_LISTED))
+        hint = f"; expected one of {shown}{', ...' if len(names) > MAX_LISTED else ''}"
+    raise InputError.at(None, f"no {what} is named {name}{hint}")
+
+
+def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
+    """Constraints under which a mission goes on: it starts, and running objectives end some day.
+
+    Without it ``AF`` says nothing of a mission whose hardware may fail and recover for ever. A loop of
+    objectives that is run for ever is fair: each of them ends again and again.
+
+    Args:
+        mission_net: The mission's net.
+
+    Returns:
+        For the start and for each objective: again and again it is not to be awaited or not running, or the
+        start, its ``OK`` or its ``FAIL`` happens.
+    """
+    transitions = mission_net.net.transitions
+    waits = {mission_net.beginning: {START}}
+    for place, name in mission_net.saying("objective").items():
+        waits[place] = {Event(What.SUCCESS, name), Event(What.FAILURE, name)}
+    return tuple(
+        Justice(negation(marked([place])), tuple(i for i, t in enumerate(transitions) if t.event in endings))
+        for place, endings in waits.items()
+    )
