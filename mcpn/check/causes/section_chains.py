@@ -71,7 +71,8 @@ class Sections:
     """The sections of a mission.
 
     Args:
-        sections: The sections by name, in the mission's order; the first is where the mission begins.
+        sections: The sections by name, in the mission's order.
+        entry: The section where the mission begins.
         hardware: The mission's hardware that can fail.
 
     Raises:
@@ -94,9 +95,9 @@ class Sections:
             members = sorted(condensed.nodes[number]["members"], key=order.__getitem__)
             back = {r for n in members for r in graph[n] if r in members and order[r] <= order[n]}
             self.loops.append((members, sorted(back, key=order.__getitem__)))
-            own = {h for name in members for h in sections[name].hardware}
-            used = own.union(*(self.used.get(r, ()) for name in members for r in graph[name]))
-            if len(used) > max(MOST_HARDWARE, len(own)):
+            used = {h for name in members for h in sections[name].hardware}
+            used |= {h for name in members for r in graph[name] for h in self.used.get(r, ())}
+            if len(used) > MOST_HARDWARE and len(sections) > 1:
                 raise LimitError(
                     f"section {members[0]} and those after it use {len(used)} hardware resources that may "
                     f"fail: numbers of risk remember 2^{len(used)} states of them, the limit is "
