@@ -51,4 +51,4 @@ class Asked:
     def cut_sets(self, name: str | None, moment: Moment, section: str | None = None) -> list[CutSet]:
         """Of the mission (``None``) or an objective; entered is the section, or the objective itself."""
         entered = self.sections.get(section or name or "")
-        return self.cuts.cut_sets(self.dying(name), moment, entered)
+        return self.cuts.minimal(self.cuts.losing(self.dying(name), moment, entered))

@@ -132,9 +132,9 @@ def test_a_mission_that_never_ends_has_neither() -> None:
     h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
     ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",), ()]}
     again = replace(objective("x", "a"), success="x", failure="x")
-    found = numbers(mission([h], ways, again))
-    assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
-    assert found.importance == {"H": 0}
+    for found in (numbers(mission([h], ways, again)), sections_numbers(mission([h], ways, again))):
+        assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
+        assert found.importance == {"H": 0}
 
 
 def test_durations_must_be_known() -> None:
@@ -260,6 +260,7 @@ def test_much_hardware_to_remember_is_a_limit_that_is_named(monkeypatch: pytest.
     monkeypatch.setattr(section_chains, "MOST_HARDWARE", 4)
     with pytest.raises(LimitError, match=r"5 hardware .* remember 2\^5 states of them, the limit is 2\^4"):
         sections_numbers(found)
+    assert numbers(found).success > 0  # the whole as one section remembers nothing
     # Hardware that no later section uses is not remembered: one section at a time uses two.
     monkeypatch.setattr(section_chains, "MOST_HARDWARE", 3)
     with pytest.raises(LimitError, match="section s2 and those after it use 4"):
