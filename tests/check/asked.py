@@ -27,7 +27,7 @@ class Asked:
     def __init__(self, found: MissionNet, engine: Engine = "explicit") -> None:
         self.found = found
         self.engine: Engine = engine
-        self.prospects: Prospects[Any] = Prospects(found, space_of(found, Choice(engine), "alternatives"))
+        self.prospects: Prospects[Any] = Prospects(found, space_of(found, engine, "alternatives"))
         self.sections = {section.name: section for section in found.graph.all_sections()}
 
     @cached_property
@@ -51,4 +51,4 @@ class Asked:
     def cut_sets(self, name: str | None, moment: Moment, section: str | None = None) -> list[CutSet]:
         """Of the mission (``None``) or an objective; entered is the section, or the objective itself."""
         entered = self.sections.get(section or name or "")
-        return self.cuts.cut_sets(self.dying(name), moment, entered)
+        return self.cuts.minimal(self.cuts.losing(self.dying(name), moment, entered))
