@@ -6,12 +6,13 @@ import pytest
 
 from mcpn.check.logic.questions import Questions
 from mcpn.check.modes import Situation
-from mcpn.check.runs import changes, step_in_words, what_happens
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import check
+from mcpn.errors import InputError
 from mcpn.mission.model import SUCCEED, Handler, Objective
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
+from mcpn.report.words import changes, event_in_words, what_happens
 from tests.check.asked import ENGINES
 from tests.net.settling import stabilise
 from tests.small import activity, hw, mission, robot
@@ -42,8 +43,8 @@ def test_what_changes_is_said_once_and_only_what_changes() -> None:
     ]
     assert changes(after, after) == []
     event = Event(What.OUT_OF_SERVICE, "gps")
-    assert step_in_words("m", event, after, after).words == "gps fails"
-    assert step_in_words("m", event, before, after).words.startswith("gps fails: rise begins, locate changes")
+    assert event_in_words("m", event, after, after) == "gps fails"
+    assert event_in_words("m", event, before, after).startswith("gps fails: rise begins, locate changes")
 
 
 def test_every_kind_of_event_is_said() -> None:
@@ -156,3 +157,20 @@ def stable_graph(found: MissionNet) -> tuple[int, int]:
 def test_sizes_are_of_the_stable_markings(ulysse_net: MissionNet, engine: Engine) -> None:
     for found in (ulysse_net, looking()):
         assert check(found, engine=engine).stable_sizes == stable_graph(found)
+
+
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [
+        ("EF oos(image)", "no resource is named image"),  # it is software
+        ("EF available(image2)", "no resource is named image2; did you mean image"),
+        ("EF alternative(look_0)", "found no name after look_0"),
+        ("EF alternative(look)=by_ear", "no alternative of look is named by_ear"),
+        ("EF objective(se)", "no objective is named se; did you mean see"),
+        ("EF event(camera)", "no event is named camera"),
+    ],
+)
+def test_a_word_about_nothing_of_the_mission_is_an_error(formula: str, words: str) -> None:
+    found = looking()
+    with pytest.raises(InputError, match=words):
+        Questions(found.net, found, on="alternatives").answer(formula)

@@ -277,3 +277,10 @@ def test_a_loop_on_one_way_leaves_the_dead_end_of_the_other() -> None:
     assert any(not net.enabled(marking) for marking in runs(net) or ())
     # Without the other way there is no dead marking.
     assert confirm_deadlock(net_of({"fork": 1}, ({"fork": 1}, {"busy": 1}), ({"busy": 1}, {"busy": 1})))
+
+
+def test_transitions_are_compared_by_what_they_change() -> None:
+    # Both take from "p" and put one out; the first one takes two at a time.
+    net = net_of({"p": 3}, ({"p": 3}, {"p": 1, "out": 1}), ({"p": 1}, {"out": 1}))
+    for names in (("out",), ("p", "out"), ("p",)):
+        confirmed(net, *names)
