@@ -15,6 +15,7 @@ from hypothesis.strategies import booleans
 
 from mcpn.controller.generate import generate
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError
+from mcpn.mission.flatten import Section
 from mcpn.mission.model import (
     Activity,
     Alternative,
@@ -34,7 +35,7 @@ from mcpn.space.local.composing import Options, composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.local.sections import NOWHERE, PlacedSection
+from mcpn.space.local.sections import NOWHERE
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.stable.confluence import prove_confluent
@@ -136,9 +137,8 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
         for found, drawn, index in both:
             of_mission = [d.provenance is not None and d.provenance.kind == "mission" for d in drawn]
             there = [index.get(d.name, NOWHERE) for d in drawn]
-            assert found.whole == [NOWHERE if m else t for m, t in zip(of_mission, there, strict=True)]
-            assert all(found.local(where) == i for i, where in enumerate(found.whole) if where != NOWHERE)
-    shared = len({placed.placement for placed in composite.sections.values()}) < len(composite.sections)
+            assert found == [NOWHERE if m else t for m, t in zip(of_mission, there, strict=True)]
+    shared = len({placed.part.used for placed in composite.sections.values()}) < len(composite.sections)
     event(f"sections that use the same: {shared}")
 
 
@@ -156,14 +156,14 @@ def test_junctions_are_confluent_where_their_sections_are(mission: Mission) -> N
         returns_early("not confluent")
         return
 
-    def calm(placed: PlacedSection) -> bool:
-        return not direct(placed.type.net.net, tear=True).torn
+    def calm(section: Section) -> bool:
+        return not direct(composite.sections[section.name].type.net.net, tear=True).torn
 
     for first, second in sharing_pairs(composite):
         if calm(first) and calm(second):
             handover = mission_net.usage.handover.awaited.get(second.name)
             event(f"gated: {handover is not None}")
-            part = junction_part(mission_net.usage, first.section, second.section)
+            part = junction_part(mission_net.usage, first, second)
             prove_confluent(part.net().net)
 
 

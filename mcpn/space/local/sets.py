@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
@@ -15,36 +15,45 @@ Member = tuple[str, tuple[int, ...]]
 """A state: its section, and its marked levels with the section's own slots unmarked."""
 
 
+class Parts(dict[str, Zdd]):
+    """A set of states in the making: by section, a diagram that is not empty."""
+
+    def add(self, name: str, part: Zdd) -> bool:
+        """Adds states of a section; whether some are new."""
+        known = self.get(name)
+        wider = part if known is None else known | part
+        if not wider or wider == known:
+            return False
+        self[name] = wider
+        return True
+
+
 class CompositeSet:
     """A set of states of a composite.
 
     Args:
         space: The composite.
-        parts: By section, a diagram that is not empty; the section's own slots are open in it.
+        parts: By section, a diagram with the section's own slots open; those that are empty are left out.
     """
 
     __slots__ = ("parts", "space")
 
-    def __init__(self, space: Glued, parts: dict[str, Zdd]) -> None:
+    def __init__(self, space: Glued, parts: Mapping[str, Zdd]) -> None:
         self.space = space
-        self.parts = parts
+        self.parts = {name: part for name, part in parts.items() if part}
 
     def __and__(self, other: CompositeSet) -> CompositeSet:
         few, many = sorted((self.parts, other.parts), key=len)
-        found = ((name, part & many[name]) for name, part in few.items() if name in many)
-        return CompositeSet(self.space, {name: part for name, part in found if part})
+        return CompositeSet(self.space, {n: part & many[n] for n, part in few.items() if n in many})
 
     def __or__(self, other: CompositeSet) -> CompositeSet:
         few, many = sorted((self.parts, other.parts), key=len)
-        found = dict(many)
-        for name, part in few.items():
-            found[name] = found[name] | part if name in found else part
-        return CompositeSet(self.space, found)
+        return CompositeSet(self.space, many | {n: p | many[n] if n in many else p for n, p in few.items()})
 
     def __sub__(self, other: CompositeSet) -> CompositeSet:
         theirs = other.parts
-        found = ((name, part - theirs[name] if name in theirs else part) for name, part in self.parts.items())
-        return CompositeSet(self.space, {name: part for name, part in found if part})
+        found = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
+        return CompositeSet(self.space, found)
 
     def __bool__(self) -> bool:
         return bool(self.parts)
@@ -69,18 +78,17 @@ class CompositeSet:
 
 
 class Waiting:
-    """Parts of a set that are to be worked on, again each time that one has changed.
+    """Sections that are to be worked on, again each time that something has changed for them.
 
     Args:
-        found: The parts by name; they are changed in place.
+        names: The sections.
         rank: The order in which they are worked on.
     """
 
-    def __init__(self, found: dict[str, Zdd], rank: Callable[[str], int]) -> None:
-        self.found = found
+    def __init__(self, names: Iterable[str], rank: Callable[[str], int]) -> None:
         self.rank = rank
-        self._heap = sorted((rank(name), name) for name in found)
-        self._queued = set(found)
+        self._queued = set(names)
+        self._heap = sorted((rank(name), name) for name in self._queued)
 
     def __iter__(self) -> Iterator[str]:
         while self._heap:
@@ -88,16 +96,8 @@ class Waiting:
             self._queued.discard(name)
             yield name
 
-    def widen(self, name: str, part: Zdd) -> None:
-        """Adds states to a part; if it grows it is to be worked on."""
-        known = self.found.get(name)
-        wider = part if known is None else known | part
-        if wider and wider != known:
-            self.found[name] = wider
-            self.again(name)
-
     def again(self, name: str) -> None:
-        """Has a part worked on once more, if it does not wait already."""
+        """Has a section worked on once more, if it does not wait already."""
         if name not in self._queued:
             self._queued.add(name)
             heappush(self._heap, (self.rank(name), name))
