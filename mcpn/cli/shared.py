@@ -19,7 +19,7 @@ from mcpn.errors import InputError, LimitError
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from mcpn.check.choice import Choice
+    from mcpn.check.spaces import Choice
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.local.composite import CompositeSpace
@@ -129,11 +129,11 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
 
 def composite_of(mission_net: MissionNet, *, quiet: bool = False) -> CompositeSpace:
     """The sections of a mission, glued."""
-    from mcpn.space.local.composing import Options, composite_space
+    from mcpn.space.local.composing import composite_space
     from mcpn.space.stable.clash import in_mission_words
 
     with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
-        return composite_space(mission_net, Options(progress=progress))
+        return composite_space(mission_net, progress=progress)
 
 
 def is_net(path: Path) -> bool:

@@ -75,6 +75,10 @@ class ElementarySection(_Routes):
     interruptions: tuple[Interruption, ...] = ()
     written: str = ""
 
+    def walk(self) -> Iterator[ElementarySection]:
+        """Itself."""
+        yield self
+
 
 @dataclass(frozen=True, slots=True)
 class Branch:
@@ -114,6 +118,11 @@ class ParallelSection(_Routes):
     source: Source | None = field(default=None, compare=False)
     description: str | None = None
     interruptions: tuple[Interruption, ...] = ()
+
+    def walk(self) -> Iterator[ElementarySection]:
+        """Every elementary objective in it, at any depth, in document order."""
+        for branch in self.branches:
+            yield from branch.graph.walk()
 
 
 Section: TypeAlias = ElementarySection | ParallelSection
@@ -157,11 +166,7 @@ class ObjectivesGraph(Drawn):
     def walk(self) -> Iterator[ElementarySection]:
         """Every elementary objective at any depth, in document order."""
         for section in self.sections:
-            if isinstance(section, ElementarySection):
-                yield section
-            else:
-                for branch in section.branches:
-                    yield from branch.graph.walk()
+            yield from section.walk()
 
     def never_entered(self) -> Iterator[ElementarySection]:
         """Every elementary objective, at any depth, that stands in a section that no route reaches."""

@@ -235,70 +235,45 @@ Element: TypeAlias = tuple[str, str]
 """The kind and the name that the provenances of an element's places have."""
 
 
-class UsedRenaming:
-    """From the names of what one section uses to what another of the same type uses.
-
-    Args:
-        old: What is used where the names are of.
-        new: What the other section uses.
-
-    Attributes:
-        activities: By name in the old section.
-        alternatives: As ``activity.alternative``.
-        hardware: By name.
-        elements: The same, with the kind of each.
-    """
-
-    def __init__(self, old: Used, new: Used) -> None:
-        both = list(zip(old.activities, new.activities, strict=True))
-        self.activities = {theirs.name: mine.name for theirs, mine in both}
-        self.alternatives = {
-            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
-            for theirs, mine in both
-            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
-        }
-        self.hardware = {a.name: b.name for a, b in zip(old.hardware, new.hardware, strict=True)}
-        by_kind = {
-            "hardware": self.hardware,
-            "software": {a.name: b.name for a, b in zip(old.software, new.software, strict=True)},
-            "activity": self.activities,
-            "alternative": self.alternatives,
-        }
-        self.elements: dict[Element, Element] = {
-            (kind, name): (kind, mine) for kind, names in by_kind.items() for name, mine in names.items()
-        }
-
-
 class Renaming:
     """From the names in one section to those in another of the same type.
 
     Args:
         old: The section that the names are of.
         new: The other section.
-        used: The same of what they use.
 
     Attributes:
         activities: By name in the old section.
         alternatives: As ``activity.alternative``.
         hardware: By name.
         objectives: The same.
-        sections: Objectives and parallel blocks, each with its kind.
+        elements: All of them, with software and parallel blocks, each with its kind.
     """
 
-    def __init__(self, old: LocalPart, new: LocalPart, used: UsedRenaming) -> None:
-        self.activities, self.alternatives, self.hardware = used.activities, used.alternatives, used.hardware
+    def __init__(self, old: LocalPart, new: LocalPart) -> None:
+        both = list(zip(old.used.activities, new.used.activities, strict=True))
+        self.activities = {theirs.name: mine.name for theirs, mine in both}
+        self.alternatives = {
+            f"{theirs.name}.{a.name}": f"{mine.name}.{b.name}"
+            for theirs, mine in both
+            for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
+        }
+        self.hardware = {a.name: b.name for a, b in zip(old.used.hardware, new.used.hardware, strict=True)}
         walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
         self.objectives = {theirs.name: mine.name for theirs, mine in walks}
+        software = zip(old.used.software, new.used.software, strict=True)
         sections = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
-        self.sections: dict[Element, Element] = {
-            (kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in sections
+        by_kind = {
+            "hardware": self.hardware,
+            "software": {a.name: b.name for a, b in software},
+            "activity": self.activities,
+            "alternative": self.alternatives,
         }
-
-
-KINDS_OF_SECTIONS = ("objective", "parallel")
-"""What the provenances of places and transitions of sections call these."""
+        self.elements: dict[Element, Element] = {
+            (kind, name): (kind, mine) for kind, names in by_kind.items() for name, mine in names.items()
+        } | {(kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in sections}
 
 
 def kind_of(section: Section) -> str:
     """What the provenances of a section's places call it."""
-    return KINDS_OF_SECTIONS[not isinstance(section, ElementarySection)]
+    return "objective" if isinstance(section, ElementarySection) else "parallel"

@@ -10,7 +10,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.sections import SectionParts
 from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
 from mcpn.report.pictures.machines import states_picture, states_within
-from mcpn.space.local.alone import local_graph
+from mcpn.space.local.composing import local_graph
 
 MOST_LOCAL_STATES, MOST_DRAWN, MOST_BOXES = 20_000, 24, 60
 """States of a section that are listed for its drawing, drawings of a report, and boxes of each."""

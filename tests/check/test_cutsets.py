@@ -86,7 +86,7 @@ def test_regions_on_markings_and_on_stable_markings_agree(
         for repairs in (True, False):
             one = alternatives.losing(on_stable, repairs=repairs)
             wanted = markings.allowed(on_all, repairs=repairs) | internal
-            other = on_all.running - markings.space.reaching(on_all.won, on_all.along, wanted)
+            other = on_all.running - markings.space.reaching(on_all.won, on_all.running, wanted)
             assert np.array_equal(one.mask, other.mask[stable])
 
 
@@ -329,7 +329,7 @@ def test_ulysse_cut_sets_by_ctl_on_the_net(ulysse_net: MissionNet) -> None:
 
 def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) -> None:
     asked = Asked(ulysse_net)
-    assert all(asked.cuts.nonmonotone(asked.dying(name)) is None for name in asked.prospects.objectives)
+    assert all(causes.nonmonotone is None for causes in asked.all.objectives.values())
     # A robot whose GPS never fails once the thruster has, nor the thruster once the GPS has.
     whole = mortal(ulysse_net)
     graph = direct(whole.net, proof=False)
@@ -341,7 +341,7 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
     offsets = np.concatenate(([0], np.cumsum(np.bincount(graph.sources[~spared], minlength=graph.states))))
     fewer = replace(graph, offsets=offsets, targets=graph.targets[~spared], labels=graph.labels[~spared])
     cuts = CutSets(Prospects(whole, ArraySpace(fewer)))
-    found = cuts.nonmonotone(cuts.mortal.objectives["transect.diving"])
+    found = cuts.nonmonotone(cuts.losing(cuts.mortal.objectives["transect.diving"], Moment.SOMETIME))
     assert found is not None
     assert found.lost == ("thruster_actuator",)
     assert found.larger == ("GPS_sensor", "thruster_actuator")

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mcpn.check.causes import chain, section_chains
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
-from mcpn.check.spaces import stable_space
+from mcpn.check.spaces import space_of
 from mcpn.errors import ConfluenceError, InputError, LimitError, Source
 from mcpn.mission.model import (
     Activity,
@@ -49,7 +49,7 @@ def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
 
 
 def sections_numbers(found: MissionNet, max_states: int = 5000) -> Risk:
-    return risk(Prospects(found, stable_space(found, engine="local")), max_states)
+    return risk(Prospects(found, space_of(found, "local", "alternatives")), max_states)
 
 
 def assert_same(one: Risk, other: Risk) -> None:
@@ -132,9 +132,9 @@ def test_a_mission_that_never_ends_has_neither() -> None:
     h = Hardware(name="H", failure_rate=LAMBDA, repair_rate=MU)
     ways: dict[str, list[tuple[str, ...]]] = {"a": [("H",), ()]}
     again = replace(objective("x", "a"), success="x", failure="x")
-    found = numbers(mission([h], ways, again))
-    assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
-    assert found.importance == {"H": 0}
+    for found in (numbers(mission([h], ways, again)), sections_numbers(mission([h], ways, again))):
+        assert (found.success, found.failure, found.degraded_modes) == (0, 0, math.inf)
+        assert found.importance == {"H": 0}
 
 
 def test_durations_must_be_known() -> None:
@@ -260,6 +260,7 @@ def test_much_hardware_to_remember_is_a_limit_that_is_named(monkeypatch: pytest.
     monkeypatch.setattr(section_chains, "MOST_HARDWARE", 4)
     with pytest.raises(LimitError, match=r"5 hardware .* remember 2\^5 states of them, the limit is 2\^4"):
         sections_numbers(found)
+    assert numbers(found).success > 0  # the whole as one section remembers nothing
     # Hardware that no later section uses is not remembered: one section at a time uses two.
     monkeypatch.setattr(section_chains, "MOST_HARDWARE", 3)
     with pytest.raises(LimitError, match="section s2 and those after it use 4"):
@@ -418,4 +419,4 @@ def test_numbers_by_composition_and_by_diagrams_are_those_of_the_whole(
         returns_early(type(error).__name__)
         return
     assert_same(whole, sections_numbers(found))
-    assert_same(whole, risk(Prospects(found, stable_space(found, engine="symbolic"))))
+    assert_same(whole, risk(Prospects(found, space_of(found, "symbolic", "alternatives"))))

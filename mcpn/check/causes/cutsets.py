@@ -9,6 +9,7 @@ diagram, the minimal ones by their size, and no set is tried on its own.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -67,53 +68,22 @@ class CutSets(Generic[S]):
         self.space = mortal.space
         self.hardware = mortal.hardware
         self.images = ImageStore(len(self.hardware))
+        self._minimal: dict[Zdd, list[CutSet]] = {}
         self._dead = mortal.places("dead", self.hardware)
-        self._hopeful: dict[tuple[str, str], S] = {}
-
-    # --- families of sets of hardware --------------------------------------------------------------------
-
-    def lost(self, states: S) -> Zdd:
-        """The sets of hardware that are dead in some states."""
-        return self.space.image(states, self._dead, self.images)
-
-    def hopeful(self, goal: Goal[S]) -> S:
-        """States from which a goal can be reached with what is still alive."""
-        key = goal.kind, goal.name
-        if key not in self._hopeful:
-            self._hopeful[key] = self.mortal.hopeful(goal)
-        return self._hopeful[key]
 
     @cached_property
     def _from_start(self) -> S:
         """States to which runs lead along which nothing dies after the mission has begun."""
-        mortal = self.mortal
-        before = self.space.marked([mortal.mission_net.beginning])
-        return self.space.reached(before, transitions=mortal.everything)
+        before = self.space.marked([self.mortal.mission_net.beginning])
+        return self.space.reached(before, transitions=self.mortal.everything)
 
     @cached_property
     def _at_worst(self) -> S:
         """States after runs without repairs and without avoidable failures, with all that is out dead."""
         mortal, space = self.mortal, self.space
         transitions = mortal.unrepaired | mortal.dying
-        found = space.reached(space.initial, transitions=transitions, guards=mortal.forced) & mortal.begun
-        for name in self.hardware:
-            alive = [*mortal.places("oos", [name]), *mortal.places("alive", [name])]
-            found = found - space.restricted(found, alive, ())
-        return found
-
-    def survived(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
-        """The sets of hardware that a goal survives.
-
-        Args:
-            goal: The goal.
-            moment: When they are lost; all but ``SOMETIME``.
-            section: The section entered, for ``ENTRY``.
-
-        Returns:
-            Every set, where it is lost in some state that reaches the goal; smaller sets are survived too.
-        """
-        states = self.states(goal, moment, section)
-        return self.lost(states if moment is Moment.START else states & self.hopeful(goal))
+        found = space.reached(space.initial, transitions=transitions, guards=mortal.forced)
+        return (found & mortal.begun) - space.enabling(mortal.dying)
 
     def states(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> S:
         """The states at a moment: those that have reached the goal for ``START``, else those that may."""
@@ -124,19 +94,26 @@ class CutSets(Generic[S]):
             return self.mortal.entered(section) & goal.running
         return goal.running & (self.mortal.begun if moment is Moment.WHENEVER else self._at_worst)
 
-    def lost_at_worst(self, goal: Goal[S]) -> Zdd:
-        """The sets of hardware that lose a goal at the worst moment."""
-        return self.lost(self.states(goal, Moment.SOMETIME) - self.hopeful(goal))
-
-    # --- minimal cut sets ----------------------------------------------------------------------------------
-
-    def cut_sets(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> list[CutSet]:
-        """The minimal cut sets of a goal.
+    def losing(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
+        """The sets of hardware whose loss loses a goal.
 
         Args:
             goal: The goal.
             moment: When they are lost.
             section: The section entered, for ``ENTRY``.
+
+        Returns:
+            A family that holds all larger sets too, but for ``SOMETIME`` (:meth:`nonmonotone`).
+        """
+        states = self.states(goal, moment, section)
+        if moment is Moment.SOMETIME:
+            return self.space.image(states - self.mortal.hopeful(goal), self._dead, self.images)
+        if moment is not Moment.START:
+            states = states & self.mortal.hopeful(goal)
+        return self.images.everything - self.space.image(states, self._dead, self.images)
+
+    def minimal(self, family: Zdd) -> list[CutSet]:
+        """The minimal members of a family: of :meth:`losing`, the minimal cut sets.
 
         Returns:
             Smaller sets first, then in alphabetical order; the empty set alone where the goal can never be
@@ -145,28 +122,26 @@ class CutSets(Generic[S]):
         Raises:
             LimitError: There are too many.
         """
-        if moment is Moment.SOMETIME:
-            return self.listed(self.lost_at_worst(goal))
-        return self.listed(self.images.everything - self.survived(goal, moment, section))
+        if family not in self._minimal:
+            names = map(self._names, self.images.minimal(family))
+            self._minimal[family] = sorted(names, key=lambda members: (len(members), members))
+        return self._minimal[family]
 
-    def listed(self, family: Zdd) -> list[CutSet]:
-        """The minimal members of a family by names."""
-        return sorted(map(self._names, self.images.minimal(family)), key=lambda names: (len(names), names))
-
-    def _names(self, members: tuple[int, ...] | list[int]) -> CutSet:
+    def _names(self, members: Iterable[int]) -> CutSet:
         return tuple(sorted(self.hardware[member] for member in members))
 
-    def nonmonotone(self, goal: Goal[S]) -> Nonmonotone | None:
+    def nonmonotone(self, lost: Zdd) -> Nonmonotone | None:
         """A loss at the worst moment that one failure more would undo, where there is one.
 
         The functions of the other moments are monotone as they stand. That of ``SOMETIME`` is where hardware
         in service can always fail, which the templates of the paper allow. Where it is not, the minimal cut
         sets are those of the least monotone function above it: their supersets may survive.
+
+        Args:
+            lost: What :meth:`losing` says of a goal ``SOMETIME``.
         """
-        lost = self.lost_at_worst(goal)
         for number, name in enumerate(self.hardware):
-            one_more = self.images.with_member(lost, number) - lost
-            larger = one_more.pick()
+            larger = (self.images.with_member(lost, number) - lost).pick()
             if larger is not None:
                 names = self._names(larger)
                 return Nonmonotone(tuple(n for n in names if n != name), names)

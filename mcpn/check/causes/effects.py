@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import TypeAlias
 
 from mcpn.check.modes import Situation
 from mcpn.mission.facts.usage import Usage
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection
+from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import FAIL, SUCCEED
 
 
@@ -58,61 +59,74 @@ class Case:
     objective_lost: bool
     mission_lost: bool
     lost_for_ever: bool
-    objective_regained: bool
-    mission_regained: bool
-    elsewhere: str
+    objective_regained: bool = False
+    mission_regained: bool = False
+    elsewhere: str = ""
 
+    def objective_effect(self) -> str:
+        """What it means for the objective."""
+        if self.objective_lost:
+            return "cannot succeed any more"
+        return "goes on in another mode" if self.before != self.after else "none"
 
-class Words:
-    """Says what happens in one mission.
+    def mission_effect(self) -> str:
+        """What it means for the mission."""
+        if self.lost_for_ever:
+            return "cannot succeed any more"
+        return "can succeed only if repaired" if self.mission_lost else "can still succeed"
 
-    Args:
-        usage: Its activities.
-        graph: Its objectives.
-    """
-
-    def __init__(self, usage: Usage, graph: ObjectivesGraph) -> None:
-        self.usage = usage
-        self._owners: dict[str, tuple[ParallelSection, Branch]] = {
-            inner.name: (block, branch)
-            for block in graph.all_sections()
-            if isinstance(block, ParallelSection)
-            for branch in block.branches
-            for inner in branch.graph.sections
-        }
-
-    def detection(self, case: Case, hardware: str) -> str:
-        """How the failure is noticed."""
+    def detection(self, usage: Usage, hardware: str) -> str:
+        """How the failure of some hardware is noticed."""
         users = [
             activity
-            for activity, chosen in case.before.mode.items()
-            for alternative in self.usage.activities[activity].alternatives
+            for activity, chosen in self.before.mode.items()
+            for alternative in usage.activities[activity].alternatives
             if alternative.name == chosen and hardware in alternative.consumes
         ]
         if users:
             return f"at once, by the error to {' and '.join(users)}"
         return "by its event alone: not in use here"
 
-    def compensation(self, case: Case, section: ElementarySection) -> str:
+    def compensation(self, section: ElementarySection, around: Around) -> str:
         """What replaces the resource, or where the objective's failure leads."""
-        if case.objective_lost:
-            return self.route(section)
-        after = case.after.mode
-        taken = [after[a] for a, was in case.before.mode.items() if after.get(a, was) != was]
+        if self.objective_lost:
+            return route(section, around)
+        after = self.after.mode
+        taken = [after[a] for a, was in self.before.mode.items() if after.get(a, was) != was]
         if taken:
             return f"{', '.join(taken)} instead"
-        return "none" if case.mission_lost else "none needed"
+        return "none" if self.mission_lost else "none needed"
 
-    def route(self, section: ElementarySection) -> str:
-        """Where the failure of an objective leads."""
-        if section.failure not in (SUCCEED, FAIL):
-            return f"its failure leads to {section.failure}"
-        block, branch = self._owners.get(section.name, (None, None))
-        if block is None or branch is None:
-            return f"its failure ends the mission in {'success' if section.failure == SUCCEED else 'failure'}"
-        if section.failure == SUCCEED:
-            return f"its failure is a success of {branch.name}"
-        return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
+    def recovery(self) -> str:
+        """What happens when the resource is ready again while the objective still runs."""
+        if self.objective_lost:
+            again = ", then the mission can succeed" if self.mission_regained else ""
+            if self.objective_regained:
+                return f"the objective can succeed again{again}"
+            return f"none before the objective has failed{again}"
+        if self.mission_lost and self.before == self.after:
+            return "the mission can succeed again" if self.mission_regained else "none"
+        if self.back.mode == self.after.mode:
+            return (
+                "none needed" if self.back.mode == self.before.mode else "at the next start of the activity"
+            )
+        return "the former mode" if self.back.mode == self.before.mode else "another mode"
+
+
+Around: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
+"""The parallel blocks around an objective, each with the branch that it stands in, the outermost first."""
+
+
+def route(section: ElementarySection, around: Around) -> str:
+    """Where the failure of an objective leads."""
+    if section.failure not in (SUCCEED, FAIL):
+        return f"its failure leads to {section.failure}"
+    if not around:
+        return f"its failure ends the mission in {'success' if section.failure == SUCCEED else 'failure'}"
+    block, branch = around[-1]
+    if section.failure == SUCCEED:
+        return f"its failure is a success of {branch.name}"
+    return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
 
 
 def joined(told: Iterable[str]) -> str:
@@ -155,31 +169,3 @@ def local_effect(cases: Sequence[Case]) -> str:
         return "none at once; the objective cannot succeed any more"
     elsewhere = dict.fromkeys(case.elsewhere or "needed later" for case in cases)
     return f"none here; {'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"
-
-
-def objective_effect(case: Case) -> str:
-    """What it means for the objective."""
-    if case.objective_lost:
-        return "cannot succeed any more"
-    return "goes on in another mode" if case.before != case.after else "none"
-
-
-def mission_effect(case: Case) -> str:
-    """What it means for the mission."""
-    if case.lost_for_ever:
-        return "cannot succeed any more"
-    return "can succeed only if repaired" if case.mission_lost else "can still succeed"
-
-
-def recovery(case: Case) -> str:
-    """What happens when the resource is ready again while the objective still runs."""
-    if case.objective_lost:
-        again = ", then the mission can succeed" if case.mission_regained else ""
-        if case.objective_regained:
-            return f"the objective can succeed again{again}"
-        return f"none before the objective has failed{again}"
-    if case.mission_lost and case.before == case.after:
-        return "the mission can succeed again" if case.mission_regained else "none"
-    if case.back.mode == case.after.mode:
-        return "none needed" if case.back.mode == case.before.mode else "at the next start of the activity"
-    return "the former mode" if case.back.mode == case.before.mode else "another mode"

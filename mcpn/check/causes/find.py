@@ -15,15 +15,14 @@ from typing import Any
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.check.causes.scenarios import Scenarios
-from mcpn.check.choice import Asked, Choice, answered
-from mcpn.check.spaces import mortal_space, stable_space
+from mcpn.check.spaces import Asked, Choice, answered, mortal_space, space_of
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.notebook import Told
-from mcpn.space.algebra import Alike, Space
+from mcpn.space.algebra import Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
 from mcpn.steps import step
@@ -40,7 +39,7 @@ class GoalCauses:
         critical: Events that lead into the losing region where nothing is repaired.
         critical_with_repairs: The same where hardware may be repaired.
         nonmonotone: A pair of sets for which more failures are better, where there is one.
-        find_run: Looks for a run to failure by a cut set.
+        find_run: Looks for a short run to failure by a cut set.
     """
 
     name: str
@@ -60,20 +59,6 @@ class GoalCauses:
     def runs(self) -> dict[CutSet, Run | None]:
         """For each of the cut sets a shortest run to failure, where there is one."""
         return {names: self.find_run(names) for names in self.cut_sets}
-
-    def renamed(self, names: Mapping[str, str], find_run: Callable[[CutSet], Run | None]) -> GoalCauses:
-        """The same of another objective, which differs from this one in names alone.
-
-        Args:
-            names: By objective here, the one there.
-            find_run: Looks for a run to failure of the other.
-        """
-        without, repaired = (
-            [critical.renamed(names) for critical in of] for of in (self.critical, self.critical_with_repairs)
-        )
-        return replace(
-            self, name=names[self.name], critical=without, critical_with_repairs=repaired, find_run=find_run
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +136,7 @@ def find_causes(
     Args:
         mission_net: The mission's net.
         engine: Who makes the spaces: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.choice`. All give the same answers; runs are shortest but for composition, where
+            :mod:`mcpn.check.spaces`. All give the same answers; runs are shortest but for composition, where
             they pass as few sections as can be.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges that are listed.
@@ -166,82 +151,57 @@ def find_causes(
     """
 
     def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        stable = stable_space(
-            mission_net,
-            engine=by.engine,
-            max_states=by.max_states,
-            progress=None if by.brief else progress,
-            direct=not by.brief,
-        )
-        return stable, mortal_space(mission_net, engine=by.engine, max_states=by.max_states)
+        stable = space_of(mission_net, by, "alternatives", progress=None if by.brief else progress)
+        return stable, mortal_space(mission_net, by)
 
-    (stable, dying), choice = answered(
+    (stable, dying_space), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
     step("finding what hardware the mission needs")
-    cuts = CutSets(Prospects(mortal(mission_net), dying))
-    return _Finding(Prospects(mission_net, stable), cuts, choice).causes()
+    finding = _Finding(Prospects(mission_net, stable), CutSets(Prospects(mortal(mission_net), dying_space)))
+    alive, dying = finding.prospects, finding.cuts.mortal
+    return Causes(
+        mission_net,
+        alive,
+        finding.goal(alive.mission, dying.mission),
+        {
+            name: finding.goal(alive.objectives[name], dying.objectives[name], section)
+            for name, section in alive.sections.items()
+        },
+        [finding.survival(section) for section in (None, *mission_net.graph.sections)],
+        choice,
+    )
 
 
 class _Finding:
-    def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any], choice: Choice) -> None:
+    def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any]) -> None:
         self.prospects = prospects
         self.cuts = cuts
-        self.choice = choice
         self.scenarios = Scenarios(prospects)
-        self.mission_net = prospects.mission_net
-        self.alike: Alike[GoalCauses] = Alike()
 
-    def causes(self) -> Causes:
-        graph = self.mission_net.graph
-        step("finding the causes of failure of the mission")
-        return Causes(
-            self.mission_net,
-            self.prospects,
-            self.goal(self.prospects.mission, self.cuts.mortal.mission, None),
-            {section.name: self.objective(section) for section in graph.walk()},
-            [self.survival(section) for section in (None, *graph.sections)],
-            self.choice,
-        )
-
-    def objective(self, section: Section) -> GoalCauses:
-        """Why an objective fails; found once for those that differ in names alone."""
-        step(f"finding the causes of failure of objective {section.name}")
-        goal, dying = self.prospects.objectives[section.name], self.cuts.mortal.objectives[section.name]
-        at_moments = (self.cuts.states(dying, moment, section) for moment in Moment)
-        pieces = [list(self.prospects.space.pieces(states)) for states in (goal.running, goal.won)]
-        pieces += [list(self.cuts.space.pieces(states)) for states in (dying.running, dying.won, *at_moments)]
-        kinds = tuple(tuple(piece.kind for piece in of) for of in pieces)
-        if not goal.running or any(None in of for of in kinds):
-            return self.goal(goal, dying, section)
-        names = pieces[0][0].names
-        key = names.index(goal.name), kinds
-        found, renamed = self.alike.known(key, names, lambda: self.goal(goal, dying, section))
-        return found.renamed(renamed, lambda names: self.scenarios.to_failure(goal, names))
-
-    def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None) -> GoalCauses:
+    def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
+        step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
         wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
-        moments = {moment.value: self.cuts.cut_sets(dying, moment, section) for moment in wanted}
+        losing = {moment: self.cuts.losing(dying, moment, section) for moment in wanted}
+        moments = {moment.value: self.cuts.minimal(lost) for moment, lost in losing.items()}
         return GoalCauses(
             goal.name,
             moments[(Moment.START if section is None else Moment.ENTRY).value],
             moments,
             self.prospects.critical(goal, repairs=False),
             self.prospects.critical(goal, repairs=True),
-            self.cuts.nonmonotone(dying),
+            self.cuts.nonmonotone(losing[Moment.SOMETIME]),
             lambda names: self.scenarios.to_failure(goal, names),
         )
 
     def survival(self, section: Section | None) -> Survival:
-        entered = "the start" if section is None else f"section {section.name}"
-        step(f"finding what the mission survives from {entered} on")
-        cuts, mission = self.cuts, self.cuts.mortal.mission
-        moment = Moment.START if section is None else Moment.ENTRY
-        survived = cuts.survived(mission, moment, section)
-        cut_sets = cuts.listed(cuts.images.everything - survived)
+        name = None if section is None else section.name
+        step(f"finding what the mission survives from {f'section {name}' if name else 'the start'} on")
+        cuts, moment = self.cuts, Moment.START if section is None else Moment.ENTRY
+        lost = cuts.losing(cuts.mortal.mission, moment, section)
+        cut_sets, survived = cuts.minimal(lost), cuts.images.everything - lost
         always = at_most = None
         if survived:
             always = len(cut_sets[0]) - 1 if cut_sets else len(cuts.hardware)
             at_most = cuts.images.sized(survived)
-        name = None if section is None else section.name
         return Survival(name, cut_sets, always, at_most, lambda: self.scenarios.most_failures(section))

@@ -10,27 +10,26 @@ The model, all durations exponential and independent, hours the unit of time:
 - an objective that cannot succeed any more fails at once (the activity's error to the controller, paper 6.2);
   one that only waits for a resource waits. Of several that fail at once, each is as likely to be the first.
 
-Where states can be listed, the whole mission is one chain (:mod:`mcpn.check.causes.chain`); by composition
-each type of section is one, and they are put together at the status of the hardware
-(:mod:`mcpn.check.causes.section_chains`). Both give the same numbers but for rounding.
+By composition each type of section is one chain (:mod:`mcpn.check.causes.chain`), and they are put together
+at the status of the hardware (:mod:`mcpn.check.causes.section_chains`). Otherwise the whole mission is one
+section. Both give the same numbers but for rounding.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from mcpn.check.causes.chain import Chain, Listed, Rates
+from mcpn.check.causes.chain import Listed
 from mcpn.check.causes.prospects import Prospects
-from mcpn.check.causes.section_chains import SectionChains
+from mcpn.check.causes.section_chains import Outlook, Section, Sections
 from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
-from mcpn.space.arrays import ArraySet, ArraySpace
+from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.space.arrays import ArraySpace
 from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.section_type import SectionType
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES
 from mcpn.space.stable.listing import written_out
 
@@ -72,18 +71,14 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     """
     _refuse_unknown(prospects)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    model: SectionChains | _Whole
-    if isinstance(prospects.space, CompositeSpace):
-        model = SectionChains(prospects, limit)
-    else:
-        model = _Whole(_listed(prospects, limit))
+    model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
     failing = {name: hardware[name].failure_rate or 0.0 for name in prospects.hardware}
     repaired = {name: hardware[name].repair_rate or 0.0 for name in prospects.hardware}
-    expected = model.outlook(failing, repaired)
+    expected = Outlook(model, failing, repaired)
     importance = {}
     for name in prospects.hardware:
-        frozen = model.outlook({**failing, name: 0.0}, {**repaired, name: 0.0})
+        frozen = Outlook(model, {**failing, name: 0.0}, {**repaired, name: 0.0})
         importance[name] = frozen.ends()[0] - frozen.ends(name)[0]
     return Risk(*expected.ends(), expected.degraded_modes(), importance)
 
@@ -100,42 +95,25 @@ def _refuse_unknown(prospects: Prospects[Any]) -> None:
         raise InputError(problems)
 
 
-def _listed(prospects: Prospects[Any], max_states: int) -> Prospects[ArraySet]:
-    if isinstance(prospects.space, ArraySpace):
-        return prospects
-    graph = written_out(prospects.space, "risk", max_states)
-    return Prospects(prospects.mission_net, ArraySpace(graph))
-
-
-class _Whole:
-    """The whole mission as one chain, asked as :class:`mcpn.check.causes.section_chains.SectionChains` is."""
-
-    def __init__(self, prospects: Prospects[ArraySet]) -> None:
-        self.sections = list(prospects.mission_net.graph.walk())
-        self.listed = Listed(prospects, prospects.hardware)
-
-    def outlook(self, failing: Mapping[str, float], repaired: Mapping[str, float]) -> _WholeOutlook:
-        names = self.listed.hardware
-        rates = Rates.of(self.sections, [failing[n] for n in names], [repaired[n] for n in names])
-        return _WholeOutlook(Chain(self.listed, rates))
-
-
-class _WholeOutlook:
-    def __init__(self, chain: Chain) -> None:
-        self.chain = chain
-        listed = chain.listed
-        self.values = [
-            chain.expected(np.asarray(listed.exit_of == number, np.float64))
-            for number in (listed.exits["success"], listed.exits["failure"])
-        ]
-
-    def ends(self, lost: str | None = None) -> tuple[float, float]:
-        names = self.chain.listed.hardware
-        status = 0 if lost is None else 1 << (len(names) - 1 - names.index(lost))
-        entry = self.chain.listed.entries[status]
-        success, failure = (float(values[entry]) for values in self.values)
-        return success, failure
-
-    def degraded_modes(self) -> float:
-        numbers, infinite = self.chain.modes_at_entries()
-        return math.inf if infinite[0] else float(numbers[0] + self.chain.into_degraded[0])
+def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
+    """The sections of a composite; of any other space the whole mission as one, listed."""
+    space, net, hardware = prospects.space, prospects.mission_net, prospects.hardware
+    if not isinstance(space, CompositeSpace):
+        if not isinstance(space, ArraySpace):
+            prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
+        routes = {"success": SUCCEED, "failure": FAIL}
+        whole = Section(Listed(prospects, hardware), hardware, tuple(prospects.sections.values()), routes)
+        return Sections({"": whole}, "", hardware)
+    listed: dict[SectionType, Listed] = {}
+    sections = {}
+    for name, placed in space.sections.items():
+        if name not in space.everything.parts:
+            continue
+        kind = placed.type
+        if kind not in listed:
+            kind.refuse_list(name, max_states, "numbers of risk list every state")
+            graph = kind.listed()
+            listed[kind] = Listed(Prospects(kind.net, ArraySpace(graph)), kind.faulty)
+        objectives = tuple(placed.part.graph.walk())
+        sections[name] = Section(listed[kind], placed.faulty, objectives, placed.routes)
+    return Sections(sections, net.graph.entry, hardware)

@@ -50,7 +50,7 @@ class Scenarios(Generic[S]):
         oos = prospects.places("oos", names)
         lost = self.space.restricted(prospects.losing(goal, repairs=False), oos, ())
         ways: tuple[Guards[S], ...] = (prospects.forced, None)
-        if goal.kind == "objective":
+        if goal is not prospects.mission:
             for guards in ways:
                 run = self.space.run(self._begin, lost, None, transitions, guards)
                 if run is not None:

@@ -1,4 +1,4 @@
-"""Numbers of risk by composition: a chain of sections over the status of the hardware.
+"""Numbers of risk as a chain of sections over the status of the hardware; the whole mission may be one.
 
 What a section does depends on its own hardware alone, and all other hardware fails and is repaired beside it
 in continuous time. Both are independent but for the time ``T`` after which the section ends. Each resource
@@ -16,29 +16,25 @@ lead back to earlier ones, the values at those entries are the unknowns of a lin
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
+from weakref import WeakValueDictionary
 
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from mcpn.check.causes.chain import Chain, Floats, Listed, Rates
-from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.chain import Chain, Floats, Listed
 from mcpn.errors import LimitError
+from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.space.arrays import ArraySpace
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.section_type import SectionType
-from mcpn.space.local.sections import PlacedSection
-from mcpn.space.local.sets import CompositeSet
 from mcpn.space.markings.graph import Ints
 
 Array: TypeAlias = npt.NDArray[Any]
-Values: TypeAlias = dict[str, Array]
+Values: TypeAlias = Mapping[str, Array]
 """By section, values by the status of the hardware that it and later ones use; the last axis is free."""
 
 MOST_HARDWARE = 16
@@ -54,335 +50,181 @@ PRECISION = 1e-13
 """Of the iteration, relative to the values at the exits."""
 
 
-class SectionChains:
-    """The sections of a mission as chains.
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A section of a mission, or the whole mission as one.
 
     Args:
-        prospects: The mission on its composite.
-        max_states: How many states of a section may be listed.
-
-    Raises:
-        LimitError: Some section has more states, or too much hardware must be remembered.
+        listed: Its states, which sections of one type share.
+        hardware: Its hardware that can fail, in the order of the states'.
+        objectives: Its elementary objectives, in that order too.
+        routes: By exit, the section that it leads to, or the mission's own exit.
     """
 
-    def __init__(self, prospects: Prospects[CompositeSet], max_states: int) -> None:
-        space = prospects.space
-        assert isinstance(space, CompositeSpace), "only a composite has sections"
-        self.entry = prospects.mission_net.graph.entry
-        self.sections = {n: placed for n, placed in space.sections.items() if n in space.everything.parts}
-        self.graph: nx.DiGraph[str] = nx.DiGraph()
-        self.graph.add_nodes_from(self.sections)
-        for name, placed in self.sections.items():
-            self.graph.add_edges_from((name, r) for r in placed.routes.values() if r in self.sections)
-        self.order = {name: number for number, name in enumerate(self.sections)}
-        self.components = self._components()
-        loop = {name: number for number, members in enumerate(self.components) for name in members}
-        self.heads = {r for name, r in self.graph.edges if loop[name] == loop[r] and self.back(name, r)}
-        self.used = self._used(space.layout.hardware)
-        self.listed = self._listed(max_states)
-        self.chains: dict[tuple[SectionType, Rates, frozenset[str]], Chain] = {}
+    listed: Listed
+    hardware: tuple[str, ...]
+    objectives: Sequence[ElementarySection]
+    routes: Mapping[str, str]
 
-    def _components(self) -> list[list[str]]:
-        """Sections that lead to each other, later ones first; each in the mission's order."""
-        condensed = nx.condensation(self.graph)
-        later_first = reversed(list(nx.topological_sort(condensed)))
-        return [sorted(condensed.nodes[c]["members"], key=self.order.__getitem__) for c in later_first]
 
-    def back(self, name: str, route: str) -> bool:
-        """Whether a section leads back to itself or one before it, in the mission's order."""
-        return self.order[route] <= self.order[name]
+class Sections:
+    """The sections of a mission.
 
-    def _used(self, hardware: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    Args:
+        sections: The sections by name, in the mission's order.
+        entry: The section where the mission begins.
+        hardware: The mission's hardware that can fail.
+
+    Raises:
+        LimitError: Too much hardware must be remembered.
+    """
+
+    def __init__(self, sections: Mapping[str, Section], entry: str, hardware: Sequence[str]) -> None:
+        self.sections = sections
+        self.entry = entry
+        graph: nx.DiGraph[str] = nx.DiGraph()
+        graph.add_nodes_from(sections)
+        graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
+        order = {name: number for number, name in enumerate(sections)}
+        condensed = nx.condensation(graph)
+        self.loops: list[tuple[list[str], list[str]]] = []
+        """Sections that lead to each other, and those of them that are led back to; later ones first."""
+        self.used: dict[str, tuple[str, ...]] = {}
         """By section, the hardware that it and later ones use, in the mission's order."""
-        number = {name: i for i, name in enumerate(hardware)}
-        found: dict[str, tuple[str, ...]] = {}
-        for members in self.components:
-            used = {h for name in members for h in self.sections[name].faulty}
-            used |= {h for name in members for r in self.graph[name] for h in found.get(r, ())}
-            if len(used) > MOST_HARDWARE:
+        for number in reversed(list(nx.topological_sort(condensed))):
+            members = sorted(condensed.nodes[number]["members"], key=order.__getitem__)
+            back = {r for n in members for r in graph[n] if r in members and order[r] <= order[n]}
+            self.loops.append((members, sorted(back, key=order.__getitem__)))
+            used = {h for name in members for h in sections[name].hardware}
+            used |= {h for name in members for r in graph[name] for h in self.used.get(r, ())}
+            if len(used) > MOST_HARDWARE and len(sections) > 1:
                 raise LimitError(
                     f"section {members[0]} and those after it use {len(used)} hardware resources that may "
                     f"fail: numbers of risk remember 2^{len(used)} states of them, the limit is "
                     f"2^{MOST_HARDWARE}"
                 )
-            found.update(dict.fromkeys(members, tuple(sorted(used, key=number.__getitem__))))
-        return found
-
-    def _listed(self, max_states: int) -> dict[SectionType, Listed]:
-        found: dict[SectionType, Listed] = {}
-        for name, placed in self.sections.items():
-            kind = placed.type
-            if kind not in found:
-                space = ArraySpace(kind.listed(name, max_states, "numbers of risk list every state"))
-                found[kind] = Listed(Prospects(kind.net, space), kind.faulty)
-        return found
-
-    def outlook(self, failing: Mapping[str, float], repaired: Mapping[str, float]) -> SectionsOutlook:
-        """The mission under given failures and repairs per hour, by hardware."""
-        known: dict[tuple[Chain, bytes], Floats] = {}
-        steps = {name: self._step(name, failing, repaired, known) for name in self.sections}
-        return SectionsOutlook(self, steps)
-
-    def _step(
-        self,
-        name: str,
-        failing: Mapping[str, float],
-        repaired: Mapping[str, float],
-        known: dict[tuple[Chain, bytes], Floats],
-    ) -> Step:
-        placed, used = self.sections[name], self.used[name]
-        own = placed.faulty
-        rates = Rates.of(placed.part.graph.walk(), [failing[h] for h in own], [repaired[h] for h in own])
-        again = frozenset(exit_ for exit_, route in placed.routes.items() if route == name)
-        key = placed.type, rates, again
-        if key not in self.chains:
-            self.chains[key] = Chain(self.listed[placed.type], rates, again)
-        beside = [h for h in used if h not in own]
-        return Step(
-            placed,
-            self.chains[key],
-            used,
-            tuple(used.index(h) for h in (*own, *beside)),
-            tuple((failing[h], repaired[h]) for h in beside),
-            known,
-        )
+            self.used.update(dict.fromkeys(members, tuple(h for h in hardware if h in used)))
+        self.chains: WeakValueDictionary[Any, Chain] = WeakValueDictionary()
+        """Chains that some outlook still uses, by all that makes them."""
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """The way through one section, from values at its exits to values at its entry.
-
-    Values are arrays with an axis for each resource that the section and later ones use, in service and out
-    of service, and a last axis for several values at once.
-
-    Args:
-        placed: The section.
-        chain: Its chain.
-        used: The hardware of the axes.
-        axes: The axes, those of its own hardware first.
-        beside: Failures and repairs per hour of the rest.
-        known: Kernels of this outlook's chains, by the decays of what is beside.
-    """
-
-    placed: PlacedSection
-    chain: Chain
-    used: tuple[str, ...]
-    axes: tuple[int, ...]
-    beside: tuple[tuple[float, float], ...]
-    known: dict[tuple[Chain, bytes], Floats]
-
-    @property
-    def routes(self) -> Mapping[str, str]:
-        """By exit, where it leads."""
-        return self.placed.routes
-
-    @cached_property
-    def _decay(self) -> Floats:
-        """By product of functions of the hardware beside the section, its rate of decay."""
-        found = np.zeros(1)
-        for fails, back in self.beside:
-            found = np.add.outer(found, (0.0, fails + back)).reshape(-1)
-        return found
-
-    @cached_property
-    def _kernels(self) -> tuple[Ints, Floats]:
-        """By product, the number of its kernel; and the kernels, which sections of one chain share."""
-        decays, numbers = np.unique(self._decay, return_inverse=True)
-        key = self.chain, decays.tobytes()
-        if key not in self.known:
-            self.known[key] = self.chain.kernels(decays)
-        return numbers, self.known[key]
-
-    def _matrix(self, values: Sequence[Array]) -> Array:
-        """Values at the exits with own status, status beside and values as axes; exits one after another."""
-        own = self.chain.listed.statuses
-        last = len(self.used)
-        found = [v.transpose(*self.axes, last).reshape(own, -1, v.shape[-1]) for v in values]
-        return np.concatenate(found)
-
-    def _array(self, matrix: Array) -> Array:
-        """The same back, for values at the entry."""
-        found = matrix.reshape((2,) * len(self.used) + matrix.shape[-1:])
-        return found.transpose(*np.argsort(self.axes), len(self.used))
-
-    def back(self, values: Sequence[Floats]) -> Floats:
-        """Expected values, from values at each of the chain's exits."""
-        matrix = np.asarray(self._matrix(values), np.float64)
-        shape = matrix.shape
-        by_resource = matrix.reshape(shape[0], *(2,) * len(self.beside), shape[-1])
-        for axis, (fails, back) in enumerate(self.beside, 1):
-            working, out = np.take(by_resource, 0, axis), np.take(by_resource, 1, axis)
-            if fails + back:
-                mean = (back * working + fails * out) / (fails + back)
-                working, out = mean, working - out
-            by_resource = np.stack([working, out], axis)
-        matrix = by_resource.reshape(shape)
-        found = np.empty((self.chain.listed.statuses, *shape[1:]))
-        decays, kernels = self._kernels
-        for begin in range(0, len(decays), PRODUCTS):
-            chosen = slice(begin, begin + PRODUCTS)
-            products = kernels[decays[chosen]] @ matrix[:, chosen].transpose(1, 0, 2)
-            found[:, chosen] = products.transpose(1, 0, 2)
-        by_resource = found.reshape(found.shape[0], *(2,) * len(self.beside), shape[-1])
-        for axis, (fails, back) in enumerate(self.beside, 1):
-            if fails + back:
-                mean, difference = np.take(by_resource, 0, axis), np.take(by_resource, 1, axis)
-                working = mean + difference * (fails / (fails + back))
-                out = mean - difference * (back / (fails + back))
-                by_resource = np.stack([working, out], axis)
-        return np.asarray(self._array(by_resource), np.float64)
-
-    def may_come_to(self, flags: Sequence[Array]) -> Array:
-        """Whether some of the flagged states at the chain's exits are reached with some probability."""
-        matrix = self._matrix(flags)
-        at_once, later = self.chain.possible
-        after = matrix.reshape(matrix.shape[0], *(2,) * len(self.beside), matrix.shape[-1]).copy()
-        for axis, (fails, back) in enumerate(self.beside, 1):
-            working, out = np.moveaxis(after, axis, 0)
-            if fails:
-                working |= out
-            if back:
-                out |= working
-        counts = np.tensordot(at_once.astype(np.int64), matrix.astype(np.int64), axes=1)
-        counts += np.tensordot(later.astype(np.int64), after.reshape(matrix.shape).astype(np.int64), axes=1)
-        return np.asarray(self._array(counts > 0), np.bool_)
-
-    def spread(self, by_status: Array) -> Array:
-        """Values by own status as an array of the section's shape."""
-        own = self.chain.listed.statuses
-        whole = np.broadcast_to(by_status.reshape(own, 1, 1), (own, len(self._decay), 1))
-        return self._array(whole)
-
-
-class SectionsOutlook:
-    """The mission under given rates.
+class Outlook:
+    """A mission under given rates.
 
     Args:
         model: Its sections.
-        steps: The way through each, under the rates.
+        failing: Failures per hour, by hardware.
+        repaired: Repairs per hour, by hardware.
     """
 
-    def __init__(self, model: SectionChains, steps: Mapping[str, Step]) -> None:
+    def __init__(self, model: Sections, failing: Mapping[str, float], repaired: Mapping[str, float]) -> None:
         self.model = model
-        self.steps = steps
+        kernels: dict[tuple[Chain, bytes], Floats] = {}
+        self.steps = {name: _Step(name, model, failing, repaired, kernels) for name in model.sections}
 
     def ends(self, lost: str | None = None) -> tuple[float, float]:
         """Probabilities of success and failure, if one resource is out of service at the start."""
-        used = self.model.used[self.model.entry]
-        status = tuple(int(name == lost) for name in used)
+        status = tuple(int(name == lost) for name in self.model.used[self.model.entry])
         success, failure = self._ends[self.model.entry][status].tolist()
         return success, failure
 
     @cached_property
     def _ends(self) -> Values:
-        ending = self._coming_to({}, {SUCCEED: np.ones(1, np.bool_), FAIL: np.ones(1, np.bool_)})
-        return self._solved(ending, {}, {SUCCEED: np.array([1.0, 0.0]), FAIL: np.array([0.0, 1.0])}, 2)
+        sure = np.ones(1, np.bool_)
+        ending = self._coming_to({SUCCEED: sure, FAIL: sure})
+        nothing = dict.fromkeys(self.steps, np.zeros(2))
+        return self._solved(ending, nothing, {SUCCEED: np.array([1.0, 0.0]), FAIL: np.array([0.0, 1.0])})
 
     def degraded_modes(self) -> float:
-        """The expected number of jumps into another, degraded mode."""
-        steps = self.steps
-        inside = {name: step.chain.modes_at_entries() for name, step in steps.items()}
+        """The expected number of jumps into another, degraded mode; infinite where it may go on for ever."""
+        steps, sure = self.steps, np.ones(1, np.bool_)
         entered = {name: step.spread(step.chain.into_degraded) for name, step in steps.items()}
-        gained: Values = {}
+        gained: dict[str, Array] = {}
         for name, step in steps.items():
             # A section that is entered again from itself counts that inside, where it knows the mode before.
             others = {route: found for route, found in entered.items() if route != name}
-            gained[name] = step.back(self._at_exits(step, others, np.zeros(1))) + step.spread(inside[name][0])
-        gaining = self._coming_to({name: found > 0 for name, found in gained.items()}, {})
+            gained[name] = step.back(self._at_exits(step, others)) + step.spread(step.chain.modes[0])
+        gaining = self._coming_to({name: found > 0 for name, found in gained.items()})
         # It goes on for ever where no state is reached after which nothing is gained.
         resting = {name: step.spread(step.chain.stays) | ~gaining[name] for name, step in steps.items()}
-        resting = self._coming_to(resting, {SUCCEED: np.ones(1, np.bool_), FAIL: np.ones(1, np.bool_)})
-        infinite = {name: step.spread(inside[name][1]) | ~resting[name] for name, step in steps.items()}
-        infinite = self._coming_to(infinite, {})
+        resting = self._coming_to({**resting, SUCCEED: sure, FAIL: sure})
+        infinite = {name: step.spread(step.chain.modes[1]) | ~resting[name] for name, step in steps.items()}
+        infinite = self._coming_to(infinite)
         start = *(0 for _ in self.model.used[self.model.entry]), 0
         if infinite[self.model.entry][start]:
             return math.inf
         finite = {name: gaining[name] & ~infinite[name] for name in steps}
-        values = self._solved(finite, gained, {}, 1)
+        values = self._solved(finite, gained, {})
         return float(values[self.model.entry][start] + entered[self.model.entry][start])
 
-    def _at_exits(self, step: Step, values: Values, nothing: Array) -> list[Array]:
-        """Values after each exit of a section, with the section's axes."""
-        found = []
-        for exit_ in step.chain.listed.exits:
-            route = step.routes[exit_]
-            value = values.get(route, nothing)
-            later = self.model.used.get(route, ()) if value.ndim > 1 else ()
+    def _at_exits(self, step: _Step, values: Values) -> list[Array]:
+        """Values after each exit of a section, with the section's axes; 0 where none are given."""
+        routes = [step.section.routes[exit_] for exit_ in step.chain.listed.exits]
+        found = [values.get(route, np.zeros(1, np.bool_)) for route in routes]
+        width = max(value.shape[-1] for value in found)
+        for i, (route, value) in enumerate(zip(routes, found, strict=True)):
+            later = self.model.used[route] if value.ndim > 1 else ()
             value = value.reshape(*(2 if h in later else 1 for h in step.used), value.shape[-1])
-            found.append(np.broadcast_to(value, (2,) * len(step.used) + value.shape[-1:]))
+            found[i] = np.broadcast_to(value, (2,) * len(step.used) + (width,))
         return found
 
-    def _coming_to(self, flagged: Values, ends: Values) -> Values:
+    def _coming_to(self, flagged: Values) -> dict[str, Array]:
         """The entries from which flagged entries or ends are reached with some probability."""
-        found = {**flagged, **ends}
-        nothing = np.zeros(1, np.bool_)
-        for members in self.model.components:
+        found = dict(flagged)
+        for members, heads in self.model.loops:
             grown = True
             while grown:
-                grown = False
+                before = {name: found.get(name) for name in heads}
                 for name in reversed(members):
-                    step, before = self.steps[name], found.get(name)
-                    after = step.may_come_to(self._at_exits(step, found, nothing))
-                    found[name] = after if before is None else after | before
-                    if name in self.model.heads:
-                        grown |= bool((found[name] if before is None else found[name] > before).any())
+                    coming = self.steps[name].may_come_to(self._at_exits(self.steps[name], found))
+                    found[name] = found.get(name, False) | coming
+                grown = any(not np.array_equal(found[name], known) for name, known in before.items())  # type: ignore[arg-type]
         return found
 
-    def _solved(self, inner: Values, gained: Values, ends: Values, width: int) -> Values:
+    def _solved(self, inner: Values, gained: Values, ends: Values) -> Values:
         """The values at entries: what is gained, and what is expected at the exits; 0 outside ``inner``."""
         found = dict(ends)
-        for members in self.model.components:
-            heads = [name for name in members if name in self.model.heads]
-            known = {name: np.zeros((2,) * len(self.model.used[name]) + (width,)) for name in heads}
+        for members, heads in self.model.loops:
             if heads:
-                known = self._fixed(members, known, inner, gained, found)
-            found |= self._sweep(members, known, inner, gained, found, width)
+                found |= self._heads(members, heads, inner, gained, found)
+            found |= self._sweep(members, inner, gained, found)
         return found
 
     def _sweep(
-        self,
-        members: Sequence[str],
-        known: Values,
-        inner: Values,
-        gained: Values,
-        later: Values,
-        width: int,
-    ) -> Values:
+        self, members: Sequence[str], inner: Values, gained: Values, known: Values
+    ) -> dict[str, Array]:
         """The values at the entries of sections from those of later ones, and of those they lead back to."""
-        found: Values = {}
+        values = dict(known)
         for name in reversed(members):
+            # What leads back to this section came before it here, and has seen the value that was known.
             step = self.steps[name]
-            forward = {route: value for route, value in found.items() if not self.model.back(name, route)}
-            value = step.back(self._at_exits(step, {**later, **known, **forward}, np.zeros(width)))
-            found[name] = np.where(inner[name], value + gained.get(name, 0.0), 0.0)
-        return found
+            value = step.back(self._at_exits(step, values)) + gained[name]
+            values[name] = np.where(inner[name], value, 0.0)
+        return values
 
-    def _fixed(
-        self, members: Sequence[str], known: Values, inner: Values, gained: Values, later: Values
+    def _heads(
+        self, members: Sequence[str], heads: Sequence[str], inner: Values, gained: Values, later: Values
     ) -> Values:
         """The values at the entries that sections of a loop lead back to, by a linear system."""
-        shapes = {name: value.shape for name, value in known.items()}
-
-        def onward(values: Values, gained: Values, later: Values) -> Floats:
-            width = next(iter(values.values())).shape[-1]
-            found = self._sweep(members, values, inner, gained, later, width)
-            return np.concatenate([found[name].reshape(-1, found[name].shape[-1]) for name in shapes])
+        shape = (2,) * len(self.model.used[heads[0]])
 
         def split(matrix: Array) -> Values:
-            parts = np.split(matrix, len(shapes))
-            return {
-                name: part.reshape(*shape[:-1], part.shape[-1])
-                for (name, shape), part in zip(shapes.items(), parts, strict=True)
-            }
+            parts = (part.reshape(*shape, -1) for part in np.split(matrix, len(heads)))
+            return dict(zip(heads, parts, strict=True))
 
-        right = onward(known, gained, later)
-        size = len(right)
+        def onward(matrix: Array, gained: Values, later: Values) -> Floats:
+            found = self._sweep(members, inner, gained, {**later, **split(matrix)})
+            return np.concatenate([found[name].reshape(-1, found[name].shape[-1]) for name in heads])
+
+        size, width = len(heads) << len(shape), gained[heads[0]].shape[-1]
+        right = onward(np.zeros((size, width)), gained, later)
         if size <= MOST_DENSE:
-            matrix = onward(split(np.eye(size)), {}, {})
-            return split(np.linalg.solve(np.eye(size) - matrix, right))
+            nothing = dict.fromkeys(members, np.zeros(size))
+            return split(np.linalg.solve(np.eye(size) - onward(np.eye(size), nothing, {}), right))
 
         def less(vector: Floats) -> Floats:
-            return vector - onward(split(vector.reshape(-1, 1)), {}, {}).reshape(-1)
+            nothing = dict.fromkeys(members, np.zeros(1))
+            return vector - onward(vector.reshape(-1, 1), nothing, {}).reshape(-1)
 
         system = LinearOperator((size, size), matvec=less, dtype=np.float64)
         columns = []
@@ -392,3 +234,105 @@ class SectionsOutlook:
                 raise LimitError(f"the values at {size} entries of sections in loops did not settle")
             columns.append(solved)
         return split(np.stack(columns, axis=1))
+
+
+class _Step:
+    """The way through one section, from values at its exits to values at its entry.
+
+    Values are arrays with an axis for each resource that the section and later ones use, in service and out
+    of service, and a last axis for several values at once.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        model: Sections,
+        failing: Mapping[str, float],
+        repaired: Mapping[str, float],
+        kernels: dict[tuple[Chain, bytes], Floats],
+    ) -> None:
+        self.section = section = model.sections[name]
+        self.used = model.used[name]
+        own = section.hardware
+        ending = tuple(
+            (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
+        )
+        again = tuple(exit_ for exit_, route in section.routes.items() if route == name)
+        rates = tuple(failing[h] for h in own), tuple(repaired[h] for h in own), ending, again
+        chain = model.chains.get((section.listed, *rates))
+        if chain is None:
+            chain = model.chains[section.listed, *rates] = Chain(section.listed, *rates)
+        self.chain = chain
+        beside = [h for h in self.used if h not in own]
+        self.beside = [(failing[h], repaired[h]) for h in beside]
+        self._axes = [self.used.index(h) for h in (*own, *beside)]
+        self._known = kernels
+        """Kernels of this outlook's chains, by the decays of what is beside."""
+
+    def _matrix(self, values: Sequence[Array]) -> Array:
+        """Values at the exits with own status, status beside and values as axes; exits one after another."""
+        own, last = self.chain.listed.statuses, len(self.used)
+        return np.concatenate([v.transpose(*self._axes, last).reshape(own, -1, v.shape[-1]) for v in values])
+
+    def _array(self, matrix: Array) -> Array:
+        """The same back, for values at the entry."""
+        found = matrix.reshape((2,) * len(self.used) + matrix.shape[-1:])
+        return found.transpose(*np.argsort(self._axes), len(self.used))
+
+    def _each_beside(self, matrix: Array, maps: Iterable[Sequence[Sequence[float]]]) -> Array:
+        """Values after a map of two states to two for each resource beside the section."""
+        found = matrix.reshape(len(matrix), *(2,) * len(self.beside), matrix.shape[-1])
+        for axis, of in enumerate(maps, 1):
+            found = np.moveaxis(np.tensordot(np.asarray(of), found, (1, axis)), 0, axis)
+        return found.reshape(matrix.shape)
+
+    @cached_property
+    def _decays(self) -> tuple[Floats, Ints]:
+        """The rates at which products of functions of the hardware beside decay; by product, its rate."""
+        found = np.zeros(1)
+        for fails, back in self.beside:
+            found = np.add.outer(found, (0.0, fails + back)).reshape(-1)
+        return np.unique(found, return_inverse=True)
+
+    def back(self, values: Sequence[Array]) -> Floats:
+        """Expected values, from values at each of the chain's exits."""
+        matrix = self._matrix(values).astype(np.float64)
+        if not self.beside:
+            return self._array(self.chain.expected(matrix[:, 0]))
+        decays, numbers = self._decays
+        key = self.chain, decays.tobytes()
+        if key not in self._known:
+            self._known[key] = self.chain.kernels(decays)
+        kernels = self._known[key]
+        # The share of time out of service, and the difference that the status makes, or the status as it is.
+        shares = [(fails / (fails + back) if fails + back else None) for fails, back in self.beside]
+        as_it_is = (1.0, 0.0), (0.0, 1.0)
+        matrix = self._each_beside(
+            matrix, (as_it_is if out is None else ((1.0 - out, out), (1.0, -1.0)) for out in shares)
+        )
+        found = np.empty((self.chain.listed.statuses, *matrix.shape[1:]))
+        for begin in range(0, len(numbers), PRODUCTS):
+            chosen = slice(begin, begin + PRODUCTS)
+            products = kernels[numbers[chosen]] @ matrix[:, chosen].transpose(1, 0, 2)
+            found[:, chosen] = products.transpose(1, 0, 2)
+        return self._array(
+            self._each_beside(
+                found, (as_it_is if out is None else ((1.0, out), (1.0, out - 1.0)) for out in shares)
+            )
+        )
+
+    def may_come_to(self, flags: Sequence[Array]) -> Array:
+        """Whether some of the flagged states at the chain's exits are reached with some probability."""
+        matrix = self._matrix(flags)
+        if not self.beside:
+            return self._array(self.chain.may_come_to(matrix[:, 0, 0])[:, None])
+        matrix = matrix.astype(np.int64)
+        after = self._each_beside(matrix, (((1, fails > 0), (back > 0, 1)) for fails, back in self.beside))
+        at_once, later = (pairs.astype(np.int64) for pairs in self.chain.possible)
+        counts = np.tensordot(at_once, matrix, axes=1) + np.tensordot(later, after, axes=1)
+        return self._array(counts > 0)
+
+    def spread(self, by_status: Array) -> Array:
+        """Values by own status as an array of the section's shape."""
+        own = self.chain.listed.statuses
+        return self._array(np.broadcast_to(by_status.reshape(own, 1, 1), (own, 1 << len(self.beside), 1)))

@@ -144,17 +144,9 @@ def _onward(graph: ObjectivesGraph, section: Section) -> Iterator[tuple[frozense
     The end of a section stops its last objectives, an interruption all that run.
     """
     ending = frozenset(a for last in _endings(section) for a in last.activities)
-    running = frozenset(a for inner in _objectives(section) for a in inner.activities)
+    running = frozenset(a for inner in section.walk() for a in inner.activities)
     yield from ((ending, target) for target in graph.targets(section))
     yield from ((running, target) for target in graph.interrupted(section))
-
-
-def _objectives(section: Section) -> Iterator[ElementarySection]:
-    if isinstance(section, ElementarySection):
-        yield section
-    else:
-        for branch in section.branches:
-            yield from branch.graph.walk()
 
 
 def _endings(section: Section) -> tuple[ElementarySection, ...]:

@@ -15,7 +15,7 @@ from mcpn.net.petri import PetriNet, Provenance
 from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
-from mcpn.space.local.alone import local_graph
+from mcpn.space.local.composing import local_graph
 
 MOST_LISTED = 20_000
 """Stable markings that are listed at most to tell which places are temporary."""

@@ -9,61 +9,50 @@ in which it fails are looked for among those that the mission comes to.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any, TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
-from mcpn.net.sections import SectionParts, Used
+from mcpn.net.sections import SectionParts, part_of
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.layout import IMMORTAL, MORTAL, Layout
+from mcpn.space.local.layout import Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.local.sections import Elements, PlacedSection, Placement
+from mcpn.space.local.sections import WholeNet
+from mcpn.space.markings.explicit import Progress
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
+from mcpn.space.stable.clash import in_mission_words
+from mcpn.space.stable.confluence import direct_with_proof
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
-Progress: TypeAlias = Callable[[int, int], None]
-"""Called after each local space and junction with how many are done and how many there are."""
 
-
-@dataclass(frozen=True)
-class Options:
-    """How a composite is made.
-
-    Args:
-        templates: The set of templates that the mission is composed with, the paper's by default; with
-            another no two sections are taken for one type.
-        executor: Where sections are explored; in this process one after the other by default.
-        progress: Called after each local space.
-        mortal: Whether hardware may die (:mod:`mcpn.net.mortal`).
-    """
-
-    templates: TemplateSet | None = None
-    executor: Executor | None = None
-    progress: Progress | None = None
-    mortal: bool = False
-
-
-AS_USUAL = Options()
-
-
-def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> CompositeSpace:
+def composite_space(
+    mission_net: MissionNet,
+    *,
+    templates: TemplateSet | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    may_die: bool = False,
+) -> CompositeSpace:
     """The alternatives graph of a mission by composition.
 
     Args:
         mission_net: The mission's net; it is not explored.
-        options: How the composite is made.
+        templates: The set of templates that the mission is composed with, the paper's by default; with
+            another no two sections are taken for one type.
+        executor: Where sections are explored; in this process one after the other by default.
+        progress: Called after each local space with how many are done and how many there are.
+        may_die: Whether hardware may die (:mod:`mcpn.net.mortal`).
 
     Returns:
-        The composite. With ``mortal`` its net is that of :func:`mcpn.net.mortal.mortal`.
+        The composite. With ``may_die`` its net is that of :func:`mcpn.net.mortal.mortal`.
 
     Raises:
         PremiseError: A section hands on more than the state of its hardware.
@@ -72,68 +61,64 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         UnsafeError: A local net is not 1-safe.
         LimitError: A limit was hit.
     """
-    usage, graph, templates = mission_net.usage, mission_net.graph, options.templates
-    if usage.contentions and not options.mortal:
+    usage = mission_net.usage
+    if usage.contentions and not may_die:
         step("looking for a clash near the start of the mission")
         error = nearest_fault(mission_net.net)  # a clash near the start is found at once
         if error is not None:
             raise error
     alone = SectionParts(usage).alone
-    parts = {section.name: alone(section) for section in graph.sections}
-    kinds = {name: part.type if templates is None else name for name, part in parts.items()}
-    first: dict[Hashable, str] = {}
-    for name in parts:
-        first.setdefault(kinds[name], name)  # the first section of a type stands for it
-    nets = {kind: _net(parts[name].net(templates), options) for kind, name in first.items()}
-    explored: dict[Hashable, SymbolicSpace] = {}
-    results = results_of([(reach, net.net) for net in nets.values()], options.executor)
-    for number, (kind, name) in enumerate(first.items(), 1):
-        step(f"exploring section {name}{_of_types(number, len(first))}")
+    parts = {section.name: alone(section) for section in mission_net.graph.sections}
+    first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
+    standing = {
+        name: first.setdefault(part.type if templates is None else name, name) for name, part in parts.items()
+    }
+    named = mortal if may_die else lambda net: net
+    nets = {name: named(parts[name].net(templates)) for name in first.values()}
+    explored: dict[str, SymbolicSpace] = {}
+    results = _explored([net.net for net in nets.values()], executor)
+    for number, name in enumerate(nets, 1):
+        step(f"exploring section {name}" + (f" (type {number} of {len(nets)})" if len(nets) > 1 else ""))
         with in_section(name):
-            explored[kind] = next(results)
-        if options.progress:
-            options.progress(number, len(first))
-    hardware = [h.name for h in usage.mission.hardware if ("oos", h.name) in mission_net.by_role]
-    most = max(len(space.encoding.places) for space in explored.values())
-    layout = Layout(hardware, MORTAL if options.mortal else IMMORTAL, most)
-    types = {k: SectionType(parts[name], nets[k], explored[k], layout) for k, name in first.items()}
-    for kind, name in first.items():
+            explored[name] = next(results)
+        if progress:
+            progress(number, len(nets))
+    whole = WholeNet(named(mission_net), templates)
+    layout = Layout(whole.mission_net, max(len(space.encoding.places) for space in explored.values()))
+    types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
+    for name, type_ in types.items():
         step(f"checking what section {name} hands on")
-        types[kind].check_premise(name, explored[kind])
+        type_.check_premise(name, explored[name])
     step("joining the sections")
-    elements = Elements(mortal(mission_net) if options.mortal else mission_net)
-    placements: dict[tuple[SectionType, Used], Placement] = {}
-    placed = []
-    for section in graph.sections:
-        part, type_ = parts[section.name], types[kinds[section.name]]
-        key = type_, part.used
-        if key not in placements:
-            placements[key] = Placement(type_, part, elements, templates)
-        placed.append(PlacedSection(section, part, placements[key]))
-    composite = CompositeSpace(elements, layout, placed)
-    if not options.mortal:  # what may die behaves as what may not
+    stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
+    composite = CompositeSpace(whole, layout, stages)
+    if not may_die:  # what may die behaves as what may not
         if templates is not None:
             refuse_open_junctions(composite)
-        refuse_nonconfluent(composite, {types[k]: explored[k] for k in types})
+        refuse_nonconfluent(composite, {types[name]: space for name, space in explored.items()})
     return composite
 
 
-def _of_types(number: int, of: int) -> str:
-    return f" (type {number} of {of})" if of > 1 else ""
+def _explored(nets: Sequence[PetriNet], executor: Executor | None) -> Iterator[SymbolicSpace]:
+    """The markings of some nets, in their order, wherever they are explored."""
+    futures = [executor.submit(reach, net) for net in nets] if executor else []
+    return (future.result() for future in futures) if executor else map(reach, nets)
 
 
-def _net(local: MissionNet, options: Options) -> MissionNet:
-    return mortal(local) if options.mortal else local
+def local_graph(
+    mission_net: MissionNet, name: str, max_states: int | None = None
+) -> tuple[MissionNet, AlternativesGraph]:
+    """The local net of a section and its alternatives graph, from every state of its hardware.
 
-
-Job: TypeAlias = tuple[Callable[[PetriNet], Any], PetriNet]
-
-
-def results_of(jobs: list[Job], executor: Executor | None) -> Iterator[Any]:
-    """The results of jobs, in their order, wherever they run; what a job raises is raised here."""
-    futures = [executor.submit(call, net) for call, net in jobs] if executor else []
-    for number, (call, net) in enumerate(jobs):
-        yield futures[number].result() if executor else call(net)
+    Raises:
+        InputError: There is no such section.
+        SemanticsError: It is not safe, or not confluent.
+        LimitError: It has too many states.
+    """
+    local = part_of(mission_net, name).net()
+    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    with in_section(name), in_mission_words(local):
+        return local, direct_with_proof(local.net, max_states=limit)
 
 
 @contextmanager

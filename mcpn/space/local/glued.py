@@ -1,59 +1,115 @@
-"""Sections glued at their interface: steps and closures of the composite.
+"""Sections glued at their interface: sets of states of the composite, steps and closures.
 
-A state of the whole is a section, a state of its local net, and the state of the hardware beside it; before
-and after the mission there is the state of the hardware alone. What one section hands to the next is its exit
-and the state of all hardware.
+A state of the whole is a section, a state of its local net, and the status of the hardware beside it; before
+and after the mission there is the status of the hardware alone. What one section hands to the next is its
+exit and the status of all hardware.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
+from heapq import heappop, heappush
 
 from mcpn._kernel import Zdd
-from mcpn.net.events import What
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.local_states import ALL, Allowed, Exit
-from mcpn.space.local.sections import BEGIN, ENDS, Elements, Outside, PlacedSection, Stage
-from mcpn.space.local.sets import CompositeSet, Waiting
+from mcpn.space.local.section_type import ALL, Allowed, Exit
+from mcpn.space.local.sections import BEGIN, ENDS, Stage, WholeNet, outside
+
+Member = tuple[str, tuple[int, ...]]
+"""A state: its section, and its marked levels with the section's own slots unmarked."""
+
+
+class Parts(dict[str, Zdd]):
+    """A set of states in the making: by section, a diagram that is not empty."""
+
+    def add(self, name: str, part: Zdd) -> bool:
+        """Adds states of a section; whether some are new."""
+        known = self.get(name)
+        wider = part if known is None else known | part
+        if not wider or wider == known:
+            return False
+        self[name] = wider
+        return True
+
+
+class CompositeSet:
+    """A set of states of a composite.
+
+    Args:
+        space: The composite.
+        parts: By section, a diagram with the section's own slots open; those that are empty are left out.
+    """
+
+    __slots__ = ("parts", "space")
+
+    def __init__(self, space: Glued, parts: Mapping[str, Zdd]) -> None:
+        self.space = space
+        self.parts = {name: part for name, part in parts.items() if part}
+
+    def __and__(self, other: CompositeSet) -> CompositeSet:
+        few, many = sorted((self.parts, other.parts), key=len)
+        return CompositeSet(self.space, {n: part & many[n] for n, part in few.items() if n in many})
+
+    def __or__(self, other: CompositeSet) -> CompositeSet:
+        few, many = sorted((self.parts, other.parts), key=len)
+        return CompositeSet(self.space, many | {n: p | many[n] if n in many else p for n, p in few.items()})
+
+    def __sub__(self, other: CompositeSet) -> CompositeSet:
+        theirs = other.parts
+        found = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
+        return CompositeSet(self.space, found)
+
+    def __bool__(self) -> bool:
+        return bool(self.parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CompositeSet) and self.parts == other.parts
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.parts.items()))
+
+    def count(self) -> int:
+        """How many states the set has."""
+        return sum(self.space.closed(name, part).count() for name, part in self.parts.items())
+
+    def pick(self) -> Member | None:
+        """A state of the first section in the mission's order, with little hardware out of service."""
+        if not self.parts:
+            return None
+        name = min(self.parts, key=self.space.order.__getitem__)
+        return name, tuple(self.space.closed(name, self.parts[name]).pick() or ())
 
 
 class Glued:
     """The sections of a mission, glued.
 
     Args:
-        elements: The net of the whole mission by its elements; it is not explored.
+        whole: The net of the whole mission; it is not explored.
         layout: The diagram store.
         sections: Every section with its type, in document order.
     """
 
-    def __init__(self, elements: Elements, layout: Layout, sections: Sequence[PlacedSection]) -> None:
-        self.elements = elements
-        self.mission_net = elements.mission_net
+    def __init__(self, whole: WholeNet, layout: Layout, sections: Sequence[Stage]) -> None:
+        self.whole = whole
+        self.mission_net = whole.mission_net
         self.net = self.mission_net.net
         self.layout = layout
-        self.sections = {placed.name: placed for placed in sections}
-        begin, *ends = (Outside(name, self.mission_net, layout) for name in (BEGIN, *ENDS))
+        self.sections = {stage.name: stage for stage in sections}
+        begin, *ends = (outside(name, self.mission_net, layout) for name in (BEGIN, *ENDS))
         self.stages: dict[str, Stage] = {s.name: s for s in (begin, *sections, *ends)}
+        self.empty = layout.store.empty()
         self.nothing = CompositeSet(self, {})
-        self._order = {name: i for i, name in enumerate(self.stages)}
+        self.order = {name: i for i, name in enumerate(self.stages)}
         self.into: dict[str, list[tuple[Stage, Exit]]] = {name: [] for name in self.stages}
         for stage in self.stages.values():
             for exit_, route in stage.routes.items():
                 self.into[route].append((stage, exit_))
 
-    def in_order(self, names: Iterable[str]) -> list[str]:
-        """Names of sections, and of what is before and after them, in the mission's order."""
-        return sorted(names, key=self._order.__getitem__)
-
     def closed(self, name: str, part: Zdd) -> Zdd:
         """A part of a set with the section's own slots unmarked, so that each state is there once."""
         return part.subset(unmarked=self.stages[name].slots)
-
-    def of(self, parts: Mapping[str, Zdd]) -> CompositeSet:
-        """The set of some parts, of which some may be empty."""
-        return CompositeSet(self, {name: part for name, part in parts.items() if part})
 
     @cached_property
     def initial(self) -> CompositeSet:
@@ -63,27 +119,13 @@ class Glued:
     @cached_property
     def everything(self) -> CompositeSet:
         """All reachable states."""
-        return self._reached(self.initial, None)
+        local = {name: stage.type.inside for name, stage in self.stages.items()}
+        return self.reached(self.initial, CompositeSet(self, local))
 
     @cached_property
     def stable(self) -> CompositeSet:
         """All states: each is stable."""
         return self.everything
-
-    @cached_property
-    def toggles(self) -> dict[str, dict[str, int]]:
-        """By hardware, the transitions of the whole net with which it fails and so on while idle."""
-        kinds = {What.OUT_OF_SERVICE: "fails", What.REPAIRED: "repaired", What.LOST: "dies"}
-        found: dict[str, dict[str, int]] = {name: {} for name in self.layout.hardware}
-        initial = self.net.initial
-        for t, transition in enumerate(self.net.transitions):
-            event = transition.event
-            if event is None or event.what not in kinds or event.element not in found:
-                continue
-            if event.what is What.OUT_OF_SERVICE and not all(initial[p] for p, _ in transition.consume):
-                continue  # the failure of a resource in use
-            found[event.element][kinds[event.what]] = t
-        return found
 
     def filtered(
         self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None
@@ -92,21 +134,31 @@ class Glued:
         if transitions is None and not guards:
             return lambda name: ALL
         wanted, limits = None if transitions is None else frozenset(transitions), guards or {}
-        pairs = None if wanted is None else self._toggled_by(wanted)
+        beside = None if wanted is None else wanted.intersection(self.layout.toggles)
 
         def of(name: str) -> Allowed:
-            whole, empty = self.stages[name].transitions.whole, self.layout.store.empty()
-            local = None if wanted is None else frozenset(i for i, t in enumerate(whole) if t in wanted)
-            guarded = [(i, t) for i, t in enumerate(whole) if t in limits] if limits else []
-            return Allowed(local, pairs, tuple((i, limits[t].parts.get(name, empty)) for i, t in guarded))
+            own = [*enumerate(self.stages[name].transitions)]
+            local = None if wanted is None else frozenset(i for i, t in own if t in wanted)
+            guarded = ((i, limits[t].parts.get(name, self.empty)) for i, t in own if t in limits)
+            return Allowed(local, beside, tuple(guarded))
 
         return cache(of)
 
-    def _toggled_by(self, wanted: frozenset[int]) -> frozenset[tuple[str, str]]:
-        """Idle hardware with the kinds of its events that some transitions carry."""
-        return frozenset(
-            (name, kind) for name, kinds in self.toggles.items() for kind, t in kinds.items() if t in wanted
-        )
+    # --- one step ---
+
+    def leaving_for(
+        self,
+        name: str,
+        hardware: Zdd,
+        within: Mapping[str, Zdd],
+        allowed: Callable[[str], Allowed] = lambda name: ALL,
+    ) -> Iterator[tuple[str, Zdd]]:
+        """By section, states of a set with an event that enters a section with hardware in some states."""
+        for before, exit_ in self.into[name]:
+            at = allowed(before.name)
+            if before.name in within and at.local != frozenset():
+                leaving = before.type.before_step(before.ended(exit_, hardware), at)
+                yield before.name, leaving & within[before.name]
 
     def before(
         self,
@@ -115,20 +167,12 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States with an edge into some states."""
-        allowed, found = self.filtered(transitions, guards), dict[str, Zdd]()
-
-        def add(name: str, part: Zdd) -> None:
-            part = part & self.everything.parts.get(name, self.layout.store.empty())
-            if part:
-                found[name] = found[name] | part if name in found else part
-
+        allowed, within, found = self.filtered(transitions, guards), self.everything.parts, Parts()
         for name, part in states.parts.items():
             stage = self.stages[name]
-            add(name, stage.type.before_step(part, allowed(name)))
-            add(name, part.images(stage.beside(allowed(name), undone=True)))
-            for before, exit_ in self.into[name]:
-                if allowed(before.name).local != frozenset():
-                    add(before.name, before.leaving(exit_, stage.entries(part), allowed(before.name)))
+            found.add(name, stage.back(part, allowed(name)) & within.get(name, self.empty))
+            for before, leaving in self.leaving_for(name, stage.entries(part), within, allowed):
+                found.add(before, leaving)
         return CompositeSet(self, found)
 
     def after(
@@ -138,20 +182,48 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States that an edge leads to from some states."""
-        allowed, found = self.filtered(transitions, guards), dict[str, Zdd]()
-
-        def add(name: str, part: Zdd) -> None:
-            if part:
-                found[name] = found[name] | part if name in found else part
-
+        allowed, found = self.filtered(transitions, guards), Parts()
         for name, part in states.parts.items():
             stage = self.stages[name]
             inside, leaving = stage.step(part, allowed(name))
-            add(name, inside)
-            add(name, part.images(stage.beside(allowed(name), undone=False)))
+            found.add(name, inside | part.images([t.event for t in stage.beside(allowed(name))]))
             for route, hardware in leaving:
-                add(route, self.stages[route].entered(hardware))
+                found.add(route, self.stages[route].entered(hardware))
         return CompositeSet(self, found)
+
+    def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
+        """States after the exits of a section from which a set is entered."""
+        found = self.empty
+        for exit_, route in stage.routes.items():
+            if route in parts:
+                found |= stage.ended(exit_, self.stages[route].entries(parts[route]))
+        return found
+
+    @cached_property
+    def dead(self) -> CompositeSet:
+        """States in which neither the section nor hardware beside it can do anything."""
+        found = {}
+        for name, part in self.everything.parts.items():
+            stage = self.stages[name]
+            if resting := part & stage.type.inside & stage.type.graph.dead:
+                found[name] = resting.without([toggle.condition for toggle in stage.beside()])
+        return CompositeSet(self, found)
+
+    # --- closures ---
+
+    def worked(
+        self, names: Iterable[str], work: Callable[[str], Iterable[str]], *, back: bool = False
+    ) -> None:
+        """Works on sections in their order, or against it, and again on those that a piece of work names."""
+        queued = set(names)
+        heap = sorted((-self.order[name] if back else self.order[name], name) for name in queued)
+        while heap:
+            _, at = heappop(heap)
+            queued.discard(at)
+            for name in work(at):
+                if name not in queued:
+                    queued.add(name)
+                    heappush(heap, (-self.order[name] if back else self.order[name], name))
 
     def reaching(
         self,
@@ -162,20 +234,17 @@ class Glued:
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = (self.everything if along is None else along).parts
-        allowed = self.filtered(transitions, guards)
-        found = dict(goal.parts)
-        waiting = Waiting(found, lambda name: -self._order[name])
-        for name in waiting:
-            found[name] = self.reaching_inside(name, found[name], within.get(name), allowed(name))
-            entries = self.stages[name].entries(found[name])
-            for before, exit_ in self.into[name]:
-                if (room := within.get(before.name)) is not None:
-                    waiting.widen(before.name, before.leaving(exit_, entries, allowed(before.name)) & room)
-        return self.of(found)
+        allowed, found = self.filtered(transitions, guards), Parts(goal.parts)
 
-    def reaching_inside(self, name: str, goal: Zdd, along: Zdd | None, allowed: Allowed) -> Zdd:
-        """The closure within one stage."""
-        return goal if along is None else self.stages[name].type.reaching(goal, along, allowed)
+        def work(name: str) -> Iterator[str]:
+            stage, along = self.stages[name], within.get(name, self.empty)
+            found[name] = stage.type.reaching(found[name], along, allowed(name))
+            for before, leaving in self.leaving_for(name, stage.entries(found[name]), within, allowed):
+                if found.add(before, leaving):
+                    yield before
+
+        self.worked(found, work, back=True)
+        return CompositeSet(self, found)
 
     def reached(
         self,
@@ -185,88 +254,37 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
-        return self._reached(begin, self.everything if along is None else along, transitions, guards)
+        along = self.everything if along is None else along
+        allowed, within = self.filtered(transitions, guards), along.parts
+        found = Parts((begin & along).parts)
 
-    def _reached(
-        self,
-        begin: CompositeSet,
-        along: CompositeSet | None,
-        transitions: Collection[int] | None = None,
-        guards: Guards[CompositeSet] = None,
-    ) -> CompositeSet:
-        """The same; without ``along`` through all that local nets allow."""
-        allowed = self.filtered(transitions, guards)
-
-        def within(name: str) -> Zdd | None:
-            return self.stages[name].type.inside if along is None else along.parts.get(name)
-
-        found = {
-            name: part & room for name, part in begin.parts.items() if (room := within(name)) is not None
-        }
-        found = {name: part for name, part in found.items() if part}
-        waiting = Waiting(found, self._order.__getitem__)
-        for name in waiting:
-            room, stage = within(name), self.stages[name]
-            assert room is not None, "only parts of what runs may pass are found"
-            found[name] = stage.type.reached(found[name], room, allowed(name))
+        def work(name: str) -> Iterator[str]:
+            stage = self.stages[name]
+            found[name] = stage.type.reached(found[name], within[name], allowed(name))
             for route, hardware in stage.step(found[name], allowed(name))[1]:
-                onward = within(route)
-                if onward is not None:
-                    waiting.widen(route, self.stages[route].entered(hardware) & onward)
-        return self.of(found)
+                if route in within and found.add(route, self.stages[route].entered(hardware) & within[route]):
+                    yield route
+
+        self.worked(found, work)
+        return CompositeSet(self, found)
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
         found = dict((along & self.everything).parts)
         ends = self.dead.parts
-        empty = self.layout.store.empty()
-        waiting = Waiting(found, lambda name: -self._order[name])
-        for name in waiting:
-            part, stage = found.get(name, empty), self.stages[name]
-            onward = ends.get(name, empty)
-            for exit_, route in stage.routes.items():
-                if route in found:
-                    onward |= stage.leaving(exit_, self.stages[route].entries(found[route]))
-            before = None
+
+        def work(name: str) -> Iterator[str]:
+            stage, part, before = self.stages[name], found[name], None
+            onward = ends.get(name, self.empty) | stage.type.before_step(self.ends_into(stage, found), ALL)
             while before != part:
                 before = part
-                ways = part.images(stage.beside(undone=True)) | stage.type.before_step(part)
-                part = part & (ways | onward)
-            if part != found.get(name, empty):
+                part = part & (stage.back(part) | onward)
+            if part != found[name]:
                 found[name] = part
-                for earlier, _ in self.into[name]:
-                    if earlier.name in found:
-                        waiting.again(earlier.name)
-        return self.of(found)
+                yield from (earlier.name for earlier, _ in self.into[name] if earlier.name in found)
 
-    @cached_property
-    def dead(self) -> CompositeSet:
-        """States in which neither the section nor hardware beside it can do anything."""
-        found = {}
-        for name, part in self.everything.parts.items():
-            if resting := part & self.stages[name].type.dead:
-                found[name] = resting - self.stages[name].able(resting)
-        return self.of(found)
-
-    def leaving_for(self, name: str, hardware: Zdd) -> CompositeSet:
-        """States with an event that enters a section with all hardware in some states."""
-        found = self.nothing
-        for before, exit_ in self.into[name]:
-            part = self.everything.parts.get(before.name)
-            if part is not None:
-                found |= self.of({before.name: before.leaving(exit_, hardware) & part})
-        return found
-
-    def entering(self, placed: PlacedSection) -> Zdd:
-        """States before the entry of a section, as the mission comes to enter it."""
-        hardware = self.layout.store.empty()
-        for before, _ in self.into[placed.name]:
-            part = self.everything.parts.get(before.name)
-            if part is not None:
-                for route, states in before.step(part)[1]:
-                    if route == placed.name:
-                        hardware |= states
-        return placed.type.from_slots(hardware, placed.faulty)
+        self.worked(found, work, back=True)
+        return CompositeSet(self, found)
 
     @cached_property
     def regions(self) -> Sequence[CompositeSet]:
@@ -276,8 +294,7 @@ class Glued:
         parts = self.everything.parts
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(parts)
-        graph.add_edges_from(
-            (name, route) for name in parts for route in self.stages[name].routes.values() if route in parts
-        )
+        graph.add_edges_from((n, r) for n in parts for r in self.stages[n].routes.values() if r in parts)
         regions = nx.strongly_connected_components(graph)
-        return [CompositeSet(self, {name: parts[name] for name in self.in_order(r)}) for r in regions]
+        ordered = (sorted(names, key=self.order.__getitem__) for names in regions)
+        return [CompositeSet(self, {name: parts[name] for name in names}) for names in ordered]

@@ -1,143 +1,152 @@
 """The diagram store of a composite: one for all sections, so that sets pass from section to section.
 
 The first levels hold the places of a section's local net, those of another section elsewhere in the same
-place. The last levels, the *slots*, hold the state of all hardware of the mission: out of service, and lost
+place. The last levels, the *slots*, hold the status of all hardware of the mission: out of service, and lost
 for good where hardware may die. A section keeps its own hardware in its local places; its own slots are left
 open (in either state), so that sections of one type have equal diagrams whatever their hardware is called.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Sequence
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache, cached_property, partial
 from itertools import chain
-from typing import Literal, NamedTuple
+from typing import Concatenate, Literal, NamedTuple, ParamSpec, TypeVar, cast
 
 from mcpn._kernel import Store, Zdd
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import What
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
+from mcpn.space.run import Completion
 
-Bits = tuple[Literal["oos", "dead"], ...]
-"""What a slot says of a hardware resource, as the role of the place that says the same."""
+ROLES: tuple[Literal["oos", "dead"], ...] = ("oos", "dead")
+"""What the slots of a resource say, as the roles of places that say so; the second implies the first."""
 
-IMMORTAL: Bits = ("oos",)
-MORTAL: Bits = ("oos", "dead")
+CHANGES = {What.OUT_OF_SERVICE: (0, 1), What.REPAIRED: (1, 0), What.LOST: (1, 2)}
+"""By event of hardware, its status before and after: how many of its slots are marked."""
+
+Owner = TypeVar("Owner")
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
+
+
+def remembered(
+    method: Callable[Concatenate[Owner, Given], Found],
+) -> cached_property[Callable[Given, Found]]:
+    """Makes a method that keeps what it has found for the same arguments."""
+    return cached_property(lambda owner: cast(Callable[Given, Found], cache(partial(method, owner))))
 
 
 class Toggle(NamedTuple):
-    """What an idle resource may do.
+    """What a resource may do while nobody uses it."""
 
-    Args:
-        event: The event of the store.
-        undo: The one that undoes it.
-        marked: Slots that must be marked for it.
-        unmarked: Slots that must be unmarked.
-        changed: Slots that it changes.
-    """
-
-    event: int
-    undo: int
-    marked: list[int]
-    unmarked: list[int]
-    changed: frozenset[int]
+    transition: int  # of the whole net
+    hardware: str
+    event: int  # of the store
+    undo: int  # the event that undoes it
+    condition: int  # of the store, for it
+    marked: frozenset[int]  # slots that must be marked for it
+    unmarked: frozenset[int]  # slots that must be unmarked
+    changed: frozenset[int]  # slots that it changes
 
 
 class Layout:
     """Levels of the store of one composite.
 
     Args:
-        hardware: All hardware of the mission that can fail, in document order.
-        bits: What is known of each resource.
+        mission_net: The net of the whole mission.
         places: Most places of a local net.
-        memory_limit: Bytes that the store may take.
+
+    Attributes:
+        hardware: All hardware of the mission that can fail, in document order.
+        roles: What the slots of a resource say.
+        slots: By hardware, its slots.
     """
 
-    def __init__(
-        self, hardware: Sequence[str], bits: Bits, places: int, memory_limit: int = DEFAULT_MEMORY
-    ) -> None:
-        self.hardware = tuple(hardware)
-        self.bits = bits
-        self.first_slot = places
-        self.store = Store(places + len(bits) * len(hardware), memory_limit)
+    def __init__(self, mission_net: MissionNet, places: int) -> None:
+        self.mission_net = mission_net
+        faulty = set(mission_net.saying("oos").values())
+        self.hardware = tuple(h.name for h in mission_net.mission.hardware if h.name in faulty)
+        self.roles = [role for role in ROLES if mission_net.saying(role)]
+        self.first_slot, each = places, len(self.roles)
+        self.store = Store(places + each * len(self.hardware), DEFAULT_MEMORY)
         self.slots = {
-            name: tuple(places + len(bits) * i + b for b in range(len(bits)))
-            for i, name in enumerate(self.hardware)
+            name: range(places + each * i, places + each * (i + 1)) for i, name in enumerate(self.hardware)
         }
-        self._events: dict[tuple[tuple[int, ...], ...], int] = {}
-        self._known: dict[Hashable, list[int]] = {}
 
     @cached_property
-    def all_slots(self) -> list[int]:
+    def all_slots(self) -> tuple[int, ...]:
         """The slots of all hardware."""
-        return list(chain.from_iterable(self.slots.values()))
+        return self.slots_of(self.hardware)
 
-    def slots_of(self, hardware: Sequence[str]) -> list[int]:
+    def slots_of(self, hardware: Sequence[str]) -> tuple[int, ...]:
         """The slots of some hardware."""
-        return list(chain.from_iterable(self.slots[name] for name in hardware))
+        return tuple(chain.from_iterable(self.slots[name] for name in hardware))
 
-    def event(
-        self,
-        consume: Iterable[int] = (),
-        produce: Iterable[int] = (),
-        read: Iterable[int] = (),
-        zero: Iterable[int] = (),
-    ) -> int:
-        """An event of the store, the same for the same levels."""
-        key = tuple(tuple(sorted(levels)) for levels in (consume, produce, read, zero))
-        if key not in self._events:
-            self._events[key] = self.store.event(*map(list, key))
-        return self._events[key]
-
-    def opened(self, states: Zdd, slots: Sequence[int]) -> Zdd:
+    def opened(self, states: Zdd, slots: Iterable[int]) -> Zdd:
         """The same with some slots, unmarked so far, in either state."""
-        return states.saturate([self.event(produce=[slot]) for slot in slots])
-
-    # --- hardware beside a section ---
+        return states.saturate([self.store.event([], [slot]) for slot in slots])
 
     @cached_property
-    def toggles(self) -> dict[str, dict[str, Toggle]]:
-        """What each resource that nobody uses does, by the kind of its event.
-
-        ``fails`` and ``repaired``; ``dies`` where hardware may die.
-        """
-        found: dict[str, dict[str, Toggle]] = {}
-        for name, (oos, *dead) in self.slots.items():
-            found[name] = {"fails": self._toggle([], [oos], dead), "repaired": self._toggle([oos], [], dead)}
-            if dead:
-                found[name]["dies"] = self._toggle([], dead, [], [oos])
+    def toggles(self) -> dict[int, Toggle]:
+        """What each resource does while nobody uses it, by the transition of the whole net."""
+        found: dict[int, Toggle] = {}
+        for t, name, before, after in _idle_events(self.mission_net):
+            slots, event = self.slots[name], self.store.event
+            lost, gained = slots[after:before], slots[before:after]
+            beside = slots[: min(before, after)], slots[max(before, after) :]
+            events = event(lost, gained, *beside), event(gained, lost, *beside)
+            condition = self.store.condition(slots[:before], slots[before:])
+            sets = frozenset(slots[:before]), frozenset(slots[before:]), frozenset((*lost, *gained))
+            found[t] = Toggle(t, name, *events, condition, *sets)
         return found
 
-    def _toggle(
-        self, consume: list[int], produce: list[int], zero: list[int], read: Sequence[int] = ()
-    ) -> Toggle:
-        marked, unmarked = [*consume, *read], [*produce, *zero]
-        events = self.event(consume, produce, read, zero), self.event(produce, consume, read, zero)
-        return Toggle(*events, sorted(marked), sorted(unmarked), frozenset((*consume, *produce)))
-
-    @cached_property
-    def universe(self) -> Zdd:
-        """All states of all hardware."""
-        return self.store.singleton([]).saturate(self.beside(None, undone=False))
-
-    def beside(
-        self, kinds: Collection[tuple[str, str]] | None, *, undone: bool, but: Collection[str] = ()
-    ) -> list[int]:
-        """Events of the store for what idle hardware does, or what undoes it.
+    @remembered
+    def beside(self, transitions: frozenset[int] | None = None, but: tuple[str, ...] = ()) -> list[Toggle]:
+        """What hardware may do while nobody uses it.
 
         Args:
-            kinds: Those that are wanted, as pairs (resource, kind); ``None`` for all.
-            undone: Whether those are wanted that undo it.
+            transitions: Those that are wanted; all by default.
             but: Hardware whose events are not wanted.
         """
-        key = kinds, undone, tuple(but)
-        if key not in self._known:
-            self._known[key] = [
-                toggle.undo if undone else toggle.event
-                for name, toggles in self.toggles.items()
-                for kind, toggle in toggles.items()
-                if name not in but and (kinds is None or (name, kind) in kinds)
-            ]
-        return self._known[key]
+        return [
+            toggle
+            for t, toggle in self.toggles.items()
+            if toggle.hardware not in but and (transitions is None or t in transitions)
+        ]
 
-    def statuses(self) -> list[tuple[int, ...]]:
-        """The states of one resource but for *in service*, each as the bits that are marked."""
-        return [(0,)] if len(self.bits) == 1 else [(0,), (0, 1)]
+
+def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]:
+    """The events of hardware that nobody uses: transition, resource, its status before and after."""
+    initial = mission_net.net.initial
+    for t, transition in enumerate(mission_net.net.transitions):
+        if transition.event is not None and transition.event.what in CHANGES:
+            before, after = CHANGES[transition.event.what]
+            if before or all(initial[p] for p, _ in transition.consume):
+                yield t, transition.event.element, before, after
+
+
+def idle_places(mission_net: MissionNet) -> dict[int, tuple[str, int, bool]]:
+    """What the places of hardware say of its status while nobody uses it.
+
+    Args:
+        mission_net: The net of a mission, or of a part of it.
+
+    Returns:
+        By place that changes with the status of a resource: the resource, the number of the slot that says
+        the same, and whether it says the reverse.
+    """
+    net, found = mission_net.net, dict[int, tuple[str, int, bool]]()
+    completion, at = Completion(net), list(net.initial)
+    for t, name, before, _ in _idle_events(mission_net):
+        if before == 0:
+            net.fire_in_place(at, t)
+            fired = [net.transitions[u] for u in (t, *completion.settle(at, [t]))]
+            for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
+                if at[place] != net.initial[place]:
+                    found[place] = name, 0, bool(net.initial[place])
+                    at[place] = net.initial[place]
+    # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
+    for role, reverse in (("dead", False), ("alive", True)):
+        found |= {place: (name, 1, reverse) for place, name in mission_net.saying(role).items()}
+    return found

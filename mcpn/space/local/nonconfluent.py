@@ -8,19 +8,19 @@ looked for from which it has none.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NoReturn
 
 from mcpn._kernel import Zdd
-from mcpn.net.events import Event
+from mcpn.mission.flatten import Section
 from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
+from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.symbolic import SymbolicSpace
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.runs import TwoOutcomes
+from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
+from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.local.sections import PlacedSection
-from mcpn.space.local.sets import CompositeSet
+from mcpn.space.local.sections import Stage
 from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
 from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among
@@ -28,7 +28,7 @@ from mcpn.space.stable.nearest import fault_by
 from mcpn.steps import step
 
 
-def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, SymbolicSpace]) -> None:
+def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, SymbolicSpace]) -> None:
     """Raises an error where internal evolution of the mission depends on the interleaving, or need not end.
 
     Args:
@@ -41,16 +41,15 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, S
     """
     # What is small is known soon: an error is found before large sections are proved.
     for type_, space in sorted(explored.items(), key=lambda pair: pair[1].reachable.nodes()):
-        step(f"proving section {_first_of(composite, type_)} confluent")
+        stages = [stage for stage in composite.sections.values() if stage.type is type_]
+        step(f"proving section {stages[0].name} confluent")
         conflicts = list(open_conflicts(space))
         if not (conflicts or space.endless):
             continue
-        sections = [placed for placed in composite.sections.values() if placed.type is type_]
-        begun = nowhere = type_.layout.store.empty()
-        for placed in sections:  # one whose entry has no end is entered, and has no state
-            inside = composite.everything.parts.get(placed.name, nowhere)
-            begun |= type_.begun(inside, composite.entering(placed))
-        encoding, endless, marking = type_.encoding, bool(space.endless), None
+        encoding, begun = type_.encoding, composite.empty
+        for stage in stages:
+            begun |= _begun(composite, stage)
+        endless, marking = bool(space.endless), None
         try:
             found = parting_among(
                 encoding, calm(encoding, begun, conflicts), conflicts, Joining(type_.net.net)
@@ -58,80 +57,67 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: dict[SectionType, S
             marking = None if found is None else found[0]
         except EndlessRun:
             endless = True
+        transient = begun.saturate(encoding.internal)
         if marking is None and endless:
-            levels = endless_runs(encoding, begun.saturate(encoding.internal)).pick()
+            levels = endless_runs(encoding, transient).pick()
             marking = None if levels is None else encoding.marking(levels)
         if marking is not None:
-            _raise_before(composite, type_, sections, begun.saturate(encoding.internal), marking)
+            _raise_before(composite, stages, transient, marking)
 
 
-def _first_of(composite: CompositeSpace, type_: SectionType) -> str:
-    """The first section of a type."""
-    return next(name for name, placed in composite.sections.items() if placed.type is type_)
+def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:
+    """Markings just after the events of a section that the mission comes to, and after its entry."""
+    type_, parts, hardware = stage.type, composite.everything.parts, composite.empty
+    for before, _ in composite.into[stage.name]:  # a section whose entry has no end has no state
+        for route, states in before.step(parts.get(before.name, composite.empty))[1]:
+            if route == stage.name:
+                hardware |= states
+    events, entering = type_.encoding.events, type_.from_slots(hardware, stage.slots, None)
+    own = distinct(events[t] for t in type_.graph.waiting)
+    return parts.get(stage.name, composite.empty).images(own) | entering.images([events[type_.net.start]])
 
 
 def _raise_before(
-    composite: CompositeSpace,
-    type_: SectionType,
-    sections: list[PlacedSection],
-    transient: Zdd,
-    marking: Marking,
+    composite: CompositeSpace, stages: Sequence[Stage], transient: Zdd, marking: Marking
 ) -> NoReturn:
     """Raises the error of an event after which sections of a type come to a marking of such runs."""
-    encoding, layout = type_.encoding, type_.layout
+    type_, layout, parts = stages[0].type, composite.layout, composite.everything.parts
+    encoding = type_.encoding
     here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient
     behind = here.saturate(encoding.internal_back, within=transient)
-    before = [
-        (t, behind.images([back]))
-        for t, back in encoding.undoing.items()
-        if not type_.net.net.transitions[t].internal
-    ]
-    for placed in sections:
-        for transition, states in before:
-            for met, event in _met_at(composite, placed, transition, states):
-                _raise(composite, met, event)
+    for stage in stages:
+        for t in type_.graph.waiting:
+            before, met = behind.images([encoding.undoing[t]]), Parts()
+            if t != type_.net.start:
+                met.add(stage.name, before & parts.get(stage.name, composite.empty))
+                event = stage.transitions[t]
+            else:
+                hardware = type_.to_slots(before & type_.before, stage.slots, None)
+                for name, states in composite.leaving_for(stage.name, hardware, parts):
+                    met.add(name, states)
+                event = None
+            if met:
+                _raise(composite, CompositeSet(composite, met), event)
     raise AssertionError("the marking comes after some event of the mission")
 
 
-def _met_at(
-    composite: CompositeSpace, placed: PlacedSection, transition: int, states: Zdd
-) -> Iterator[tuple[CompositeSet, int | None]]:
-    """States of the mission before such an event, and the event's transition; ``None`` for an entry's."""
-    if transition != placed.type.net.start:
-        inside = composite.everything.parts.get(placed.name)
-        if inside and (here := composite.of({placed.name: inside & states})):
-            yield here, placed.transitions.whole[transition]
-        return
-    hardware = placed.type.to_slots(states & placed.type.before, placed.faulty)
-    here = composite.leaving_for(placed.name, hardware)
-    if here:
-        yield here, None
-
-
 def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None) -> NoReturn:
-    """Raises the error of an event in some states, with runs of the whole mission."""
-    begin = composite.initial.pick()
+    """Raises the error of an event, or of any, in some states, with runs of the whole mission."""
+    begin, net = composite.initial.pick(), composite.net
     assert begin is not None, "there is an initial state"
     try:
         run = composite.run(begin, here, composite.everything - here)
     except TwoOutcomes as nearer:  # then that is the error, whichever of the events there it is
         run, transition = nearer.run, None
     assert run is not None, "the mission comes there"
-    state = run[-1].target if run else begin
-    events = [_event(composite, edge.transition) for edge in run]
-    for next_one in composite.net.enabled(composite.marking(state)):
-        if transition in (None, next_one):
-            run_on = [*events, _event(composite, next_one)]
-            found = fault_by(composite.net, run_on) or fault_after(composite.net, run_on)
+    fired = [edge.transition for edge in run]
+    for last in net.enabled(composite.marking(run[-1].target if run else begin)):
+        if transition in (None, last):
+            events = [event for t in (*fired, last) if (event := net.transitions[t].event)]
+            found = fault_by(net, events) or fault_after(net, events)
             if found is not None:
                 raise found
     raise AssertionError("what is not confluent in the section's net is not in the mission's")
-
-
-def _event(composite: CompositeSpace, transition: int) -> Event:
-    event = composite.net.transitions[transition].event
-    assert event is not None, "only events lead from one stable marking to another"
-    return event
 
 
 def refuse_open_junctions(composite: CompositeSpace) -> None:
@@ -147,19 +133,19 @@ def refuse_open_junctions(composite: CompositeSpace) -> None:
     """
     for first, second in sharing_pairs(composite):
         step(f"proving the way from section {first.name} to {second.name} confluent")
-        part = junction_part(composite.mission_net.usage, first.section, second.section)
-        prove_confluent(part.net(first.placement.templates).net)
+        part = junction_part(composite.mission_net.usage, first, second)
+        prove_confluent(part.net(composite.whole.templates).net)
 
 
-def sharing_pairs(composite: CompositeSpace) -> Iterator[tuple[PlacedSection, PlacedSection]]:
+def sharing_pairs(composite: CompositeSpace) -> Iterator[tuple[Section, Section]]:
     """Sections in a row that share activities or hardware: one that is left, one that is entered."""
-    graph, sections = composite.mission_net.graph, composite.sections
+    graph = composite.mission_net.graph
+    uses = {
+        name: {("activity", a.name) for a in stage.part.used.activities}
+        | {("hardware", h.name) for h in stage.part.used.hardware}
+        for name, stage in composite.sections.items()
+    }
     for first in graph.sections:
-        for name in dict.fromkeys(target.name for target in graph.targets(first)):
-            if not _used(sections[first.name]).isdisjoint(_used(sections[name])):
-                yield sections[first.name], sections[name]
-
-
-def _used(placed: PlacedSection) -> set[tuple[str, str]]:
-    parts = placed.part.parts
-    return {("activity", a.name) for a in parts.activities} | {("hardware", h.name) for h in parts.hardware}
+        for second in {target.name: target for target in graph.targets(first)}.values():
+            if uses[first.name] & uses[second.name]:
+                yield first, second

@@ -1,181 +1,217 @@
-"""One type of sections: its local states, and its interface to the sections before and after it."""
+"""One type of sections: its local states, their steps and closures, and its interface to other sections.
+
+A set of local states is a diagram over the places of the local net and the slots of the hardware beside it;
+the section's own slots are open in it. What is computed once for a set serves every section of the type.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import cached_property
+from itertools import chain
+from typing import Literal, NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import PetriNet
+from mcpn.net.sections import Element, LocalPart
+from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
-from mcpn.space.diagrams.symbolic import SymbolicSpace
-from mcpn.space.local.local_states import Exit, LocalStates
+from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
+from mcpn.space.local.layout import Layout, idle_places, remembered
 from mcpn.space.stable.alternatives import AlternativesGraph, direct
 
+Exit = str
+"""The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""
 
-@dataclass(frozen=True, slots=True)
-class _Patterns:
-    """What an idle resource marks in each of its states.
+
+class Allowed(NamedTuple):
+    """What edges may carry, as a type of sections sees it.
 
     Args:
-        levels: Levels on which the states differ.
-        in_service: Those marked in service.
-        by_state: Those marked in each other state, by the state's bits.
+        local: Event transitions of the local net; ``None`` for all.
+        beside: Transitions of the whole net, of hardware beside the section; ``None`` for all.
+        guards: Event transitions of the local net that may be taken from some states only, with these.
     """
 
-    levels: frozenset[int]
-    in_service: frozenset[int]
-    by_state: Mapping[tuple[int, ...], frozenset[int]]
+    local: frozenset[int] | None = None
+    beside: frozenset[int] | None = None
+    guards: tuple[tuple[int, Zdd], ...] = ()
 
 
-class SectionType(LocalStates):
-    """Local states, with what is handed from section to section: the state of all hardware, in slots.
+ALL = Allowed()
+
+
+Kind = Literal["places", "transitions"]
+
+
+def by_element(net: PetriNet, kind: Kind) -> dict[Element, list[int]]:
+    """The places of a net, or its transitions, by the element that they are of, in the net's order."""
+    found: dict[Element, list[int]] = {}
+    for index, one in enumerate(getattr(net, kind)):
+        if one.provenance is not None:
+            found.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
+    return found
+
+
+class SectionType:
+    """One type of sections.
 
     Args:
         part: The section that stands for the type.
         net: Its local net.
         explored: Its reachable markings, from every state of its hardware, on a store of their own.
         layout: The store of the composite.
+
+    Attributes:
+        graph: The alternatives graph of the local net, with the hardware beside it in any state.
+        size: The number of stable states of the local net.
+        before: The states before the section is entered.
+        ended: By exit, the states after the section.
+        inside: The states of the section itself.
     """
 
-    @cached_property
-    def _idle(self) -> list[int]:
-        """Marked levels before the section is entered with all its hardware in service."""
-        return self.encoding.marked_levels(self.net.net.initial)
-
-    @cached_property
-    def _patterns(self) -> list[_Patterns]:
-        return [self._patterns_of(name) for name in self.faulty]
-
-    def _patterns_of(self, name: str) -> _Patterns:
-        found = {bits: self._alone(name, bits) for bits in self.layout.statuses()}
-        idle = set(self._idle)
-        differing = frozenset().union(*(marked ^ idle for marked in found.values()))
-        return _Patterns(
-            differing, differing & idle, {bits: differing & marked for bits, marked in found.items()}
+    def __init__(self, part: LocalPart, net: MissionNet, explored: SymbolicSpace, layout: Layout) -> None:
+        self.part = part
+        self.net = net
+        self.layout = layout
+        self.faulty = part.faulty
+        self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
+        assert explored.stable is not None, "nets of missions have priorities"
+        self.size = explored.stable.count()
+        reachable, stable = (
+            layout.opened(layout.store.from_bytes(states.to_bytes()), layout.all_slots)
+            for states in (explored.reachable, explored.stable)
         )
+        order = explored.order, explored.places
+        self.graph = DiagramAlternatives(
+            SymbolicSpace(self.encoding, reachable, stable, *order, explored.peak_nodes)
+        )
+        self.before = self.encoding.marking_all([net.beginning], stable)
+        self.ended = {e: self.encoding.marking_all([place], stable) for e, place in net.exits.items()}
+        self.inside = stable - self.before
+        for states in self.ended.values():
+            self.inside -= states
 
-    def _alone(self, name: str, bits: tuple[int, ...]) -> frozenset[int]:
-        """Marked levels before the entry with one resource in a state, and all others in service."""
-        marked, unmarked = list[int](), list[int]()
-        for other in self.faulty:
-            for b, role in enumerate(self.layout.bits):
-                level, reverse = self.encoding.bit(self.net.by_role[role, other][0])
-                (marked if (other == name and b in bits) != reverse else unmarked).append(level)
-        states = self._before.subset(sorted(marked), sorted(unmarked))
-        state = states.pick()
-        assert state is not None, "before the entry hardware may be in any state"
-        return frozenset(state)
+    @remembered
+    def elements(self, kind: Kind) -> Mapping[Element, list[int]]:
+        """The places of the local net, or its transitions, by the element that they are of."""
+        return by_element(self.net.net, kind)
 
-    @cached_property
-    def _before(self) -> Zdd:
-        """Stable states before the entry, with nothing beside them."""
-        return self.encoding.marking_all([self.net.beginning], self._stable)
+    # --- steps and closures: inside the section, or from inside to its ends ---
 
-    def _ways(self, own: Sequence[str]) -> list[list[tuple[int, int]]]:
-        """By own hardware and state but *in service*: the event to slots, and the one from slots."""
+    @remembered
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, frozenset[int], Exit | None]]:
+        """The events of a local state: each with the stable state after it, and its exit if it has one."""
+        found = []
+        for edge in self.graph.edges(levels):
+            after, marks = frozenset(edge.target), self.encoding.marks
+            exit_ = next((e for e, place in self.net.exits.items() if marks(after, place)), None)
+            found.append((edge.transition, after, exit_))
+        return found
 
-        def compute() -> list[list[tuple[int, int]]]:
-            found = []
-            for name, known in zip(own, self._patterns, strict=True):
-                slots, ways = self.layout.slots[name], []
-                for bits, marked in known.by_state.items():
-                    told = [slots[b] for b in bits]
-                    untold = [slot for slot in slots if slot not in told]
-                    arcs = {
-                        "read": marked & known.in_service,
-                        "zero": known.levels - marked - known.in_service | {*untold},
-                    }
-                    lost, gained = known.in_service - marked, marked - known.in_service
-                    ways.append(
-                        (
-                            self.layout.event([*gained], [*lost, *told], **arcs),
-                            self.layout.event([*lost, *told], [*gained], **arcs),
-                        )
-                    )
-                found.append(ways)
-            return found
+    @remembered
+    def after(self, states: Zdd, allowed: Allowed) -> Zdd:
+        """States, inside or at the ends, one event of the section after some states inside."""
+        return self.graph.after(states, allowed.local, dict(allowed.guards))
 
-        return self.remembered(("ways", tuple(own)), compute)
+    @remembered
+    def _ending(self, goal: Zdd) -> Zdd:
+        """Markings from which internal evolution ends in a goal."""
+        return self.graph.ending(goal)
 
-    def _marked_idle(self, exit_: Exit | None) -> list[int]:
-        """Marked levels before the entry, or after an exit, with all hardware in service."""
-        if exit_ is None:
-            return self._idle
-        marking = list(self.net.net.initial)
-        marking[self.net.beginning], marking[self.ends[exit_]] = 0, 1
-        return self.encoding.marked_levels(marking)
+    @remembered
+    def before_step(self, goal: Zdd, allowed: Allowed) -> Zdd:
+        """States inside with an event of the section that leads to a goal, inside or at the ends."""
+        if not goal or allowed.local == frozenset():
+            return self.layout.store.empty()
+        return self.inside & self.graph.firing_into(self._ending(goal), allowed.local, dict(allowed.guards))
 
-    def to_slots(self, states: Zdd, own: Sequence[str], exit_: Exit | None = None) -> Zdd:
+    @remembered
+    def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
+        """Event transitions that lead from some states inside to a goal, each with the states before."""
+        ending, undoing = self._ending(goal), self.encoding.undoing
+        ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self.graph.waiting))
+        return [(t, states) for t, states in ways if states]
+
+    @remembered
+    def toggling(self, among: Zdd, goal: Zdd, own: tuple[str, ...]) -> list[tuple[int, Zdd]]:
+        """The same of transitions of the whole net, of hardware but a section's own."""
+        ways = ((t.transition, goal.images([t.undo], within=among)) for t in self.layout.beside(None, own))
+        return [(t, states) for t, states in ways if states]
+
+    @remembered
+    def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
+        """States to which runs through a set of states inside lead from some of them."""
+        steps = self.graph.ahead(along, allowed.local, dict(allowed.guards))
+        beside = [toggle.event for toggle in self.layout.beside(allowed.beside)]
+        return chained(begin & along, [*steps, lambda states: states.saturate(beside, within=along)])
+
+    @remembered
+    def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
+        """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
+        if not along:
+            return goal
+        within = along | goal
+        steps = self.graph.back(along, allowed.local, dict(allowed.guards))
+        beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
+        return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
+
+    # --- entry and exits: the status of all hardware is handed from section to section, in slots ---
+
+    @remembered
+    def entered(self, before: Zdd) -> Zdd:
+        """First states inside after the section is entered in some states before it."""
+        return self.graph.settled(before.images([self.encoding.events[self.net.start]]))
+
+    @remembered
+    def entries(self, inside: Zdd) -> Zdd:
+        """States before the section in which it is entered in some states inside."""
+        return self.graph.ending(inside).images([self.encoding.undoing[self.net.start]], within=self.before)
+
+    @remembered
+    def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The states of all hardware in some idle local states.
 
         Args:
             states: States before the entry, or after an exit.
-            own: The section's hardware that can fail, in the order of the type's.
+            own: The slots of the section's own hardware, in the order of the type's.
             exit_: The exit; ``None`` for states before the entry.
         """
+        found, event = states.subset(unmarked=own), self.layout.store.event
+        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+            found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
+        return found.images([event(self._idle(exit_), [])])
 
-        def compute() -> Zdd:
-            found = states.subset(unmarked=sorted(self.layout.slots_of(own)))
-            for ways, known in zip(self._ways(own), self._patterns, strict=True):
-                moved = found.images([to for to, _ in ways])
-                found = moved | found.subset(
-                    sorted(known.in_service), sorted(known.levels - known.in_service)
-                )
-            return found.images([self.layout.event(consume=self._marked_idle(exit_))])
-
-        return self.remembered(("to slots", states, tuple(own), exit_), compute)
-
-    def from_slots(self, hardware: Zdd, own: Sequence[str], exit_: Exit | None = None) -> Zdd:
+    @remembered
+    def from_slots(self, hardware: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The idle local states, before the entry or after an exit, with all hardware in some states."""
+        event = self.layout.store.event
+        found = hardware.images([event([], self._idle(exit_))])
+        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+            found = found.images([event([slot, *lost], gained)]) | found.subset(unmarked=[slot])
+        return self.layout.opened(found, own)
 
-        def compute() -> Zdd:
-            found = hardware.images([self.layout.event(produce=self._marked_idle(exit_))])
-            for name, ways in zip(own, self._ways(own), strict=True):
-                moved = found.images([back for _, back in ways])
-                found = moved | found.subset(unmarked=sorted(self.layout.slots[name]))
-            return self.layout.opened(found, self.layout.slots_of(own))
+    def _idle(self, exit_: Exit | None) -> list[int]:
+        """Marked levels before the entry, or after an exit, with all hardware in service."""
+        marking = list(self.net.net.initial)
+        if exit_ is not None:
+            marking[self.net.beginning], marking[self.net.exits[exit_]] = 0, 1
+        return self.encoding.marked_levels(marking)
 
-        return self.remembered(("from slots", hardware, tuple(own), exit_), compute)
-
-    def entered(self, hardware: Zdd, own: Sequence[str]) -> Zdd:
-        """First states inside after the section is entered with all hardware in some states."""
-        before = self.from_slots(hardware, own)
-        start = self.encoding.events[self.net.start]
-        return self.remembered(("entered", before), lambda: self.graph.settled(before.images([start])))
-
-    def entries(self, inside: Zdd, own: Sequence[str]) -> Zdd:
-        """The states of all hardware with which the section is entered in some states inside."""
-        start = self.encoding.undoing[self.net.start]
-        before = self.remembered(
-            ("entries", inside), lambda: self.graph.ending(inside).images([start], within=self.before)
-        )
-        return self.to_slots(before, own)
-
-    def listed(self, section: str, max_states: int, why: str) -> AlternativesGraph:
-        """The stable states of the local net, one by one.
-
-        Args:
-            section: The section's name, for the error.
-            max_states: How many states may be listed.
-            why: What needs the list, for the error.
-
-        Raises:
-            LimitError: There are more states than allowed; the message says how many.
-        """
-        self.refuse_list(section, max_states, why)
-        # The composite has proved what the mission reaches confluent.
-        return direct(self.net.net, proof=False, max_states=max_states)
-
-    def refuse_list(self, section: str, max_states: int, why: str) -> None:
-        """Raises the error of :meth:`listed` without a list."""
-        if self.size > max_states:
-            found = f"section {section} has {self.size:,} states: {why}"
-            raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")
+    @cached_property
+    def _changing(self) -> list[tuple[list[int], list[int]]]:
+        """By own slot, the levels that are marked at an idle state unless it is, and only if it is."""
+        slots = ((name, number) for name in self.faulty for number in range(len(self.layout.roles)))
+        found = {slot: (set[int](), set[int]()) for slot in slots}
+        for place, (name, number, reverse) in idle_places(self.net).items():
+            level, opposite = self.encoding.bit(place)
+            found[name, number][reverse == opposite].add(level)
+        return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
-        """Checks that a section hands on the state of its hardware and nothing else.
+        """Checks that a section hands on the status of its hardware and nothing else.
 
         Args:
             section: The section's name, for the error.
@@ -184,21 +220,38 @@ class SectionType(LocalStates):
         Raises:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
         """
-        local = list(range(len(self.encoding.places)))
-        for exit_ in (None, *self.ends):
-            states = self._before if exit_ is None else self._ended(self._stable, exit_)
-            idle = self.from_slots(self.layout.universe, self.faulty, exit_).onto(local)
-            state = (states - idle).pick()
-            if state is not None:
-                expected = set(self._marked_idle(exit_))
-                levels = set(state) ^ expected
-                hardware = frozenset[int]().union(*(known.levels for known in self._patterns))
-                first = min(self.encoding.places[level] for level in (levels - hardware) or levels)
-                raise PremiseError(section, self.net.net.places[first].name, _run_to(explored, state))
+        any_status = self.layout.opened(self.layout.store.singleton([]), self.layout.all_slots)
+        own = self.layout.slots_of(self.faulty)
+        for exit_, states in ((None, self.before), *self.ended.items()):
+            found = (states - self.from_slots(any_status, own, exit_)).pick()
+            if found is not None:
+                state = [level for level in found if level < self.layout.first_slot]
+                levels = {*state} ^ {*self._idle(exit_)}
+                levels = levels.difference(*chain(*self._changing)) or levels
+                space = DiagramAlternatives(explored)
+                run = space.run(space.initial.pick() or (), space.single(state)) or []
+                events = [str(self.net.net.transitions[edge.transition].event) for edge in run]
+                first = min(self.encoding.places[level] for level in levels)
+                raise PremiseError(section, self.net.net.places[first].name, events)
 
+    # --- listed one by one ---
 
-def _run_to(explored: SymbolicSpace, state: Sequence[int]) -> list[str]:
-    """The events of a shortest run of a local net to a stable state, given as its marked levels."""
-    space = DiagramAlternatives(explored)
-    run = space.run(space.initial.pick() or (), space.single(state))
-    return [str(space.net.transitions[edge.transition].event) for edge in run or ()]
+    def listed(self) -> AlternativesGraph:
+        """The stable states of the local net, one by one."""
+        # The composite has proved what the mission reaches confluent.
+        return direct(self.net.net, proof=False, max_states=self.size)
+
+    def refuse_list(self, section: str, max_states: int, why: str) -> None:
+        """Raises an error where there are too many states to be listed.
+
+        Args:
+            section: The section's name, for the error.
+            max_states: How many states may be listed.
+            why: What needs the list, for the error.
+
+        Raises:
+            LimitError: There are more; the message says how many.
+        """
+        if self.size > max_states:
+            found = f"section {section} has {self.size:,} states: {why}"
+            raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")
