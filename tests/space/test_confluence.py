@@ -25,7 +25,7 @@ from mcpn.space.stable.confluence import (
     open_conflicts,
     proof_by_joining,
 )
-from mcpn.space.stable.nearest import nearest_fault
+from mcpn.space.stable.nearest import fault_by, nearest_fault
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
@@ -266,3 +266,14 @@ def test_a_fault_before_any_event_is_the_nearest() -> None:
     assert isinstance(error, ConfluenceError)
     assert error.events == ()
     assert "at the start the outcome depends" in str(error)
+
+
+def test_a_run_of_events_ends_at_the_first_that_has_two_outcomes() -> None:
+    net = torn_behind(("A", "B"), ("C",))
+    first, last, other, none = map(Event.parse, ("A", "B", "C", "NONE"))
+    assert fault_by(net, []) is None
+    assert fault_by(net, [first]) is None
+    for run in ([first, last], [first, last, none], [other], [other, none]):
+        error = fault_by(net, run)
+        assert isinstance(error, ConfluenceError)
+        assert error.events == tuple(str(event) for event in run if event is not none)
