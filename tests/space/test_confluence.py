@@ -16,6 +16,7 @@ from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
+from mcpn.space.stable import confluence
 from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.stable.clash import find_clash
 from mcpn.space.stable.confluence import (
@@ -277,3 +278,15 @@ def test_a_run_of_events_ends_at_the_first_that_has_two_outcomes() -> None:
         error = fault_by(net, run)
         assert isinstance(error, ConfluenceError)
         assert error.events == tuple(str(event) for event in run if event is not none)
+
+
+def test_without_a_diagram_it_is_proved_edge_by_edge(
+    monkeypatch: pytest.MonkeyPatch, ulysse_net: MissionNet
+) -> None:
+    def too_large(net: PetriNet) -> None:
+        raise LimitError("no memory for a diagram")
+
+    monkeypatch.setattr(confluence, "reach", too_large)
+    assert same(direct_with_proof(ulysse_net.net), direct(ulysse_net.net))
+    with pytest.raises(ConfluenceError):
+        direct_with_proof(torn_behind(("A",)))
