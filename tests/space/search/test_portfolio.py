@@ -126,7 +126,7 @@ def test_every_way_finds_the_end_of_a_line(rounds: tuple[Round, ...]) -> None:
 def test_a_run_to_a_deadlock_goes_on_until_nothing_may_fire(rounds: tuple[Round, ...]) -> None:
     # Dead once the key is lost; where a smaller net shows that, a first step may be left to do.
     builder = NetBuilder("key")
-    for place, tokens in (("start", 1), ("mid", 0), ("key", 1), ("out", 0), ("lost", 0)):
+    for place, tokens in (("mid", 0), ("start", 1), ("key", 1), ("out", 0), ("lost", 0)):
         builder.place(place, initial=tokens)
     builder.transition("first", consume=["start"], produce=["mid"])
     builder.transition("second", consume=["mid", "key"], produce=["out"])
