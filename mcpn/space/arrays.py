@@ -141,15 +141,16 @@ class ArraySpace:
     def firings(self, states: ArraySet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         labels = self.graph.labels[states.mask[self.graph.sources]]
-        transitions, counts = np.unique(labels, return_counts=True)
-        return dict(zip(transitions.tolist(), counts.tolist(), strict=True))
+        return {t: count for t, count in enumerate(np.bincount(labels).tolist()) if count}
 
     def image(self, states: ArraySet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
         if not places:
             return images.of_rows([()] if states else [])
         columns = np.stack([self.graph.marked(p) for p in places], axis=1)[states.mask]
-        return images.of_rows(np.flatnonzero(row).tolist() for row in np.unique(columns, axis=0))
+        # Not asked for indices, np.unique would load numpy.ma.
+        distinct, _ = np.unique(columns, axis=0, return_index=True)
+        return images.of_rows(np.flatnonzero(row).tolist() for row in distinct)
 
     # --- steps and closures ---
 
@@ -180,7 +181,7 @@ class ArraySpace:
         """Transitions with edges from some states into others, each with the states before it."""
         graph = self.graph
         edges = np.flatnonzero(among.mask[graph.sources] & into.mask[graph.targets])
-        for t in np.unique(graph.labels[edges]).tolist():
+        for t in np.flatnonzero(np.bincount(graph.labels[edges])).tolist():
             mask = np.zeros(graph.states, np.bool_)
             mask[graph.sources[edges[graph.labels[edges] == t]]] = True
             yield t, ArraySet(mask)
