@@ -146,7 +146,7 @@ class _Explanation(Generic[S]):
                 self.explain(operand, True)
             case EU(left, right) if holds:
                 goal = self.evaluation.states(right) & self.evaluation.fair_states
-                self.follow(None if left == TRUE else self.evaluation.states(left), goal)
+                self.follow(self.evaluation.along(left), goal)
                 if left != TRUE:
                     self.note("up to there", left)
                 self.explain(right, True)
