@@ -20,7 +20,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.images import ImageStore
-from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.space.stable.confluence import prove_confluent
@@ -313,7 +313,7 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
     assume(len(graph) < 2000)
     spaces: Spaces = {
         "diagrams": DiagramAlternatives(reach(whole.net)),
-        "composite": composite_space(mission_net, Options(mortal=True)),
+        "composite": composite_space(mission_net, may_die=True),
     }
     Questions(data.draw, start, graph, spaces).ask()
 
