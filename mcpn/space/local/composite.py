@@ -15,8 +15,8 @@ from mcpn.space.diagrams.base import FARTHEST
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.glued import CompositeSet, Glued, Member, Parts
 from mcpn.space.local.layout import idle_places, remembered
-from mcpn.space.local.section_type import ALL, Allowed, Kind
-from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, Stage
+from mcpn.space.local.section_type import ALL, Allowed
+from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, Kind, Stage
 
 
 class TwoOutcomes(Exception):
