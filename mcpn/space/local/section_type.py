@@ -106,7 +106,9 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        return self.inside & self.graph.firing_into(self._ending(goal), allowed.local, dict(allowed.guards))
+        return self.inside & self.graph.firing_into(
+            self.graph.ending(goal), allowed.local, dict(allowed.guards)
+        )
 
     @remembered
     def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
