@@ -167,9 +167,11 @@ def _checked(
     alternatives: Space[Any] | None = None
     try:
         if choice.engine == "local":
-            from mcpn.space.local.composing import Options, composite_space
+            from mcpn.space.local.composing import composite_space
 
-            alternatives = composite_space(mission_net, Options(templates, executor, progress))
+            alternatives = composite_space(
+                mission_net, templates=templates, executor=executor, progress=progress
+            )
             proof = "each type of section, and each way from one to the next, proved on its own net"
         else:
             graph = markings_by(mission_net.net, choice, progress, tokens=False)
