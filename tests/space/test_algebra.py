@@ -162,6 +162,9 @@ class Questions:
         while lost := {m for m in stays if graph[m] and not any(t in stays for _, t in graph[m])}:
             stays -= lost
         same(stays, lambda s, n: s.staying(sets_a[n]))
+        for name, space in self.spaces.items():
+            some = space.staying(sets_a[name], sets_b[name])
+            assert bool(sets_b[name] & some) == bool(stays & b), name
         weights = dict(
             zip(self.places(), self.draw(st.lists(st.integers(-2, 2), min_size=3, max_size=3)), strict=False)
         )
