@@ -8,12 +8,13 @@ happen.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import product
 from typing import Any, Generic
 
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.mission.flatten import Section
 from mcpn.net.events import What
-from mcpn.space.algebra import Edge, Guards, S
+from mcpn.space.algebra import Edge, S
 from mcpn.space.images import ImageStore
 from mcpn.space.run import Run, transitions_of
 
@@ -44,31 +45,23 @@ class Scenarios(Generic[S]):
             Up to the mission's failure or the objective's failure; where the mission need not end, up to
             where it can no longer succeed. ``None`` where no run without repairs leads there.
         """
-        prospects, names = self.prospects, list(cut_set)
-        mine = [t for name in names for t in prospects.carrying(What.OUT_OF_SERVICE, name)]
-        transitions = (prospects.unrepaired - prospects.failing).union(mine)
+        prospects, space, names = self.prospects, self.space, list(cut_set)
+        mine = (prospects.carrying(What.OUT_OF_SERVICE, name) for name in names)
+        transitions = (prospects.unrepaired - prospects.failing).union(*mine)
         oos = prospects.places("oos", names)
-        lost = self.space.restricted(prospects.losing(goal, repairs=False), oos, ())
-        ways: tuple[Guards[S], ...] = (prospects.forced, None)
-        if goal is not prospects.mission:
-            for guards in ways:
-                run = self.space.run(self._begin, lost, None, transitions, guards)
-                if run is not None:
-                    return self._told([*run, self._failure(goal.name, run)])
-            return None
-        failed = self.space.marked([prospects.mission_net.failure])
-        for ends in (self.space.restricted(failed, oos, ()), lost):
-            for guards in ways:
-                run = self.space.run(self._begin, ends, None, transitions, guards)
-                if run is not None:
-                    return self._told(run)
+        ends = [space.restricted(prospects.losing(goal, repairs=False), oos, ())]
+        if goal is prospects.mission:
+            ends.insert(0, space.restricted(space.marked([prospects.mission_net.failure]), oos, ()))
+        for wanted, guards in product(ends, (prospects.forced, None)):
+            run = space.run(self._begin, wanted, None, transitions, guards)
+            if run is not None:
+                return self._told(run if goal is prospects.mission else [*run, self._failure(goal, run)])
         return None
 
-    def _failure(self, objective: str, run: list[Edge]) -> Edge:
+    def _failure(self, goal: Goal[S], run: list[Edge]) -> Edge:
         """The edge with which an objective fails at the end of a run."""
-        state = run[-1].target if run else self._begin
-        fails = self.prospects.carrying(What.FAILURE, objective)
-        return next(edge for edge in self.space.edges(state) if edge.transition in fails)
+        fails = self.prospects.carrying(What.FAILURE, goal.name)
+        return next(edge for edge in self.space.edges(run[-1].target) if edge.transition in fails)
 
     def most_failures(self, section: Section | None = None) -> Run | None:
         """A run to success in which, from one moment on, as many resources fail as in any.
@@ -79,26 +72,24 @@ class Scenarios(Generic[S]):
         Returns:
             A short such run, or ``None`` where no run leads to success.
         """
-        prefix, begin = list[Edge](), self._begin
+        prefix = list[Edge]()
         if section is not None:
             oos = self.prospects.places("oos", self.prospects.hardware)
             entry = self.space.restricted(self.prospects.entered(section), (), oos)
-            found = self.space.run(begin, entry)
+            found = self.space.run(self._begin, entry)
             if found is None:
                 return None
-            prefix, begin = found, found[-1].target if found else begin
-        onward = self._most_failures(begin)
+            prefix = found
+        onward = self._most_failures(prefix[-1].target if prefix else self._begin)
         return None if onward is None else self._told([*prefix, *onward])
 
     def _most_failures(self, begin: Any) -> list[Edge] | None:
         prospects, space = self.prospects, self.space
         goal, guards = prospects.mission, prospects.forced
         transitions = prospects.unrepaired
-        ends = space.reached(space.single(begin), goal.running | goal.won, transitions, guards) & goal.won
         # Success may be followed by failures that cost nothing any more: only edges before it count.
-        ends = ends & space.after(
-            space.reached(space.single(begin), goal.running, transitions, guards), transitions, guards
-        )
+        before = space.reached(space.single(begin), goal.running, transitions, guards)
+        ends = space.after(before, transitions, guards) & goal.won
         if not ends:
             return [] if space.single(begin) & goal.won else None
         oos = prospects.places("oos", prospects.hardware)
