@@ -18,9 +18,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from mcpn.check.choice import Asked, answered
 from mcpn.check.logic.questions import Answer, Questions
-from mcpn.check.spaces import On
+from mcpn.check.spaces import Asked, On, answered
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission as _read
 from mcpn.net.compose import MissionNet, as_net

@@ -1,15 +1,6 @@
 """Questions about missions and nets: verdicts, temporal logic, causes of failure, properties of nets.
 
 The room is also what ``mcpn.check(mission)`` calls.
-
->>> import mcpn
->>> found = mcpn.check(mcpn.read_mission("experiments/ulysse/mission.xml"), engine="local")
->>> found.passed
-True
->>> [str(event) for event in found.verdicts["failure_reachable"].runs[0].events]
-... # doctest: +NORMALIZE_WHITESPACE
-['MISSION_EV_START', 'OBJ_coral_head.manual_moving_EV_FAIL', 'OBJ_transect.diving_EV_FAIL',
- 'OBJ_transect.going_up_EV_FAIL']
 """
 
 from __future__ import annotations
@@ -19,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked
+    from mcpn.check.spaces import Asked
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
@@ -46,6 +37,8 @@ class Check(ModuleType):
             >>> found = mcpn.check(mcpn.read_mission("experiments/courier/mission.xml"), engine="local")
             >>> found.passed, found.unselectable[1].message
             (True, 'alternative localisation.dead_reckoning can never be selected')
+            >>> [str(event) for event in found.verdicts["failure_reachable"].runs[0].events][0]
+            'MISSION_EV_START'
         """
         from mcpn.check.verdicts.mission import check
         from mcpn.net.compose import as_net

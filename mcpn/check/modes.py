@@ -1,4 +1,4 @@
-"""What the robot does in a stable marking: objectives, functioning mode, hardware out of service.
+"""What the robot does in a stable marking, and the functioning modes of its objectives.
 
 Source: the paper, 4.3 (functioning modes) and 7.1 ("the stable states of the markings graph give the robot's
 functioning modes throughout the mission with the resources state and the alternatives selected").
@@ -6,12 +6,17 @@ functioning modes throughout the mission with the resources state and the altern
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import compress
 from typing import TypeAlias
 
+from mcpn._kernel import Zdd
+from mcpn.mission.facts.usage import Usage
 from mcpn.net.compose import MissionNet
+from mcpn.space.algebra import S, Space
+from mcpn.space.images import ImageStore
 
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
@@ -44,15 +49,7 @@ class Situation:
 
 
 def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
-    """A marking in mission words.
-
-    Args:
-        mission_net: The mission's net.
-        marking: Tokens by place.
-
-    Returns:
-        What it says.
-    """
+    """A marking of the mission's net, given as tokens by place, in mission words."""
     return said_by(mission_net, compress(range(len(marking)), marking))
 
 
@@ -75,3 +72,52 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
         out_of_service=tuple(said.get("oos", ())),
         outcome=next(iter(ends), None),
     )
+
+
+def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, list[Mode]]:
+    """The functioning modes of each objective, in its stable states.
+
+    Args:
+        mission_net: The mission's net.
+        space: Its alternatives graph or its markings graph.
+
+    Returns:
+        By objective, in the mission's order, its modes, the preferred ones first; a mode names the
+        alternatives of the objective's own activities and of those that serve them, and is there if all of
+        the objective's activities run.
+    """
+    usage, active = mission_net.usage, mission_net.saying("active")
+    store = cache(ImageStore)
+
+    # Many objectives may run the same activities.
+    @cache
+    def places_of(activities: tuple[str, ...]) -> tuple[int, ...]:
+        served = frozenset[str]().union(*map(usage.closure, activities))
+        return tuple(sorted(place for place, name in active.items() if name.split(".", 1)[0] in served))
+
+    @cache
+    def listed(activities: tuple[str, ...], family: Zdd) -> list[Mode]:
+        places = places_of(activities)
+        modes = [dict(active[places[i]].split(".", 1) for i in sorted(row)) for row in map(set, family)]
+        modes.sort(key=_preference(usage, activities))
+        return [mode for mode in modes if all(a in mode for a in activities)]
+
+    found: dict[str, list[Mode]] = {}
+    for section in mission_net.graph.walk():
+        places = places_of(section.activities)
+        running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
+        family = space.image(running, places, store(len(places)))
+        found[section.name] = [*listed(section.activities, family)]
+    return found
+
+
+def _preference(usage: Usage, activities: tuple[str, ...]) -> Callable[[Mode], list[int]]:
+    """A key that sorts by the document's priorities: those of an activity before those of what serves it."""
+    below = frozenset[str]().union(*map(usage.closure, activities)) - {*activities}
+    order = [*activities, *(name for name in reversed([*usage.suppliers_first()]) if name in below)]
+    ways = {name: [a.name for a in usage.activities[name].alternatives] for name in order}
+
+    def key(mode: Mode) -> list[int]:
+        return [ways[name].index(mode[name]) if name in mode else len(ways[name]) for name in order]
+
+    return key

@@ -1,10 +1,18 @@
-"""The space of a net that each engine makes: the one place where a question meets the engines."""
+"""Who makes the space that a question is asked of: the one place where questions meet the engines.
+
+Where nobody names an engine, static facts choose first, then who gives an answer. A small markings graph is
+listed: that is quick, people see its size, and its runs are shortest. A larger one is held by sections; where
+composition refuses a mission or hits a limit, diagrams hold the whole. Questions about all markings go to
+diagrams, beside which markings are listed as long as there are few.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError, LimitError, PremiseError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
@@ -23,31 +31,120 @@ if TYPE_CHECKING:
 On: TypeAlias = Literal["markings", "alternatives"]
 Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
 """Arrays, decision diagrams or composition."""
+Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
+"""An engine by name, or ``auto``."""
+
+SMALL = 100_000
+"""Markings up to which a markings graph is listed without being asked for."""
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """An engine that is asked, or that has answered.
+
+    Args:
+        engine: The engine.
+        why: Why this one; ``None`` where it was named, or only others have refused so far.
+        max_states: Its limit on states that are listed; ``None`` for its own.
+        brief: Whether it ends soon, whatever the mission is: it lists the markings, of which there are few.
+    """
+
+    engine: Engine
+    why: str | None = None
+    max_states: int | None = None
+    brief: bool = False
+
+    def __str__(self) -> str:
+        return f"engine {self.engine}" if self.why is None else f"engine {self.engine}: {self.why}"
+
+    @property
+    def limit(self) -> int:
+        """The most states that it lists."""
+        return DEFAULT_MAX_STATES if self.max_states is None else self.max_states
+
+
+def answered(
+    ask: Callable[[Choice], Found],
+    mission_net: MissionNet | None,
+    *,
+    engine: Asked,
+    on: On,
+    max_states: int | None = None,
+) -> tuple[Found, Choice]:
+    """The first answer to a question, and whose it is.
+
+    Args:
+        ask: Asks one engine.
+        mission_net: The mission that is asked about; ``None`` for a net of no mission.
+        engine: Who is asked; ``auto``: one after the other, until one answers.
+        on: The graph that the question speaks of.
+        max_states: The user's limit on states that are listed one by one.
+
+    Raises:
+        LimitError: No engine stays within its limits; the error is that of the last.
+        PremiseError: The same, where only composition was asked.
+    """
+    if engine != "auto":
+        choice = Choice(engine, max_states=max_states)
+        return ask(choice), choice
+    refusal: LimitError | PremiseError | None = None
+    refused = ""
+    for choice in _choices(mission_net, on, max_states):
+        try:
+            why = choice.why or f"{refused} gives no answer: {refusal}"
+            return ask(choice), replace(choice, why=why)
+        except (LimitError, PremiseError) as error:
+            refusal, refused = error, choice.engine
+    assert refusal is not None, "some engine is asked"
+    raise refusal
+
+
+def _choices(mission_net: MissionNet | None, on: On, max_states: int | None) -> Iterator[Choice]:
+    """The engines to ask, the one that promises most first."""
+    if mission_net is None or on == "markings":
+        yield Choice("symbolic", "a diagram holds all markings, however many they are", max_states)
+        yield Choice("explicit", max_states=max_states)
+        return
+    limit = SMALL if max_states is None else min(SMALL, max_states)
+    many = _too_much_hardware(mission_net, limit)
+    if many is None:
+        yield Choice("explicit", "the markings graph is small", limit, brief=True)
+        many = f"there are more than {limit} markings"
+    sections = len(mission_net.graph.sections)
+    own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
+    yield Choice("local", f"{many}, so {own} explored on its own", max_states)
+    yield Choice("symbolic", max_states=max_states)
+
+
+def _too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
+    """Why a mission has more states than a limit, where its hardware alone says so.
+
+    Before it begins any set of hardware may be out of service, each in a stable state of its own.
+    """
+    faulty = sum(h.faulty for h in mission_net.mission.hardware)
+    return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
 
 
 def space_of(
-    net: PetriNet,
-    mission_net: MissionNet | None = None,
-    *,
-    engine: Engine = "symbolic",
+    of: PetriNet | MissionNet,
+    by: Choice,
     on: On = "markings",
-    max_states: int | None = None,
+    *,
     progress: Progress | None = None,
     tokens: bool = True,
-    direct: bool = False,
 ) -> Space[Any]:
-    """The space of a net, on one of its graphs, by one of the engines.
+    """The space of a net or of a mission, on one of its graphs, by one of the engines.
 
     Args:
-        net: The net.
-        mission_net: The mission that it is of; composition needs one.
-        engine: Arrays, diagrams or composition.
+        of: The net, or the mission's.
+        by: The engine and its limit. Arrays of a mission go from one stable state to the next, and through
+            all markings where that is brief.
         on: The graph; the alternatives graph is of nets with priorities.
-        max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges that are listed, or with local spaces done and to
             do.
         tokens: Whether the places of a net without priorities may hold several tokens.
-        direct: Whether arrays go from one stable state of a mission to the next, not through all markings.
 
     Raises:
         InputError: The net has no such graph, or composition is asked of a net of no mission.
@@ -57,75 +154,44 @@ def space_of(
         DivergenceError: The same, and internal evolution need not end.
         LimitError: A limit was hit.
     """
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
     if on == "alternatives" and not net.priorities:
         raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
-    if engine == "local" and (mission_net is None or on == "markings"):
+    if by.engine == "local" and (mission_net is None or on == "markings"):
         raise InputError.at(
             None,
             "composition makes the alternatives graph of a mission: sections hand on stable states only",
         )
     if on == "markings":
-        return markings_by(net, engine, limit, progress, tokens=tokens)
+        return markings_by(net, by, progress, tokens=tokens)
     from mcpn.space.stable.clash import in_mission_words
 
     with in_mission_words(mission_net):
-        if engine == "local" and mission_net is not None:
+        if mission_net is None or by.engine == "symbolic" or by.brief:
+            return alternatives_by(markings_by(net, by, progress, tokens=tokens), by.limit)[0]
+        if by.engine == "local":
             from mcpn.space.local.composing import Options, composite_space
 
             return composite_space(mission_net, Options(progress=progress))
-        if engine == "explicit" and direct and mission_net is not None:
-            return _from_stable_to_stable(mission_net, limit, progress)
-        return alternatives_by(markings_by(net, engine, limit, progress, tokens=tokens), limit)[0]
+        if found := _too_much_hardware(mission_net, by.limit):
+            raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
+        from mcpn.space.arrays import ArraySpace
+        from mcpn.space.stable.confluence import direct_with_proof
+
+        return ArraySpace(direct_with_proof(net, max_states=by.limit, progress=progress))
 
 
-def _from_stable_to_stable(mission_net: MissionNet, max_states: int, progress: Progress | None) -> Space[Any]:
-    # Before the mission begins any set of hardware may be out of service, each in a stable state of its own.
-    faulty = sum(h.faulty for h in mission_net.mission.hardware)
-    if 2**faulty > max_states:
-        found = f"{faulty} hardware resources that may fail have 2^{faulty} states"
-        raise LimitError(f"{found}, the limit on states is {max_states}: use --engine local")
-    from mcpn.space.arrays import ArraySpace
-    from mcpn.space.stable.confluence import direct_with_proof
-
-    return ArraySpace(direct_with_proof(mission_net.net, max_states=max_states, progress=progress))
-
-
-def stable_space(
-    mission_net: MissionNet,
-    *,
-    engine: Engine = "symbolic",
-    max_states: int | None = None,
-    progress: Progress | None = None,
-    direct: bool = True,
-) -> Space[Any]:
-    """The alternatives graph of a mission; see :func:`space_of`."""
-    return space_of(
-        mission_net.net,
-        mission_net,
-        engine=engine,
-        on="alternatives",
-        max_states=max_states,
-        progress=progress,
-        direct=direct,
-    )
-
-
-def mortal_space(
-    mission_net: MissionNet, *, engine: Engine = "symbolic", max_states: int | None = None
-) -> Space[Any]:
+def mortal_space(mission_net: MissionNet, by: Choice) -> Space[Any]:
     """The alternatives graph of a mission whose hardware may die (:mod:`mcpn.net.mortal`).
 
     Args:
         mission_net: The mission's net, whose internal evolution is confluent and ends.
-        engine: Arrays, diagrams or composition.
-        max_states: Limit on states that are listed one by one.
+        by: The engine and its limit.
 
     Raises:
         LimitError: A limit was hit.
     """
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    if engine == "local":
+    if by.engine == "local":
         from mcpn.space.local.composing import Options, composite_space
 
         return composite_space(mission_net, Options(mortal=True))
@@ -133,29 +199,24 @@ def mortal_space(
 
     net = mortal(mission_net).net
     # Dying changes nothing but what may be repaired: what was confluent still is.
-    if engine == "explicit":
+    if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
         from mcpn.space.stable.alternatives import direct
 
-        return ArraySpace(direct(net, proof=False, max_states=limit))
+        return ArraySpace(direct(net, proof=False, max_states=by.limit))
     return DiagramAlternatives(reach(net))
 
 
 def markings_by(
-    net: PetriNet,
-    engine: Engine,
-    max_states: int,
-    progress: Progress | None = None,
-    *,
-    tokens: bool = True,
+    net: PetriNet, by: Choice, progress: Progress | None = None, *, tokens: bool = True
 ) -> ArraySpace | DiagramMarkings:
     """The markings graph of a net; see :func:`space_of`."""
-    step("listing the markings" if engine == "explicit" else "making a diagram of all markings")
-    if engine == "explicit":
+    step("listing the markings" if by.engine == "explicit" else "making a diagram of all markings")
+    if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
         listed = explore_markings if tokens else explore
-        return ArraySpace(listed(net, max_states=max_states, progress=progress))
+        return ArraySpace(listed(net, max_states=by.limit, progress=progress))
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 

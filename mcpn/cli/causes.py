@@ -25,7 +25,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked
+    from mcpn.check.spaces import Asked
     from mcpn.report.causes import Classes
 
 MOST_TOLD = 50

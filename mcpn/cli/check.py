@@ -32,7 +32,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked
+    from mcpn.check.spaces import Asked
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.net.petri import PetriNet
 

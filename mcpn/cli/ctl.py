@@ -25,9 +25,9 @@ from mcpn.cli.shared import (
 from mcpn.steps import step
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked
     from mcpn.check.logic.questions import Answer
     from mcpn.check.logic.verdicts import Verdict
+    from mcpn.check.spaces import Asked
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 

@@ -24,8 +24,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError, McpnError, Source
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked
-    from mcpn.check.spaces import Engine
+    from mcpn.check.spaces import Asked, Engine
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
     from mcpn.report.progress import Steps

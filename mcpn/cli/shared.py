@@ -19,7 +19,7 @@ from mcpn.errors import InputError, LimitError
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from mcpn.check.choice import Choice
+    from mcpn.check.spaces import Choice
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.local.composite import CompositeSpace

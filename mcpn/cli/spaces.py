@@ -28,7 +28,7 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.choice import Asked, Choice
+    from mcpn.check.spaces import Asked, Choice
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.algebra import Space
@@ -64,7 +64,7 @@ def states(
     """Count the reachable markings of FILE, a mission or a net."""
     from dataclasses import asdict
 
-    from mcpn.check.choice import answered
+    from mcpn.check.spaces import answered
     from mcpn.space.summary import summarise
 
     chosen = order is not None or save_order is not None or seed is not None
@@ -123,20 +123,20 @@ def _local_counts(mission_net: MissionNet, quiet: bool, *, markings: bool) -> di
 
 
 def _listed(
-    mission_net: MissionNet, method: str, proof: bool, max_states: int | None, progress: Progress | None
+    mission_net: MissionNet, method: str, proof: bool, choice: Choice, progress: Progress | None
 ) -> Space[Any]:
     """The alternatives graph as the user wants it listed."""
-    from mcpn.check.spaces import stable_space
+    from mcpn.check.spaces import Choice, space_of
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.markings.explicit import explore
     from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
 
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    limit = DEFAULT_MAX_STATES if choice.max_states is None else choice.max_states
     if method == "reduction":
         return ArraySpace(by_reduction(explore(mission_net.net, progress=progress, max_states=limit)))
     if not proof:
         return ArraySpace(direct(mission_net.net, proof=False, progress=progress, max_states=limit))
-    return stable_space(mission_net, engine="explicit", max_states=limit, progress=progress)
+    return space_of(mission_net, Choice("explicit", max_states=limit), "alternatives", progress=progress)
 
 
 @click.command()
@@ -165,8 +165,7 @@ def alternatives(
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
-    from mcpn.check.choice import answered
-    from mcpn.check.spaces import stable_space
+    from mcpn.check.spaces import answered, space_of
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import AlternativesGraph
     from mcpn.space.stable.clash import in_mission_words
@@ -184,14 +183,11 @@ def alternatives(
         mission_net, engine = part_of(mission_net, section).net(), "explicit"
 
     def ask(choice: Choice) -> Space[Any]:
-        by, limit = choice.engine, choice.max_states
-        if by == "explicit" and not choice.brief:
+        if choice.engine == "explicit" and not choice.brief:
             with progress_line(as_json) as progress:
-                return _listed(mission_net, method or "direct", proof, limit, progress)
+                return _listed(mission_net, method or "direct", proof, choice, progress)
         with progress_line(as_json or choice.brief, SECTIONS) as progress:
-            return stable_space(
-                mission_net, engine=by, max_states=limit, progress=progress, direct=not choice.brief
-            )
+            return space_of(mission_net, choice, "alternatives", progress=progress)
 
     with in_mission_words(mission_net):
         space, choice = answered(ask, mission_net, engine=engine, on="alternatives", max_states=max_states)

@@ -16,14 +16,13 @@ from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes, GoalCauses, Survival
 from mcpn.check.causes.fmeca import Row
 from mcpn.check.causes.prospects import CriticalEvent
-from mcpn.check.runs import what_happens
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
-from mcpn.report.words import in_words
+from mcpn.report.words import in_words, what_happens
 from mcpn.space.run import Run
 
 if TYPE_CHECKING:

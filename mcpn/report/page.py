@@ -19,14 +19,13 @@ from markupsafe import Markup
 
 from mcpn import __version__
 from mcpn.check.causes.conditions import enumeration
-from mcpn.check.runs import what_happens
 from mcpn.net.events import Event
 from mcpn.report.causes import COLUMNS, fmeca_rows
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import in_words, modes_in_words
+from mcpn.report.words import in_words, modes_in_words, what_happens
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes

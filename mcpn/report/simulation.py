@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from mcpn.check.modes import Situation
-from mcpn.check.runs import step_in_words
 from mcpn.controller.actions import Action
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.net.compose import MissionNet
+from mcpn.report.words import event_in_words
 
 WIDTH = 80
 INDENT = 12
@@ -44,7 +44,7 @@ def _facts(simulation: Simulation, now: Situation) -> Iterator[tuple[str, list[s
 
 def change_lines(change: Change, mission_net: MissionNet) -> Iterator[str]:
     """What an event changed, in words, and what the controller orders."""
-    words = step_in_words(mission_net.mission.name, change.event, change.before, change.after).words
+    words = event_in_words(mission_net.mission.name, change.event, change.before, change.after)
     refused = {*change.after.refused} - {*change.before.refused}
     failing = [
         section.name
@@ -86,7 +86,7 @@ def change_object(change: Change, mission: str) -> dict[str, Any]:
     after = change.after
     return {
         "event": str(change.event),
-        "words": step_in_words(mission, change.event, change.before, after).words,
+        "words": event_in_words(mission, change.event, change.before, after),
         "actions": [
             {
                 key: value

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from mcpn.check.modes import Mode, Situation, said_by
-from mcpn.check.runs import changes, what_happens
 from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event
+from mcpn.net.events import Event, What
 from mcpn.space.run import Run
 
 
@@ -30,20 +29,59 @@ def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, s
         if transition.event is not None:
             settled = said_by(mission_net, sorted(marked))
             if begun is not None:
-                yield begun[0], _words(mission_net, *begun, settled)
+                yield begun[0], event_in_words(mission_net.mission.name, *begun, settled)
             begun = transition.event, settled
         for place, _ in (*transition.consume, *transition.produce):
             if place in roles:
                 (marked.add if marking[place] else marked.discard)(place)
     if begun is not None:
         last = begun[1] if run.detailed else said_by(mission_net, sorted(marked))
-        yield begun[0], _words(mission_net, *begun, last)
+        yield begun[0], event_in_words(mission_net.mission.name, *begun, last)
     yield from ((name, f"internal: {name}") for name in shown)
 
 
-def _words(mission_net: MissionNet, event: Event, before: Situation, after: Situation) -> str:
-    happens, changed = what_happens(event, mission_net.mission.name), changes(before, after)
+def event_in_words(mission: str, event: Event, before: Situation, after: Situation) -> str:
+    """An event of a mission, given by name, with what it changes in what the robot does."""
+    happens, changed = what_happens(event, mission), changes(before, after)
     return f"{happens}: {', '.join(changed)}" if changed else happens
+
+
+def what_happens(event: Event, mission: str) -> str:
+    """An event of a mission, given by name, for a reader: for example "GPS_sensor fails"."""
+    name = event.element
+    match event.what:
+        case What.START:
+            return f"mission {mission} starts"
+        case What.SUCCESS:
+            return f"objective {name} succeeds"
+        case What.FAILURE:
+            return f"objective {name} fails"
+        case What.OUT_OF_SERVICE:
+            return f"{name} fails"
+        case What.LOST:
+            return f"{name} is lost for good"
+        case What.REPAIRED:
+            return f"{name} works again"
+        case What.DECLARED:
+            return f"event {name} happens"
+        case What.NAMED:
+            return name
+
+
+def changes(before: Situation, after: Situation) -> list[str]:
+    """What changes from one stable marking to the next, in mission words."""
+    found = [f"{name} begins" for name in after.objectives if name not in before.objectives]
+    for activity, alternative in after.mode.items():
+        was = before.mode.get(activity)
+        if was is not None and was != alternative:
+            found.append(f"{activity} changes from {was} to {alternative}")
+        elif was is None and alternative != activity:
+            found.append(f"{activity} runs as {alternative}")
+    found += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
+    found += [f"{name} waits" for name in after.waiting if name not in before.waiting]
+    if after.outcome and not before.outcome:
+        found.append(f"the mission ends in {after.outcome}")
+    return found
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.check.causes.scenarios import Scenarios
-from mcpn.check.spaces import Engine, mortal_space, stable_space
+from mcpn.check.spaces import Choice, Engine, mortal_space, space_of
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 
@@ -27,12 +27,12 @@ class Asked:
     def __init__(self, found: MissionNet, engine: Engine = "explicit") -> None:
         self.found = found
         self.engine: Engine = engine
-        self.prospects: Prospects[Any] = Prospects(found, stable_space(found, engine=engine))
+        self.prospects: Prospects[Any] = Prospects(found, space_of(found, Choice(engine), "alternatives"))
         self.sections = {section.name: section for section in found.graph.all_sections()}
 
     @cached_property
     def cuts(self) -> CutSets[Any]:
-        return CutSets(Prospects(mortal(self.found), mortal_space(self.found, engine=self.engine)))
+        return CutSets(Prospects(mortal(self.found), mortal_space(self.found, Choice(self.engine))))
 
     @cached_property
     def scenarios(self) -> Scenarios[Any]:

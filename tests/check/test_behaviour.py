@@ -7,7 +7,9 @@ from typing import Any
 from hypothesis import assume, given
 
 from mcpn.check.nets.behaviour import behaviour
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.check.nets.properties import check_net
+from mcpn.net.events import Event
+from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
@@ -44,3 +46,19 @@ def test_behaviour_by_its_definitions(net: PetriNet) -> None:
         assert found.home_markings == sum(all(m in later for later in from_each.values()) for m in edges)
         constant = {p for p in range(len(net.places)) if len({m[p] for m in edges}) == 1}
         assert found.constant_places == constant
+
+
+def test_nets_with_priorities_and_several_tokens_are_told_alike() -> None:
+    builder = NetBuilder("pairs", priorities=True)
+    for place, tokens in (("free", 2), ("taken", 0), ("lost", 0)):
+        builder.place(place, initial=tokens)
+    for name, before, after in (("take", "free", "taken"), ("return", "taken", "free")):
+        builder.transition(name, consume=[before], produce=[after], event=Event.parse(name))
+    # Both are given back before anything else may happen: none is ever lost.
+    builder.transition("both", consume={"taken": 2}, produce={"free": 2})
+    builder.transition("lose", consume={"taken": 2}, produce=["lost"], event=Event.parse("lose"))
+    found = check_net(builder.build())
+    assert (found.safe, found.bounded.bounded, found.bound, found.states) == (False, True, 2, 3)
+    assert (found.deadlock, found.deadlock_free) == (None, True)
+    assert found.dead_transitions == found.not_live == ("lose",)
+    assert (found.reversible, found.home_markings) == (True, 3)

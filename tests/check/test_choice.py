@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from mcpn.check.causes.find import find_causes
-from mcpn.check.choice import SMALL, Choice, answered
 from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import Engine, On
+from mcpn.check.spaces import SMALL, Choice, Engine, On, answered
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import LimitError
 from mcpn.mission.model import Objective

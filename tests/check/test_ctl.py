@@ -11,7 +11,6 @@ import pytest
 from hypothesis import assume, event, given, reject
 from hypothesis import strategies as st
 
-from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Formula, Justice
@@ -20,6 +19,7 @@ from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.logic.witness import explain
+from mcpn.check.spaces import Asked
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose

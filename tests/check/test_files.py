@@ -10,12 +10,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.nets.behaviour import EXAMINATIONS
-from mcpn.check.spaces import space_of
+from mcpn.check.spaces import Asked, space_of
 from mcpn.errors import Source
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.symbolic import reach_briefly

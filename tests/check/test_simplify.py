@@ -12,7 +12,7 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import simplified
 from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import Source
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.markings.explicit import explore
 from mcpn.space.search.equation import place_bounds
@@ -77,4 +77,4 @@ def test_idempotent_and_dual_operators() -> None:
         (EG(true), true),
         (EX(Const(False)), Const(False)),
     ):
-        assert simplified(written) == wanted
+        assert simplified(written, NetBuilder("empty").build(), []) == wanted

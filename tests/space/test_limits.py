@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.check.spaces import mortal_space, stable_space
+from mcpn.check.spaces import Choice, mortal_space, space_of
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.mission.model import Mission
@@ -125,9 +125,13 @@ def test_stable_markings(mission: Mission) -> None:
         assert_exact(partial(direct, net, proof=proof), size, "more than {limit} stable states")
     assert_exact(partial(direct_with_proof, net), size, "more than {limit} stable states")
     assert_exact(partial(written_out, space, "symbolic"), size, f"{size} states, more than {{limit}}")
-    assert_exact(partial(stable_space, found, engine="explicit"), size, "limit on states")
+
+    def by(max_states: int) -> Choice:
+        return Choice("explicit", max_states=max_states)
+
+    assert_exact(lambda max_states: space_of(found, by(max_states), "alternatives"), size, "limit on states")
     dying = DiagramAlternatives(reach(mortal(found).net)).everything.count()
-    assert_exact(partial(mortal_space, found, engine="explicit"), dying, "more than {limit} stable")
+    assert_exact(lambda max_states: mortal_space(found, by(max_states)), dying, "more than {limit} stable")
 
 
 @fewer(0.05)

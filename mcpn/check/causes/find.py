@@ -15,8 +15,7 @@ from typing import Any
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
 from mcpn.check.causes.scenarios import Scenarios
-from mcpn.check.choice import Asked, Choice, answered
-from mcpn.check.spaces import mortal_space, stable_space
+from mcpn.check.spaces import Asked, Choice, answered, mortal_space, space_of
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
@@ -137,7 +136,7 @@ def find_causes(
     Args:
         mission_net: The mission's net.
         engine: Who makes the spaces: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.choice`. All give the same answers; runs are shortest but for composition, where
+            :mod:`mcpn.check.spaces`. All give the same answers; runs are shortest but for composition, where
             they pass as few sections as can be.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges that are listed.
@@ -152,14 +151,8 @@ def find_causes(
     """
 
     def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        stable = stable_space(
-            mission_net,
-            engine=by.engine,
-            max_states=by.max_states,
-            progress=None if by.brief else progress,
-            direct=not by.brief,
-        )
-        return stable, mortal_space(mission_net, engine=by.engine, max_states=by.max_states)
+        stable = space_of(mission_net, by, "alternatives", progress=None if by.brief else progress)
+        return stable, mortal_space(mission_net, by)
 
     (stable, dying_space), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states

@@ -13,18 +13,7 @@ from typing import cast
 
 from lxml import etree
 
-from mcpn.check.logic.formulas import (
-    FALSE,
-    OPERATORS,
-    TRUE,
-    Deadlock,
-    Fires,
-    Formula,
-    Sum,
-    compare,
-    negation,
-    within_limit,
-)
+from mcpn.check.logic.formulas import OPERATORS, Const, Deadlock, Fires, Formula, Sum, compare, within_limit
 from mcpn.check.logic.names import Names
 from mcpn.errors import InputError, Source
 from mcpn.xmlio import parse_xml
@@ -68,7 +57,6 @@ def read_properties(path: Path, names: Names) -> list[Property]:
     return [reader.property(element) for element in root]
 
 
-_QUANTIFIERS = {"exists-path": "E", "all-paths": "A"}
 _OPERATORS = {"finally": "F", "globally": "G", "next": "X"}
 _CONNECTIVES = {
     "negation": ("!", 1),
@@ -124,14 +112,14 @@ class _Reader:
     def formula(self, element: etree._Element) -> Formula:
         match self.tag(element):
             case "true" | "false" as value:
-                return TRUE if value == "true" else FALSE
+                return Const(value == "true")
             case tag if tag in _CONNECTIVES:
                 operator, count = _CONNECTIVES[tag]
                 return OPERATORS[operator](*map(self.formula, self.only(element, count)))
             case "exclusive-disjunction":
-                return negation(OPERATORS["<->"](*map(self.formula, self.only(element, 2))))
+                return OPERATORS["!"](OPERATORS["<->"](*map(self.formula, self.only(element, 2))))
             case "exists-path" | "all-paths" as quantifier:
-                return self.path(_QUANTIFIERS[quantifier], *self.only(element))
+                return self.path("E" if quantifier == "exists-path" else "A", *self.only(element))
             case "is-fireable":
                 return Fires(tuple(sorted({*self.named(element, "transition", self.lookup.transition)})))
             case "deadlock":

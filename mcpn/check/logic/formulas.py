@@ -116,17 +116,13 @@ def negation(formula: Formula) -> Formula:
     return Not(formula)
 
 
-def _both(a: Formula, b: Formula) -> Formula:
-    return And((a, b))
-
-
 def _same(a: Formula, b: Formula) -> Formula:
-    return Or((_both(a, b), _both(negation(a), negation(b))))
+    return Or((And((a, b)), And((negation(a), negation(b)))))
 
 
 def _every_until(a: Formula, b: Formula) -> Formula:
     stays = negation(b)
-    return _both(negation(EU(stays, _both(negation(a), stays))), negation(EG(stays)))
+    return And((negation(EU(stays, And((negation(a), stays)))), negation(EG(stays))))
 
 
 OPERATORS: Mapping[str, Callable[..., Formula]] = {
@@ -159,7 +155,7 @@ def compare(left: Sum, relation: str, right: Sum) -> Formula:
         right: The sum on the right.
     """
     if relation in ("=", "!="):
-        equal = _both(compare(left, "<=", right), compare(right, "<=", left))
+        equal = And((compare(left, "<=", right), compare(right, "<=", left)))
         return equal if relation == "=" else Not(equal)
     if relation in (">", ">="):
         left, right = right, left

@@ -71,23 +71,27 @@ def parse(text: str, names: Names) -> Formula:
     return within_limit(_Parser(text, names).formula())
 
 
+def _lexer(tokens: str) -> re.Pattern[str]:
+    return re.compile(rf"\s*(?:{tokens})")
+
+
 _UNARY = ("EX", "AX", "EF", "AF", "EG", "AG")
 _PLAIN: dict[str, Formula] = {"true": TRUE, "false": FALSE, "deadlock": Deadlock(), "stable": Stable()}
 _KEYWORDS = [*_UNARY, *_PLAIN, *WORDS, "success", "failure", "enabled", "tokens", "not", "and", "or"]
 
 _NAME = r'(?P<name>[A-Za-z_][A-Za-z0-9_.]*)|(?P<quoted>"(?:[^"\\]|\\.)*")'
 _TERM = rf"(?P<tokens>tokens\s*\()|(?P<integer>[0-9]+)|{_NAME}"
-_OPERAND = re.compile(
+_OPERAND = _lexer(
     r"(?P<not>!|not\b)|(?P<until>[EA]\s*\[)|(?P<enabled>enabled\s*\()"
     rf'|(?P<unary>(?:{"|".join(_UNARY)})(?=[\s(!"]|$))|(?P<plain>(?:{"|".join(_PLAIN)})\b(?![.]))'
     rf"|(?P<ending>(?:success|failure)\b(?![.]))|(?P<word>(?:{'|'.join(WORDS)})\s*\()|(?P<open>\()|{_TERM}"
 )
-_AFTER = re.compile(
+_AFTER = _lexer(
     r"(?P<iff><->)|(?P<implies>->)|(?P<or>\||or\b)|(?P<and>&|and\b)|(?P<until>U\b)|(?P<relation><=|>=|!=|<|>)"
-    r"|(?P<equal>=)|(?P<plus>\+)|(?P<comma>,)|(?P<close>\))|(?P<bracket>\])"
+    r"|(?P<equal>=)|(?P<plus>\+)|(?P<comma>,)|(?P<close>\))|(?P<bracket>\])|(?P<end>\Z)"
 )
-_NAMES, _TERMS, _SPACE = re.compile(_NAME), re.compile(_TERM), re.compile(r"\s*")
-_ANY = re.compile(r'"(?:[^"\\]|\\.)*"|<->|->|<=|>=|!=|[\w.]+|.', re.DOTALL)
+_NAMES, _TERMS = _lexer(_NAME), _lexer(_TERM)
+_ANY = _lexer(r'(?P<any>"(?:[^"\\]|\\.)*"|<->|->|<=|>=|!=|[\w.]+|\S)')
 
 _IN_WORDS = {
     "until": "U",
@@ -252,28 +256,19 @@ class _Parser:
 
     # --- tokens ---
 
-    def _skip_space(self) -> None:
-        match = _SPACE.match(self._text, self._at)
-        assert match is not None, "nothing is a space"
-        self._at = match.end()
-
     def _comes(self) -> str | None:
         """The kind of the next token, behind an operand."""
-        self._skip_space()
         match = _AFTER.match(self._text, self._at)
-        return match.lastgroup if match else None
+        return match and match.lastgroup
 
-    def _take(self, pattern: re.Pattern[str], kinds: tuple[str, ...], expected: str = "") -> Token:
-        """The next token, of one of some kinds; of any that the pattern knows where none is given."""
-        self._skip_space()
-        at = self._at
-        if at == len(self._text) and "end" in kinds:
-            return "end", "", at
-        match = pattern.match(self._text, at)
-        if match is None or (kinds and match.lastgroup not in kinds):
+    def _take(self, lexer: re.Pattern[str], kinds: tuple[str, ...], expected: str = "") -> Token:
+        """The next token, of one of some kinds; of any that the lexer knows where none is given."""
+        match = lexer.match(self._text, self._at)
+        kind = match and match.lastgroup
+        if match is None or kind is None or (kinds and kind not in kinds):
             self._fail((*kinds, *self._longer), expected)
         self._at = match.end()
-        return match.lastgroup or "", match.group(), at
+        return kind, match[kind], match.start(kind)
 
     # --- errors ---
 
@@ -286,10 +281,8 @@ class _Parser:
         return InputError.at(None, f"formula, {where}: {message}")
 
     def _fail(self, kinds: Iterable[str], expected: str = "") -> NoReturn:
-        text, at = self._text, self._at
-        word = _ANY.match(text, at)
-        found = repr(word.group()) if word else "the end"
-        at = at if word else len(text.rstrip())
+        text, word = self._text, _ANY.match(self._text, self._at)
+        found, at = (repr(word["any"]), word.start("any")) if word else ("the end", len(text.rstrip()))
         told = [words for kind, words in _IN_WORDS.items() if kind in set(kinds)]
         if not expected:
             expected = " or ".join(told) if len(told) < 3 else ", ".join(told[:-1]) + " or " + told[-1]

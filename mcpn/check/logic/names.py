@@ -64,74 +64,58 @@ class Names:
             said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value`` the value
                 too; or ``success`` or ``failure`` alone.
         """
-        if self.mission_net is None:
-            raise InputError.at(None, f"{said[0]} is a word of missions, and this net is of none")
-        meaning = _Meaning(self.net, self.mission_net).word(*said)
+        meaning = self._meaning(*said)
         if not isinstance(meaning, Const):  # which other formulas mean as well
             self.said.setdefault(meaning, said)
         return meaning
 
-
-class _Meaning:
-    """Gives words about a mission their meaning."""
-
-    def __init__(self, net: PetriNet, mission_net: MissionNet) -> None:
-        self.net = net
-        self.mission_net = mission_net
-        self.activities = mission_net.usage.activities
-
-    def word(self, kind: str, name: str = "", value: str | None = None) -> Formula:
+    def _meaning(self, kind: str, name: str = "", value: str | None = None) -> Formula:
+        of = self.mission_net
+        if of is None:
+            raise InputError.at(None, f"{kind} is a word of missions, and this net is of none")
         match kind:
             case "success" | "failure":
-                return self.said(kind, [self.mission_net.mission.name])
+                return _said(of, kind, [of.mission.name])
             case "objective" | "pending":
-                graph = self.mission_net.graph
                 # Copies of an objective, for what comes after a handler that happens once, are the same to
                 # who asks for it as it is written.
                 copies: dict[str, list[str]] = {}
-                for section in (*graph.walk(), *graph.never_entered()):
+                for section in (*of.graph.walk(), *of.graph.never_entered()):
                     for known in dict.fromkeys((section.name, section.written)):
                         copies.setdefault(known, []).append(section.name)
-                return self.said(kind, copies[_element(name, copies, "objective")])
+                return _said(of, kind, copies[_element(name, copies, "objective")])
+            case "available" if name in of.usage.producer:
+                return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":
-                hardware = [h.name for h in self.mission_net.mission.hardware]
-                producers = self.mission_net.usage.producer
-                if kind == "available" and name in producers:
-                    return self.running("active", producers[name])
-                known_here = hardware if kind == "oos" else [*hardware, *producers]
-                oos = self.said("oos", [_element(name, known_here, "resource")])
+                resources = [h.name for h in of.mission.hardware]
+                if kind == "available":
+                    resources += of.usage.producer
+                oos = _said(of, "oos", [_element(name, resources, "resource")])
                 return oos if kind == "oos" else negation(oos)
             case "event":
-                return self.event(name)
-            case "alternative":
-                return self.alternative(name, value)
-        activity = _element(name, self.activities, "activity")
+                texts = {str(t.event) for t in self.net.transitions if t.event}
+                event = Event(What.DECLARED, name)
+                if str(event) not in texts and name not in {e.name for e in of.mission.events}:
+                    event = Event.parse(_element(name, texts, "event"))
+                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
+            case "alternative" if value is None:
+                activity, _, value = name.rpartition(".")
+                if not activity:
+                    message = f"expected alternative(activity)=name, found no name after {value}"
+                    raise InputError.at(None, message)
+                return self._meaning(kind, activity, value)
+        activity = _element(name, of.usage.activities, "activity")
+        ways = [a.name for a in of.usage.activities[activity].alternatives]
         if kind == "refused":
-            return self.said("refused", [activity])
-        return self.running("wait" if kind == "waiting" else "active", activity)
+            return _said(of, kind, [activity])
+        if kind == "alternative":
+            ways = [_element(value or "", ways, f"alternative of {activity}")]
+        return _said(of, "wait" if kind == "waiting" else "active", [f"{activity}.{way}" for way in ways])
 
-    def event(self, name: str) -> Formula:
-        texts = {str(t.event) for t in self.net.transitions if t.event}
-        event = Event(What.DECLARED, name)
-        if str(event) not in texts and name not in {e.name for e in self.mission_net.mission.events}:
-            event = Event.parse(_element(name, texts, "event"))
-        return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
 
-    def alternative(self, name: str, value: str | None) -> Formula:
-        if value is None:
-            name, _, value = name.rpartition(".")
-            if not name:
-                raise InputError.at(None, f"expected alternative(activity)=name, found no name after {value}")
-        activity = _element(name, self.activities, "activity")
-        known = [a.name for a in self.activities[activity].alternatives]
-        return self.said("active", [f"{activity}.{_element(value, known, f'alternative of {activity}')}"])
-
-    def running(self, kind: str, activity: str) -> Formula:
-        return self.said(kind, [f"{activity}.{a.name}" for a in self.activities[activity].alternatives])
-
-    def said(self, kind: str, names: Collection[str]) -> Formula:
-        """Some place that says so is marked; false where the templates have none."""
-        return marked(p for p, role in self.mission_net.roles.items() if role[0] == kind and role[1] in names)
+def _said(of: MissionNet, kind: str, names: Collection[str]) -> Formula:
+    """Some place that says so is marked; false where the templates have none."""
+    return marked(place for place, (said, name) in of.roles.items() if said == kind and name in names)
 
 
 def marked(places: Iterable[int]) -> Formula:

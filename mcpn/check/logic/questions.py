@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.choice import Asked, Choice, answered
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Formula, Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.witness import Witness, explain
-from mcpn.check.spaces import On, space_of
+from mcpn.check.spaces import Asked, Choice, On, answered, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
@@ -55,7 +54,7 @@ class Questions:
         on: The graph that formulas speak of.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.choice`, with a search before it where one may do.
+            :mod:`mcpn.check.spaces`, with a search before it where one may do.
         max_states: Limit on states that are listed one by one.
 
     Raises:
@@ -117,21 +116,19 @@ class Questions:
 
     @cached_property
     def _chosen(self) -> tuple[Space[Any], Choice]:
-        return answered(
-            self._made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
-        )
+        return self._made()
+
+    def _made(self, *, tokens: bool = True) -> tuple[Space[Any], Choice]:
+        def by(choice: Choice) -> Space[Any]:
+            return space_of(self.mission_net or self.net, choice, self.on, tokens=tokens)
+
+        return answered(by, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states)
 
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""
         if "_chosen" not in self.__dict__ and (found := reach_briefly(self.net)) is not None:
             self._chosen = DiagramMarkings(found), Choice("symbolic", "a diagram soon holds all markings")
         return "_chosen" in self.__dict__
-
-    def _made(self, by: Choice, *, tokens: bool = True) -> Space[Any]:
-        engine, limit = by.engine, by.max_states
-        return space_of(
-            self.net, self.mission_net, engine=engine, on=self.on, max_states=limit, tokens=tokens
-        )
 
     def one_safe(self) -> bool:
         """Whether no place ever holds two tokens; where none does, the space is made by that.
@@ -140,11 +137,8 @@ class Questions:
             LimitError: A limit was hit.
         """
         if "_chosen" not in self.__dict__:
-            made = partial(self._made, tokens=False)
             try:
-                self._chosen = answered(
-                    made, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
-                )
+                self._chosen = self._made(tokens=False)
             except UnsafeError:
                 return False
             return True

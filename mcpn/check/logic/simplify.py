@@ -1,10 +1,6 @@
 """Smaller formulas that hold in the same states, or in the same initial state.
 
 The rules are those of CTL on maximal paths, all of which count: not for use with fairness.
-
->>> from mcpn.check.logic.formulas import EU, Const, Deadlock, Not
->>> simplified(Not(Not(EU(Const(True), EU(Deadlock(), Deadlock())))))
-EU(left=Const(value=True), right=Deadlock())
 """
 
 from __future__ import annotations
@@ -32,7 +28,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.search.goal import AtMost, needs
 
 
-def simplified(formula: Formula, net: PetriNet | None = None, bounds: Sequence[float] = ()) -> Formula:
+def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:
     """A formula that holds in the same states.
 
     Args:
@@ -44,47 +40,37 @@ def simplified(formula: Formula, net: PetriNet | None = None, bounds: Sequence[f
         The formula without constants inside, double negations and operators that change nothing; comparisons
         that the bounds decide are constants.
     """
-    return _Simplifier(net, bounds).simplify(formula)
+    known: dict[Formula, Formula] = {}
 
+    def simple(part: Formula) -> Formula:
+        if part not in known:
+            known[part] = rewritten(mapped(part, simple))
+        return known[part]
 
-class _Simplifier:
-    def __init__(self, net: PetriNet | None, bounds: Sequence[float]) -> None:
-        self.net = net
-        self.bounds = bounds
-        self._known: dict[Formula, Formula] = {}
-
-    def simplify(self, formula: Formula) -> Formula:
-        if formula not in self._known:
-            self._known[formula] = self._simplify(formula)
-        return self._known[formula]
-
-    def _simplify(self, formula: Formula) -> Formula:
-        formula = mapped(formula, self.simplify)
-        match formula:
+    def rewritten(part: Formula) -> Formula:
+        match part:
             case And(operands) | Or(operands):
-                return joined(type(formula), operands)
+                return joined(type(part), operands)
             case EX(Const(value)):
                 return Not(Deadlock()) if value else FALSE
             case EU(left, right):
                 return _until(left, right)
             case EG(Const() | EG() | Not(EU(Const(True), _)) as inside):
                 return inside  # AG f holds on the whole way if it holds at first
-            case AtMost(weights, bound) if self.bounds:
-                return self._comparison(formula, weights, bound)
-            case Fires(transitions) if self.net is not None and self.bounds:
-                possible = tuple(t for t in transitions if self._may_fire(self.net, t))
+            case AtMost(weights, bound):
+                if sum(weight * bounds[place] for place, weight in weights if weight > 0) <= bound:
+                    return TRUE
+                if sum(weight * bounds[place] for place, weight in weights if weight < 0) > bound:
+                    return FALSE
+            case Fires(transitions):
+                possible = tuple(t for t in transitions if may_fire(t))
                 return Fires(possible) if possible else FALSE
-        return formula
+        return part
 
-    def _comparison(self, formula: Formula, weights: tuple[tuple[int, int], ...], bound: int) -> Formula:
-        most = sum(weight * self.bounds[place] for place, weight in weights if weight > 0)
-        least = sum(weight * self.bounds[place] for place, weight in weights if weight < 0)
-        if most <= bound:
-            return TRUE
-        return FALSE if least > bound else formula
+    def may_fire(transition: int) -> bool:
+        return all(weight <= bounds[place] for place, weight in needs(net, transition).items())
 
-    def _may_fire(self, net: PetriNet, transition: int) -> bool:
-        return all(weight <= self.bounds[place] for place, weight in needs(net, transition).items())
+    return simple(formula)
 
 
 def joined(connective: type[And] | type[Or], operands: Sequence[Formula]) -> Formula:

@@ -17,14 +17,13 @@ from itertools import chain, count, repeat
 from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
-from mcpn.check.choice import Asked
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import EU, FALSE, TRUE, Const, Deadlock, Formula, walk
-from mcpn.check.logic.local import LocalCheck
+from mcpn.check.logic.formulas import EU, TRUE, Const, Deadlock, Formula, walk
+from mcpn.check.logic.local import LocalCheck, as_goal, as_reachability
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.reachability import as_goal, as_reachability
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine
+from mcpn.check.spaces import Asked
 from mcpn.errors import InputError, McpnError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
@@ -88,21 +87,15 @@ def answer_all(
     Raises:
         InputError: Two properties have one name; this is found before anything is answered.
     """
-    meant: dict[str, Meaning] = {
-        f"{questions.net.name}-{name}": _examined(name, questions) for name in examinations
-    }
+    meant: dict[str, Meaning] = {}
+    for name in examinations:
+        searched = name == "ReachabilityDeadlock" and questions.searchable
+        meant[f"{questions.net.name}-{name}"] = SOME_DEADLOCK if searched else name
     for asked in properties:
         if asked.name in meant:
             raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
         meant[asked.name] = asked.meaning
     return _answers(questions, _Waiting(meant))
-
-
-def _examined(examination: str, questions: Questions) -> Meaning:
-    """What an examination asks: a formula, where a search may answer it."""
-    if examination == "ReachabilityDeadlock" and questions.searchable:
-        return SOME_DEADLOCK
-    return examination
 
 
 def _answers(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
@@ -131,7 +124,7 @@ def _answers(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
         return
     for name in waiting.cheap_first():
         value = _value(questions, waiting.formulas[name])
-        yield waiting.verdict(name, value, _technique(questions.choice.engine))
+        yield waiting.answer(name, value, _technique(questions.choice.engine))
 
 
 def _technique(engine: Asked) -> str:
@@ -143,9 +136,9 @@ def _found_unsafe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
     searches = Searches(questions.net)
     for name in waiting.asking(ONE_SAFE):
         if max(questions.net.initial, default=0) > 1:
-            yield waiting.answer(name, FALSE, INITIAL_STATE)
+            yield waiting.answer(name, False, INITIAL_STATE)
         elif questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
-            yield waiting.answer(name, FALSE, RANDOM_WALK)
+            yield waiting.answer(name, False, RANDOM_WALK)
 
 
 def _one_safe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
@@ -153,7 +146,7 @@ def _one_safe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
     for name in waiting.asking(ONE_SAFE):
         safe = questions.one_safe()
         engine = questions.choice.engine if safe else questions.engine
-        yield waiting.answer(name, Const(safe), _technique(engine))
+        yield waiting.answer(name, safe, _technique(engine))
 
 
 @dataclass
@@ -168,14 +161,11 @@ class _Waiting:
     formulas: dict[str, Meaning]
     techniques: dict[str, dict[str, None]] = field(default_factory=dict)
 
-    def verdict(self, name: str, value: str, *techniques: str) -> Verdict:
-        """The answer, with the ways by which parts were decided before."""
-        return Verdict(name, value, tuple({**self.techniques.get(name, {}), **dict.fromkeys(techniques)}))
-
-    def answer(self, name: str, value: Const, technique: str) -> Verdict:
-        """The answer to what then waits no more."""
+    def answer(self, name: str, value: int, *techniques: str) -> Verdict:
+        """The answer to what then waits no more, with the ways by which parts were decided before."""
         del self.formulas[name]
-        return self.verdict(name, _told(value), technique)
+        ways = {**self.techniques.pop(name, {}), **dict.fromkeys(techniques)}
+        return Verdict(name, str(value).upper(), tuple(ways))
 
     def asking(self, examination: str) -> list[str]:
         """The name of an examination, if it waits."""
@@ -202,11 +192,9 @@ class _Waiting:
             if part not in parts_at_first(formula):
                 continue
             self.techniques.setdefault(name, {}).update(dict.fromkeys(techniques))
-            rest = replaced(formula, lambda at: Const(value) if at == part else at)
-            self.formulas[name] = rest
+            self.formulas[name] = rest = replaced(formula, lambda at: Const(value) if at == part else at)
             if isinstance(rest, Const):
-                del self.formulas[name]
-                yield self.verdict(name, _told(rest))
+                yield self.answer(name, rest.value)
 
 
 def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
@@ -222,11 +210,10 @@ def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
 
     for name, formula in left.items():
         smaller = simplified(formula, net, bounds)
-        rest = at_first(smaller, at_start)
-        waiting.formulas[name] = rest
+        waiting.formulas[name] = rest = at_first(smaller, at_start)
         if isinstance(rest, Const):
-            del waiting.formulas[name]
-            yield Verdict(name, _told(rest), (REWRITING if isinstance(smaller, Const) else INITIAL_STATE,))
+            how = REWRITING if isinstance(smaller, Const) else INITIAL_STATE
+            yield waiting.answer(name, rest.value, how)
 
 
 def _reached(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
@@ -262,10 +249,6 @@ class _Local:
         self.rounds += 1
 
 
-def _told(value: Const) -> str:
-    return str(value.value).upper()
-
-
 def _by_slices(
     questions: Questions, store: Store, waiting: _Waiting, local: _Local | None
 ) -> Iterator[Verdict]:
@@ -292,9 +275,7 @@ def _by_slices(
                 continue
             finally:
                 store.progress = before
-            verdict = waiting.verdict(name, value, DIAGRAMS)
-            del waiting.formulas[name]
-            yield verdict
+            yield waiting.answer(name, value, DIAGRAMS)
         if local is not None:
             yield from local.round(next(later))
         if not waiting.formulas:
@@ -307,12 +288,13 @@ def _effort(meaning: Meaning) -> int:
     return 0 if isinstance(meaning, tuple) else sum(1 for _ in walk(meaning))
 
 
-def _value(questions: Questions, meaning: Meaning) -> str:
+def _value(questions: Questions, meaning: Meaning) -> int:
+    """The answer by the space: a truth value or a number."""
     if isinstance(meaning, tuple):
-        return str(largest(questions.space, Counter(meaning)))
+        return largest(questions.space, Counter(meaning))
     if isinstance(meaning, str):
-        return _told(Const(examine(meaning, questions.space)))
-    return str(questions.evaluation.holds(meaning)).upper()
+        return examine(meaning, questions.space)
+    return questions.evaluation.holds(meaning)
 
 
 def largest(space: Space[Any], weights: dict[int, int]) -> int:

@@ -41,11 +41,6 @@ class Note:
     formula: Formula
     reason: str = ""
 
-    def words(self, moment: str, names: Names) -> str:
-        """The note for a reader, at a moment in the run."""
-        text = f"{moment}, {self.where}: {show(self.formula, names)}"
-        return f"{text} ({self.reason})" if self.reason else text
-
 
 @dataclass
 class Witness:
@@ -82,10 +77,11 @@ class Witness:
     @property
     def notes(self) -> list[str]:
         """What the run shows, for a reader."""
-        return [
-            note if isinstance(note, str) else note.words(self._moment(note.step), self.names)
-            for note in self.shown
-        ]
+        return [note if isinstance(note, str) else self._words(note) for note in self.shown]
+
+    def _words(self, note: Note) -> str:
+        text = f"{self._moment(note.step)}, {note.where}: {show(note.formula, self.names)}"
+        return f"{text} ({note.reason})" if note.reason else text
 
     def _moment(self, step: int) -> str:
         """The moment after some steps: by events, as runs are shown, where the net has events."""
@@ -247,16 +243,10 @@ class _Explanation(Generic[S]):
 
     def meet(self, constraint: Justice, hull: S) -> None:
         """Appends a path inside the hull to where a constraint is met."""
-        there = self.evaluation.plain.states(constraint.states) & hull
-        if constraint.transitions and not self.at_end(there):
-            self.follow(hull, self.evaluation.met(constraint, hull))
-            if self.at_end(there):
-                return
-            for edge in self.space.edges(self.witness.end):
-                if edge.transition in constraint.transitions and self.is_in(edge.target, hull):
-                    self.witness.steps.append(edge)
-                    return
-        self.follow(hull, there)
+        self.follow(hull, self.evaluation.met(constraint, hull))
+        if not self.at_end(self.evaluation.plain.states(constraint.states)):
+            fires = (e for e in self.space.edges(self.witness.end) if e.transition in constraint.transitions)
+            self.witness.steps.append(next(edge for edge in fires if self.is_in(edge.target, hull)))
 
     # --- words ---
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 from mcpn.check.nets.behaviour import behaviour
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
@@ -18,6 +20,7 @@ from mcpn.net.siphons import (
     traps,
 )
 from mcpn.net.structure import Sparse
+from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.markings.counted import explore_tokens
@@ -62,7 +65,7 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
 
     Args:
         net: Any net. Its markings are reached as a diagram; those of a net with priorities that is not 1-safe
-            are explored one by one, up to the limit.
+            are listed one by one, up to the limit.
         max_states: Limit for those, and for the coverability tree.
 
     Returns:
@@ -71,56 +74,53 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     Raises:
         LimitError: A limit was hit.
     """
-    try:
-        space = DiagramMarkings(reach_markings(net))
-    except UnsafeError:
-        return _check_with_priorities(net, max_states)
-    except UnboundedError as error:
-        return _check_unbounded(net, Boundedness(False, error.bounds, error.run, error.pump, REPEATED))
-    found = behaviour(space)
-    deadlock = None
-    start = space.encoding.marked_levels(net.initial)
-    if (run := space.run(start, space.dead)) is not None:
-        deadlock = tuple(net.transitions[edge.transition].name for edge in run)
-    names = [t.name for t in net.transitions]
-    safe, bounds = space.space.max_tokens_in_place <= 1, None
-    if not safe:
-        bounds = tuple(space.encoding.most(space.everything))
-    reason = "a 1-safe net is bounded" if safe else "all its markings were reached"
+    space, bounded, most = _reached(net, max_states)
+    if space is None or most is None:
+        # A search may still find a deadlock, or that there is none.
+        for _, found in () if net.priorities else Portfolio(net).decide([DEADLOCK]):
+            run = None if found.run is None else _names(net, found.run)
+            return NetCheck(net, False, bounded, deadlock=run, deadlock_free=not found.reachable)
+        return NetCheck(net, False, bounded)
+    does = behaviour(space)
+    to_death = space.run(space.initial.pick(), space.dead)
+    every = frozenset(range(len(net.transitions)))
     return NetCheck(
         net,
-        safe,
-        Boundedness(True, bounds, reason=reason),
-        space.space.max_tokens_in_place,
+        most <= 1,
+        bounded,
+        most,
         space.everything.count(),
-        deadlock,
-        not found.deadlock,
-        tuple(name for t, name in enumerate(names) if t not in found.quasi_live),
-        tuple(name for t, name in enumerate(names) if t not in found.live),
-        found.reversible,
-        found.home_markings,
+        None if to_death is None else _names(net, [edge.transition for edge in to_death]),
+        not does.deadlock,
+        _names(net, sorted(every - does.quasi_live)),
+        _names(net, sorted(every - does.live)),
+        does.reversible,
+        does.home_markings,
     )
 
 
-def _check_with_priorities(net: PetriNet, max_states: int) -> NetCheck:
-    bounded = boundedness(net, max_states=max_states)
-    if not bounded.bounded:
-        return NetCheck(net, False, bounded)
-    graph = explore_tokens(net, max_states=max_states)
-    fired = set(graph.labels.tolist())
-    dead = tuple(t.name for i, t in enumerate(net.transitions) if i not in fired)
-    found, run = graph.run_to(graph.dead), None
-    if found is not None:
-        run = tuple(net.transitions[graph.labels[edge]].name for edge in found)
-    return NetCheck(net, False, bounded, bounded.bound, graph.states, run, run is None, dead)
+def _reached(net: PetriNet, max_states: int) -> tuple[Space[Any] | None, Boundedness, int | None]:
+    """The markings of a bounded net, whether it is bounded, and the most tokens in a place."""
+    try:
+        space = DiagramMarkings(reach_markings(net))
+    except UnsafeError:
+        bounded = boundedness(net, max_states=max_states)
+        if not bounded.bounded:
+            return None, bounded, None
+        from mcpn.space.arrays import ArraySpace
+
+        return ArraySpace(explore_tokens(net, max_states=max_states)), bounded, bounded.bound
+    except UnboundedError as error:
+        return None, Boundedness(False, error.bounds, error.run, error.pump, REPEATED), None
+    most = space.space.max_tokens_in_place
+    if most <= 1:
+        return space, Boundedness(True, None, reason="a 1-safe net is bounded"), most
+    bounds = tuple(space.encoding.most(space.everything))
+    return space, Boundedness(True, bounds, reason="all its markings were reached"), most
 
 
-def _check_unbounded(net: PetriNet, bounded: Boundedness) -> NetCheck:
-    """Has no space to look at; a search may find a deadlock, or that there is none."""
-    for _, found in Portfolio(net).decide([DEADLOCK]):
-        run = None if found.run is None else tuple(net.transitions[t].name for t in found.run)
-        return NetCheck(net, False, bounded, deadlock=run, deadlock_free=not found.reachable)
-    return NetCheck(net, False, bounded)
+def _names(net: PetriNet, transitions: Iterable[int]) -> tuple[str, ...]:
+    return tuple(net.transitions[t].name for t in transitions)
 
 
 def marking_after(net: PetriNet, run: tuple[str, ...]) -> dict[str, int]:
@@ -160,16 +160,15 @@ class Structure:
     @property
     def conservative(self) -> bool | None:
         """Whether some positive weighting of all places never changes; then the net is bounded."""
-        if self.p_semiflows is None:
-            return None
-        return set().union(*self.p_semiflows) == set(range(len(self.net.places)))
+        return None if self.p_semiflows is None else self._every_place(self.p_semiflows)
 
     @property
     def covered(self) -> bool | None:
         """Whether every place is in some state machine component."""
-        if self.components is None:
-            return None
-        return set().union(*self.components) == set(range(len(self.net.places)))
+        return None if self.components is None else self._every_place(self.components)
+
+    def _every_place(self, parts: Iterable[Iterable[int]]) -> bool:
+        return set().union(*parts) == set(range(len(self.net.places)))
 
     @property
     def proves(self) -> list[str]:
@@ -179,8 +178,7 @@ class Structure:
             found.append("bounded, whatever the initial marking: every place is in a P-semiflow")
         if self.components is not None and "ordinary" in self.classes:
             initial = self.net.initial
-            single = [c for c in self.components if sum(initial[p] for p in c) == 1]
-            if set().union(*single) == set(range(len(self.net.places))):
+            if self._every_place(c for c in self.components if sum(initial[p] for p in c) == 1):
                 found.append("1-safe: every place is in a state machine component with one token")
         decided = {"ordinary", "free choice"} <= self.classes and not self.net.priorities
         if decided and self.siphons is not None and self.traps is not None:

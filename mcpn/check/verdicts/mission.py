@@ -7,16 +7,14 @@ errors, depends on the engine; every question is asked once, of :class:`mcpn.spa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
-from mcpn.check.choice import Asked, Choice, answered
-from mcpn.check.modes import Mode
-from mcpn.check.spaces import Engine, alternatives_by, markings_by
-from mcpn.check.verdicts.modes import functioning_modes
+from mcpn.check.modes import Mode, functioning_modes
+from mcpn.check.spaces import Asked, Choice, Engine, alternatives_by, answered, markings_by
 from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
@@ -25,7 +23,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
-from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress
+from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash import explained
 from mcpn.space.stable.nearest import nearest_fault
@@ -134,7 +132,7 @@ def check(
     Args:
         mission_net: The mission's net.
         engine: Arrays, diagrams, composition, which does not explore the net of the whole, or ``auto``, see
-            :mod:`mcpn.check.choice`.
+            :mod:`mcpn.check.spaces`.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges, or with local spaces done and to do.
         executor: Where composition explores sections; this process by default.
@@ -163,49 +161,50 @@ def _checked(
     templates: TemplateSet | None,
 ) -> MissionCheck:
     """Every verdict, by one engine."""
-    engine, max_states = choice.engine, choice.max_states
-    verdicts = {name: Verdict(name, None) for name in (*REQUIRED, *INFORMATIVE)}
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
     markings: Space[Any] | None = None
     alternatives: Space[Any] | None = None
     try:
-        if engine == "local":
+        if choice.engine == "local":
             from mcpn.space.local.composing import Options, composite_space
 
-            options = Options(templates, executor, progress)
-            alternatives = composite_space(mission_net, options)
+            alternatives = composite_space(mission_net, Options(templates, executor, progress))
             proof = "each type of section, and each way from one to the next, proved on its own net"
         else:
-            graph = markings_by(mission_net.net, engine, limit, progress, tokens=False)
+            graph = markings_by(mission_net.net, choice, progress, tokens=False)
             markings = graph
-            alternatives, proof = alternatives_by(graph, limit)
-        verdicts["confluent"] = Verdict("confluent", True, proof)
+            alternatives, proof = alternatives_by(graph, choice.limit)
+        confluent = Verdict("confluent", True, proof)
     except UnsafeError as error:
-        verdicts["safe"] = Verdict("safe", False, str(error), _runs_of(mission_net, error))
-        return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_UNSAFE))
+        unsafe = Verdict("safe", False, str(error), _runs_of(mission_net, error))
+        return MissionCheck(mission_net, _every([unsafe], UNDECIDED_UNSAFE))
     except (ConfluenceError, DivergenceError) as error:
-        verdicts["confluent"] = _not_confluent(mission_net, error, engine)
+        confluent = _not_confluent(mission_net, error, choice.engine)
     space = alternatives or markings
     if space is None:
-        return MissionCheck(mission_net, _undecided(verdicts, UNDECIDED_LOCAL))
-    verdicts["safe"] = Verdict("safe", True, "no firing puts a second token in a place")
-    verdicts["bounded"] = Verdict("bounded", True, "a 1-safe net is bounded")
-    for verdict in _reachability(mission_net, space, settles=alternatives is not None):
-        verdicts[verdict.name] = verdict
+        return MissionCheck(mission_net, _every([confluent], UNDECIDED_LOCAL))
+    safe = Verdict("safe", True, "no firing puts a second token in a place")
+    bounded = Verdict("bounded", True, "a 1-safe net is bounded")
+    reachability = _reachability(mission_net, space, settles=alternatives is not None)
     step("counting what happens, and looking for what is never used")
     firings = space.firings(space.everything)
-    unselectable = find_unselectable(mission_net, space, firings)
-    text = f"{len(unselectable)} found" if unselectable else "nothing found"
-    verdicts["unselectable"] = Verdict("unselectable", bool(unselectable), text)
+    never = find_unselectable(mission_net, space, firings)
+    unselectable = Verdict("unselectable", bool(never), f"{len(never)} found" if never else "nothing found")
     step("finding the functioning modes")
-    modes = functioning_modes(mission_net, space)
-    sizes = None if alternatives is None else (space.everything.count(), sum(firings.values()))
-    return MissionCheck(mission_net, verdicts, markings, alternatives, sizes, modes, unselectable)
+    return MissionCheck(
+        mission_net,
+        _every([safe, bounded, confluent, *reachability, unselectable]),
+        markings,
+        alternatives,
+        None if alternatives is None else (space.everything.count(), sum(firings.values())),
+        functioning_modes(mission_net, space),
+        never,
+    )
 
 
-def _undecided(verdicts: dict[str, Verdict], reason: str) -> dict[str, Verdict]:
-    """The verdicts, of which those that are not known say why."""
-    return {n: Verdict(n, None, reason) if v.holds is None else v for n, v in verdicts.items()}
+def _every(found: Sequence[Verdict], reason: str = "") -> dict[str, Verdict]:
+    """By name every verdict; those that were not found are not known, for a reason."""
+    known = {verdict.name: verdict for verdict in found}
+    return {name: known.get(name, Verdict(name, None, reason)) for name in (*REQUIRED, *INFORMATIVE)}
 
 
 def _not_confluent(mission_net: MissionNet, error: SemanticsError, engine: Engine) -> Verdict:
@@ -218,56 +217,43 @@ def _not_confluent(mission_net: MissionNet, error: SemanticsError, engine: Engin
     return Verdict("confluent", False, str(error), _runs_of(mission_net, error))
 
 
-class _Reached(NamedTuple):
-    """What a run to some states, or that there is none, says."""
-
-    good: bool
-    found: str
-    none: str
-
-
-_REACHED = {
-    "deadlock_free": _Reached(
-        False,
-        "a marking that is no end of the mission allows no event",
-        "every marking but the mission's ends allows some event",
-    ),
-    "success_reachable": _Reached(True, "a run leads to success", "no run leads to mission success"),
-    "can_always_finish": _Reached(
-        False,
-        "after this run the mission can no longer end",
-        "from every marking some run leads to an end of the mission",
-    ),
-    "failure_reachable": _Reached(True, "a run leads to failure", "no run leads to mission failure"),
-}
-
-
-def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) -> list[Verdict]:
+def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Iterator[Verdict]:
     """Verdicts that a run to some states decides."""
     success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
     finished = success | failure
     step("looking for states from which the mission cannot end")
-    goals = {
-        "deadlock_free": space.dead - finished,
-        "success_reachable": success,
-        "can_always_finish": space.everything - space.reaching(finished),
-        "failure_reachable": failure,
-    }
-    found = []
-    for name, goal in goals.items():
+    for name, goal, good, there_is, there_is_none in (
+        (
+            "deadlock_free",
+            space.dead - finished,
+            False,
+            "a marking that is no end of the mission allows no event",
+            "every marking but the mission's ends allows some event",
+        ),
+        (
+            "success_reachable",
+            success,
+            True,
+            "a run leads to success",
+            f"no run leads to mission success{'' if success else _no_way_to_success(mission_net.graph)}",
+        ),
+        (
+            "can_always_finish",
+            space.everything - space.reaching(finished),
+            False,
+            "after this run the mission can no longer end",
+            "from every marking some run leads to an end of the mission",
+        ),
+        ("failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"),
+    ):
         step(f"looking for a run that decides {name}")
-        good, there_is, there_is_none = _REACHED[name]
         run = None
         if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
         if run is None:
-            if name == "success_reachable":
-                there_is_none += _no_way_to_success(mission_net.graph)
-            found.append(Verdict(name, not good, there_is_none))
+            yield Verdict(name, not good, there_is_none)
         else:
-            shown = Run(space.net, transitions_of(run), settles=settles)
-            found.append(Verdict(name, good, there_is, (shown,)))
-    return found
+            yield Verdict(name, good, there_is, (Run(space.net, transitions_of(run), settles=settles),))
 
 
 def _no_way_to_success(graph: ObjectivesGraph) -> str:
@@ -283,10 +269,6 @@ def _no_way_to_success(graph: ObjectivesGraph) -> str:
 
 def _runs_of(mission_net: MissionNet, error: SemanticsError) -> tuple[Run, ...]:
     """The runs of an error, internal firings after the last event included."""
-    index = mission_net.net.transition_index
-    return tuple(_run_of(mission_net, run) for run in error.runs if all(name in index for name in run))
-
-
-def _run_of(mission_net: MissionNet, names: Sequence[str]) -> Run:
-    net = mission_net.net
-    return Run(net, tuple(net.transition_index[name] for name in names), detailed=True)
+    net, index = mission_net.net, mission_net.net.transition_index
+    runs = (names for names in error.runs if all(name in index for name in names))
+    return tuple(Run(net, tuple(index[name] for name in names), detailed=True) for names in runs)

@@ -11,7 +11,6 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mcpn.check.modes import Situation, situation
-from mcpn.check.runs import what_happens
 from mcpn.controller.actions import Action
 from mcpn.controller.hierarchy import Controller, SectionMachine, section_machine
 from mcpn.mission.graph import ObjectivesGraph, ParallelSection
@@ -21,6 +20,7 @@ from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
+from mcpn.report.words import what_happens
 from mcpn.space.local.composing import local_graph
 from mcpn.space.stable.alternatives import AlternativesGraph
 

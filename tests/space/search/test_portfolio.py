@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -11,8 +13,9 @@ from hypothesis import strategies as st
 from mcpn.check.nets.properties import check_net
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.search.goal import DEADLOCK, Goal, marked
-from mcpn.space.search.portfolio import INITIAL_STATE, ROUNDS, Finding, Portfolio, Round
+from mcpn.space.search import portfolio
+from mcpn.space.search.goal import DEADLOCK, AtMost, Goal, marked
+from mcpn.space.search.portfolio import INITIAL_STATE, REDUCTION, ROUNDS, Finding, Portfolio, Round
 from mcpn.space.search.searches import replay
 from tests.net.nets import nets, state_machines
 from tests.space.search.goals import all_markings, goals, is_goal
@@ -25,8 +28,20 @@ PLAIN_NETS = (
 )
 # Walks of no length, so that reductions and searches have to answer.
 NO_WALKS = (Round(0, 100_000),)
-# Hardly any search, so that the state equation has to answer, or leaves the goal open.
+# Short ones, so that those of what reductions leave may come further.
+SHORT_WALKS = (Round(2, 1), Round(4, 1), Round(8, 100_000))
+# Hardly any search, so that the state equation has to answer, or leads a walk, or leaves the goal open.
 EQUATION = (Round(0, 2, equation=True), Round(0, 100_000))
+LED = (Round(3, 1, equation=True), Round(6, 1, equation=True), Round(0, 100_000))
+WAYS = (ROUNDS[:1], NO_WALKS, SHORT_WALKS, EQUATION, LED)
+
+
+def decide(net: PetriNet, asked: Sequence[Goal], rounds: tuple[Round, ...]) -> dict[int, Finding]:
+    """What is found by walks of no more firings than the rounds say, where they say few."""
+    with pytest.MonkeyPatch.context() as patch:
+        if rounds is not WAYS[0]:
+            patch.setattr(portfolio, "STEPS_OF_TRANSITION", 0)
+        return dict(Portfolio(net).decide(asked, rounds))
 
 
 def confirm(net: PetriNet, goal: Goal, found: Finding, *, reachable: bool) -> None:
@@ -36,26 +51,26 @@ def confirm(net: PetriNet, goal: Goal, found: Finding, *, reachable: bool) -> No
         assert is_goal(goal, net, replay(net, found.run))
 
 
-@given(st.data(), st.sampled_from([ROUNDS[:1], NO_WALKS, EQUATION]))
+@given(st.data(), st.sampled_from(WAYS))
 def test_goals_are_decided_as_every_marking_says(data: st.DataObject, rounds: tuple[Round, ...]) -> None:
     net = data.draw(PLAIN_NETS)
     asked: list[Goal] = data.draw(st.lists(goals(net), min_size=1, max_size=3))
     markings = all_markings(net)
     assume(markings is not None)
     assert markings is not None
-    decided = dict(Portfolio(net).decide(asked, rounds))
+    decided = decide(net, asked, rounds)
     assert decided.keys() == set(range(len(asked)))
     for index, found in decided.items():
         expected = any(is_goal(asked[index], net, marking) for marking in markings)
         confirm(net, asked[index], found, reachable=expected)
 
 
-@given(PLAIN_NETS, st.sampled_from([ROUNDS[:1], NO_WALKS, EQUATION]))
+@given(PLAIN_NETS, st.sampled_from(WAYS))
 def test_deadlocks_are_decided_as_every_marking_says(net: PetriNet, rounds: tuple[Round, ...]) -> None:
     markings = all_markings(net)
     assume(markings is not None)
     assert markings is not None
-    ((_, found),) = Portfolio(net).decide([DEADLOCK], rounds)
+    found = decide(net, [DEADLOCK], rounds)[0]
     confirm(net, DEADLOCK, found, reachable=any(net.enabled(marking) == [] for marking in markings))
 
 
@@ -81,6 +96,43 @@ def test_deadlocks_of_large_nets(mcc: Path, model: str, deadlock: bool) -> None:
     assert found.reachable is deadlock
     if found.run is not None:
         assert net.enabled(replay(net, found.run)) == []
+
+
+def line(places: str, *more: tuple[str, str], first: int = 1) -> PetriNet:
+    """Tokens that go from the first place on to the next, by each transition from one place to another."""
+    builder = NetBuilder("line")
+    for place in places:
+        builder.place(place, initial=first if place == places[0] else 0)
+    for source, target in (*pairwise(places), *more):
+        builder.transition(source + target, consume=[source], produce=[target])
+    return builder.build()
+
+
+@pytest.mark.parametrize("rounds", WAYS)
+def test_every_way_finds_the_end_of_a_line(rounds: tuple[Round, ...]) -> None:
+    net = line("abcdefgh", ("b", "a"), ("c", "a"), first=3)
+    end, start = net.place_index["h"], net.place_index["a"]
+    everything = AtMost(((end, -1),), -3)
+    too_much = AtMost(((start, -1), (end, -1)), -4)
+    found = decide(net, [everything, too_much, DEADLOCK], rounds)
+    confirm(net, everything, found[0], reachable=True)
+    confirm(net, too_much, found[1], reachable=False)  # no more tokens than there are
+    confirm(net, DEADLOCK, found[2], reachable=True)
+    if rounds is not WAYS[0]:
+        assert all(REDUCTION in finding.techniques for finding in found.values())
+
+
+def test_what_no_budget_decides_is_left_out() -> None:
+    net = line("ab", ("b", "a"), first=40)
+    goal = AtMost(((1, -1),), -40)
+    assert decide(net, [goal, marked(0)], (Round(0, 0),)) == {1: Finding(True, (), (INITIAL_STATE,))}
+    rounds = (Round(0, 0), Round(0, 0), Round(0, 100_000))
+    assert decide(net, [goal], rounds).keys() == {0}
+    # Nobody goes on: what is not decided in the first round is left.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(portfolio, "STEPS_OF_TRANSITION", 0)
+        assert dict(Portfolio(net).decide([goal], rounds, go_on=lambda: False)) == {}
+        assert dict(Portfolio(net).decide([goal], rounds[2:], go_on=lambda: False)).keys() == {0}
 
 
 def test_check_of_an_unbounded_net_says_whether_it_can_die() -> None:
