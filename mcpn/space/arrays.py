@@ -149,7 +149,12 @@ class ArraySpace:
         if not places:
             return images.of_rows([()] if states else [])
         columns = np.stack([self.graph.marked(p) for p in places], axis=1)[states.mask]
-        return images.of_rows(np.flatnonzero(row).tolist() for row in np.unique(columns, axis=0))
+        # Rows as words of 64 bits: equal ones are found by sorting numbers.
+        packed = np.packbits(columns, axis=1)
+        words = np.pad(packed, ((0, 0), (0, -packed.shape[1] % 8))).view(np.uint64)
+        found = np.unique(words) if words.shape[1] == 1 else np.unique(words, axis=0)
+        rows = np.unpackbits(found.reshape(-1, words.shape[1]).view(np.uint8), axis=1)
+        return images.of_rows(np.flatnonzero(row).tolist() for row in rows)
 
     # --- steps and closures ---
 
