@@ -86,6 +86,7 @@ def test_help_loads_nothing_heavy() -> None:
 
 HEAVY = {
     "numpy",
+    "numpy.ma",
     "networkx",
     "scipy",
     "lark",

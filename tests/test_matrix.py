@@ -17,7 +17,7 @@ from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
 from mcpn.check.logic.questions import Questions
 from mcpn.check.nets.behaviour import behaviour
-from mcpn.check.spaces import Choice, Engine, On, space_of
+from mcpn.check.spaces import Engine, On, space_of
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
@@ -69,7 +69,7 @@ def answers(engine: Engine, on: On, formula: str, *fair: str) -> bool:
 
 def behaves(engine: Engine) -> bool:
     net = replace(mission(contention=False).net, priorities=False)
-    return behaviour(space_of(net, Choice(engine))).home_markings >= 0
+    return behaviour(space_of(net, engine)).home_markings >= 0
 
 
 CHECKED: dict[Engine, MissionCheck] = {}
@@ -145,7 +145,7 @@ def numbers(engine: Engine) -> bool:
 def controls(engine: Engine) -> bool:
     """A machine with an entry, and a state while x runs alone."""
     found = mission(contention=False)
-    space = space_of(found, Choice(engine), "alternatives")
+    space = space_of(found, engine, "alternatives")
     made = generate(found) if engine == "local" else flat_controller(found, written_out(space, engine))
     return any(state.objectives == ("x",) for machine in made.types for state in machine.states)
 

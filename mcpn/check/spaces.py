@@ -129,7 +129,7 @@ def _too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
 
 def space_of(
     of: PetriNet | MissionNet,
-    by: Choice,
+    by: Choice | Engine,
     on: On = "markings",
     *,
     progress: Progress | None = None,
@@ -139,8 +139,8 @@ def space_of(
 
     Args:
         of: The net, or the mission's.
-        by: The engine and its limit. Arrays of a mission go from one stable state to the next, and through
-            all markings where that is brief.
+        by: The engine, with or without a limit. Arrays of a mission go from one stable state to the next, and
+            through all markings where that is brief.
         on: The graph; the alternatives graph is of nets with priorities.
         progress: Called now and then with states and edges that are listed, or with local spaces done and to
             do.
@@ -155,6 +155,7 @@ def space_of(
         LimitError: A limit was hit.
     """
     net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
+    by = Choice(by) if isinstance(by, str) else by
     if on == "alternatives" and not net.priorities:
         raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
     if by.engine == "local" and (mission_net is None or on == "markings"):

@@ -141,8 +141,7 @@ class ArraySpace:
     def firings(self, states: ArraySet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         labels = self.graph.labels[states.mask[self.graph.sources]]
-        transitions, counts = np.unique(labels, return_counts=True)
-        return dict(zip(transitions.tolist(), counts.tolist(), strict=True))
+        return {t: count for t, count in enumerate(np.bincount(labels).tolist()) if count}
 
     def image(self, states: ArraySet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
@@ -152,9 +151,9 @@ class ArraySpace:
         # Rows as words of 64 bits: equal ones are found by sorting numbers.
         packed = np.packbits(columns, axis=1)
         words = np.pad(packed, ((0, 0), (0, -packed.shape[1] % 8))).view(np.uint64)
-        found = np.unique(words) if words.shape[1] == 1 else np.unique(words, axis=0)
-        rows = np.unpackbits(found.reshape(-1, words.shape[1]).view(np.uint8), axis=1)
-        return images.of_rows(np.flatnonzero(row).tolist() for row in rows)
+        # Not asked for indices, np.unique would load numpy.ma.
+        _, chosen = np.unique(words[:, 0] if words.shape[1] == 1 else words, axis=0, return_index=True)
+        return images.of_rows(np.flatnonzero(row).tolist() for row in columns[chosen])
 
     # --- steps and closures ---
 
@@ -185,7 +184,7 @@ class ArraySpace:
         """Transitions with edges from some states into others, each with the states before it."""
         graph = self.graph
         edges = np.flatnonzero(among.mask[graph.sources] & into.mask[graph.targets])
-        for t in np.unique(graph.labels[edges]).tolist():
+        for t in np.flatnonzero(np.bincount(graph.labels[edges])).tolist():
             mask = np.zeros(graph.states, np.bool_)
             mask[graph.sources[edges[graph.labels[edges] == t]]] = True
             yield t, ArraySet(mask)

@@ -26,7 +26,7 @@ class Asked:
     def __init__(self, found: MissionNet, engine: Engine = "explicit") -> None:
         self.found = found
         self.engine: Engine = engine
-        self.prospects: Prospects[Any] = Prospects(found, space_of(found, Choice(engine), "alternatives"))
+        self.prospects: Prospects[Any] = Prospects(found, space_of(found, engine, "alternatives"))
         self.sections = {section.name: section for section in found.graph.all_sections()}
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -238,8 +239,6 @@ def test_what_can_never_be_selected_is_found() -> None:
 
 
 def test_an_unsafe_net_leaves_the_rest_unknown(ulysse_net: MissionNet) -> None:
-    from dataclasses import replace
-
     # The reference net is known not to be 1-safe without its priorities.
     net = replace(ulysse_net.net, priorities=False)
     found = check(replace(ulysse_net, net=net))
@@ -274,3 +273,19 @@ def test_what_no_route_reaches_is_told_with_its_line(tmp_path: Path) -> None:
         (7, "objective backup can never be entered: no route reaches it"),
     ]
     assert parse("EF objective(backup)", Names(found.net, found)) == EU(Const(True), Const(False))
+
+
+def test_only_what_is_held_above_explains_what_is_never_selected() -> None:
+    of = robot(
+        (*hw("H"), *hw("sure", "spare", faulty=False)), activity("use", ("H",)), activity("also", ("H",))
+    )
+    of = replace(of, activities=(*of.activities, activity("a", ("sure",), ("spare",))))
+    both = Parallel(
+        name="both",
+        blocks=(Objective(name="x", activities=("use",)), Objective(name="y", activities=("also",))),
+    )
+    found = check(compose(mission(of, both, Objective(name="z", activities=("a",)))))
+    assert found.mission_net.usage.contentions
+    assert [p.message for p in found.unselectable if "selected" in p.message] == [
+        "alternative a.a_1 can never be selected"
+    ]

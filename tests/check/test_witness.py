@@ -76,6 +76,29 @@ def test_runs_show_what_they_say(net: PetriNet, data: st.DataObject) -> None:
 
 
 @given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
+def test_a_run_until_something_stays_where_it_may(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+    along, goal = (data.draw(formulas(places, transitions, leaves=2)) for _ in range(2))
+    inside, there = (satisfying(formula, net, edges) for formula in (along, goal))
+    layers, seen = [{net.initial}], {net.initial}
+    while layers[-1] and not layers[-1] & there:
+        layers.append({after for marking in layers[-1] & inside for _, after in edges[marking]} - seen)
+        seen |= layers[-1]
+    shortest = len(layers) - 1 if layers[-1] else None
+    formula = EU(read(along, net), read(goal, net))
+    goes_on = any(isinstance(part, EX | EU | EG) for part in walk(formula.right))
+    for evaluation in map(Evaluation, spaces(net)):
+        assert evaluation.holds(formula) == (shortest is not None)
+        passed = replayed(net, explain(evaluation, formula))
+        if shortest is not None:
+            assert set(passed[:shortest]) <= inside
+            assert passed[shortest] in there
+            assert goes_on or len(passed) == shortest + 1
+
+
+@given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
 def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -> None:
     assume(reachable(net)[2])
     assume(net.transitions)

@@ -14,13 +14,14 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import FAIL, SUCCEED, DeclaredEvent, Handler, Mission
+from mcpn.mission.model import FAIL, SUCCEED, DeclaredEvent, Handler, Mission, Objective, Parallel
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
+from tests import small
 from tests.net.interpreter import Series
 from tests.net.settling import stabilise
 from tests.shares import returns_early
@@ -227,3 +228,28 @@ def test_a_handler_happens_once(ulysse: Mission) -> None:
     after = found.graph.section("after_leak.coral_head.manual_moving")
     assert after.interruptions == ()
     assert [i.target for i in found.graph.section("coral_head.manual_moving").interruptions] == [after.name]
+
+
+def test_a_wide_block_that_an_event_may_halt_waits_for_all_its_branches() -> None:
+    """More branches than are combined, each without resources: closed forms for states and events."""
+    n = 7
+    of = small.robot(
+        (), *(small.activity(f"a{i}", ()) for i in range(n)), small.activity("rest", ()), events=("recall",)
+    )
+    branches = tuple(Objective(name=f"x{i}", activities=(f"a{i}",)) for i in range(n))
+    wide = Parallel(
+        name="wide",
+        blocks=branches,
+        success="home",
+        failure="home",
+        handlers=(Handler(event="recall", goto="home"),),
+    )
+    found = compose(small.mission(of, wide, Objective(name="home", activities=("rest",))))
+    graph = direct(found.net)
+    # Each branch runs or has ended in one of two ways, not all have ended; the begin, home, and two ends.
+    inside = 3**n - 2**n
+    assert graph.states == inside + 4
+    # Each branch that runs succeeds or fails, or all are halted; the start, and the two ends of home.
+    assert graph.edges == 2 * n * 3 ** (n - 1) + inside + 3
+    checked = check(found)
+    assert checked.passed

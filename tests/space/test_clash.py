@@ -17,6 +17,7 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.space.stable.clash import Clash, Rival, explained, find_clash
 from mcpn.testing import missions
+from tests import small
 from tests.draws import fewer
 
 CONTENDED = missions(max_objectives=2, max_sections=4, max_hardware=2)
@@ -244,3 +245,22 @@ def test_an_activity_is_stopped_while_it_changes_its_alternative() -> None:
     stops = [clash for clash in clashes if clash.kind == "stop"]
     assert {clash.wanted for clash in stops} == {("map",)}
     assert "activity map may be stopped at the moment at which it changes its alternative" in str(stops[0])
+
+
+def test_a_producer_may_stop_while_its_other_resource_is_asked_for() -> None:
+    # Where h fails, `follow` gives the image back and asks for the sound, and their producer changes as well.
+    of = small.robot(
+        small.hw("h", "g"),
+        small.activity("listen", ("h",), (), produces=("sound", "image")),
+        small.activity("follow", ("image", "h"), ("sound", "g")),
+    )
+    found = compose(small.mission(of, Objective(name="x", activities=("follow",))))
+    torn = direct(found.net, tear=True).torn
+    clashes = {find_clash(found, t.error) for t in torn if isinstance(t.error, ConfluenceError)}
+    (clash,) = clashes
+    assert (clash.kind, clash.wanted) == ("producer", ("listen",))
+    said = "activity listen may stop at the moment at which sound is asked for"
+    assert f"not confluent: {said}, and what follows depends on which comes first; to change this, " in str(
+        clash
+    )
+    assert "produce them by activities of their own" in str(clash)

@@ -208,3 +208,61 @@ def test_a_conflict_that_rejoins_by_ways_of_any_length_is_joined() -> None:
     builder.transition("back", consume=["x"], produce=["b"])
     with pytest.raises(DivergenceError):
         direct_with_proof(builder.build())
+
+
+def torn_behind(*ways: tuple[str, ...]) -> PetriNet:
+    """Runs of events from the start, in this order, to a marking in which one of two comes first."""
+    builder = NetBuilder("torn", priorities=True)
+    for name, tokens in (("start", 1), ("torn", 0), ("one", 0), ("two", 0)):
+        builder.place(name, initial=tokens)
+    for way in ways:
+        at = "start"
+        for number, happens in enumerate(way):
+            last = number == len(way) - 1
+            after = "torn" if last else builder.place(f"{'-'.join(way)} {number}")
+            builder.transition(
+                f"{'-'.join(way)}: {happens}", consume=[at], produce=[after], event=Event.parse(happens)
+            )
+            at = after
+    builder.transition("left", consume=["torn"], produce=["one"])
+    builder.transition("right", consume=["torn"], produce=["two"])
+    return builder.build()
+
+
+@pytest.mark.parametrize(
+    ("ways", "nearest"),
+    [
+        ((("A", "B"), ("C",)), ("C",)),
+        ((("C",), ("A", "B")), ("C",)),
+        # A failure before the last event counts twice, and so does a repair.
+        ((("H_EV_OOS", "A"), ("OBJ_x_EV_OK", "B")), ("OBJ_x_EV_OK", "B")),
+        ((("H_EV_RD", "A"), ("OBJ_x_EV_OK", "B")), ("OBJ_x_EV_OK", "B")),
+        ((("H_EV_OOS", "A"), ("B", "C", "D", "E")), ("H_EV_OOS", "A")),
+        ((("H_EV_OOS", "G_EV_OOS", "A"), ("B", "C", "D", "E")), ("B", "C", "D", "E")),
+    ],
+)
+def test_the_nearest_fault_has_few_events_and_fewer_failures(
+    ways: tuple[tuple[str, ...], ...], nearest: tuple[str, ...]
+) -> None:
+    net = torn_behind(*ways)
+    error = nearest_fault(net)
+    assert isinstance(error, ConfluenceError)
+    assert error.events == nearest
+    assert {run[-1] for run in error.runs} == {"left", "right"}
+    # The rivals have no element of a mission: they are named themselves.
+    assert f"after {nearest[-1]} the outcome depends on the interleaving of" in str(error)
+    assert "left" in str(error)
+    assert "right" in str(error)
+    assert nearest_fault(net, firings=0) is None
+
+
+def test_a_fault_before_any_event_is_the_nearest() -> None:
+    builder = NetBuilder("torn", priorities=True)
+    for name in ("torn", "one", "two"):
+        builder.place(name, initial=int(name == "torn"))
+    for name, after in (("left", "one"), ("right", "two")):
+        builder.transition(name, consume=["torn"], produce=[after])
+    error = nearest_fault(builder.build())
+    assert isinstance(error, ConfluenceError)
+    assert error.events == ()
+    assert "at the start the outcome depends" in str(error)

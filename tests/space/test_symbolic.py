@@ -11,6 +11,7 @@ from hypothesis import given
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
+from mcpn.net.events import Event
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.diagrams.order import candidates
@@ -166,3 +167,20 @@ def test_every_order_holds_every_place_once(reference: Path) -> None:
 def test_the_memory_limit_is_an_error_that_says_so() -> None:
     with pytest.raises(LimitError, match="memory limit of 100000 bytes"):
         reach(switches(400), memory_limit=100_000)
+
+
+def test_the_run_to_a_second_token_has_what_is_internal_in_its_place() -> None:
+    builder = NetBuilder("hurried", priorities=True)
+    for place, tokens in (("a", 1), ("b", 0), ("c", 1), ("d", 0), ("e", 1)):
+        builder.place(place, initial=tokens)
+    builder.transition("slow", consume=["e"], event=Event.parse("SLOW"))
+    builder.transition("go", consume=["a"], produce=["b"], event=Event.parse("GO"))
+    builder.transition("at once", consume=["b"], produce=["d"])
+    builder.transition("too much", consume=["d"], produce=["c"], event=Event.parse("MORE"))
+    net = builder.build()
+    for explored in (reach, explore):
+        with pytest.raises(UnsafeError) as caught:
+            explored(net)
+        error = caught.value
+        assert (list(error.run), error.transition, error.place) == (["go", "at once"], "too much", "c")
+        check_unsafe_run(net, error)

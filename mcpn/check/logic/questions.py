@@ -17,7 +17,7 @@ from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.diagrams.symbolic import reach_briefly
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach_briefly
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -126,9 +126,16 @@ class Questions:
 
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""
-        if "_chosen" not in self.__dict__ and (found := reach_briefly(self.net)) is not None:
-            self._chosen = DiagramMarkings(found), Choice("symbolic", "a diagram soon holds all markings")
+        if "_chosen" not in self.__dict__ and self._soon is not None:
+            self._chosen = (
+                DiagramMarkings(self._soon),
+                Choice("symbolic", "a diagram soon holds all markings"),
+            )
         return "_chosen" in self.__dict__
+
+    @cached_property
+    def _soon(self) -> SymbolicSpace | None:
+        return reach_briefly(self.net)
 
     def one_safe(self) -> bool:
         """Whether no place ever holds two tokens; where none does, the space is made by that.

@@ -52,11 +52,11 @@ def _post_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
         return False
     if all(draft.post[t].keys() & kept for t in after):
         return False
-    tokens, (weight,) = draft.initial[place], weights
-    if tokens == 0:
+    count = draft.initial[place] // weights.pop()  # a rest that is no whole firing is never used
+    if count == 0:
         return True
-    (only, *others), count = after, tokens // weight
-    if others or tokens % weight or count * draft.lengths[only] > MOST_FIRED_AT_FIRST:
+    only, *others = after
+    if others or count * draft.lengths[only] > MOST_FIRED_AT_FIRST:
         return False
     for produced, more in draft.post[only].items():
         draft.initial[produced] += more * count
@@ -78,21 +78,20 @@ def _pre_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
 
 
 def _fuse(draft: Draft, place: int) -> bool:
-    """Replaces the transitions around a place by their sequences, and takes the place out."""
+    """Replaces the transitions around a place by their sequences, and takes the place out.
+
+    It is all that the first ones make or all that the second ones need: no other place is between them.
+    """
     before, after = sorted(draft.feeders[place]), sorted(draft.users[place])
     if max(draft.lengths[t] for t in before) + max(draft.lengths[t] for t in after) > LONGEST:
         return False
     for first in before:
         for second in after:
             pre, post = dict(draft.pre[first]), dict(draft.post[second])
-            for needed, weight in draft.pre[second].items():
-                missing = weight - draft.post[first].get(needed, 0)
-                if missing > 0:
-                    pre[needed] = pre.get(needed, 0) + missing
-            for left, weight in draft.post[first].items():
-                more = weight - draft.pre[second].get(left, 0)
-                if more > 0:
-                    post[left] = post.get(left, 0) + more
+            for side, more in ((pre, draft.pre[second]), (post, draft.post[first])):
+                for other, weight in more.items():
+                    if other != place:
+                        side[other] = side.get(other, 0) + weight
             run = (draft.runs[first], draft.runs[second])
             draft.add(pre, post, run, draft.lengths[first] + draft.lengths[second])
     for transition in (*before, *after):

@@ -44,8 +44,7 @@ class Draft:
     def add(self, pre: Mapping[int, int], post: Mapping[int, int], run: RunTree, length: int) -> None:
         """Adds a transition."""
         number, self._next = self._next, self._next + 1
-        self.pre[number] = {place: weight for place, weight in pre.items() if weight}
-        self.post[number] = {place: weight for place, weight in post.items() if weight}
+        self.pre[number], self.post[number] = dict(pre), dict(post)
         self.runs[number], self.lengths[number] = run, length
         for place in self.pre[number]:
             self.users[place].add(number)

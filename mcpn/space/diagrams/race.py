@@ -64,22 +64,20 @@ class Race(Generic[Result]):
         memory: Bytes that all of them may hold from round to round.
         workers: How many work at a time.
         first_budget: Steps of the first runner in the first round.
-        most: Steps of it in the last round; rounds go on without it.
     """
 
     runners: Iterator[Runner[Result]]
     memory: int
     workers: int
     first_budget: int = FIRST_BUDGET
-    most: int | None = None
     limit: MemoryLimit | None = None
     _drawn: list[Runner[Result]] = field(default_factory=list)
     _out: set[int] = field(default_factory=set)
 
     def run(self) -> Result | None:
-        """The result of the winner, or ``None`` where none stays within memory and rounds."""
+        """The result of the winner, or ``None`` where none stays within memory."""
         budget = self.first_budget
-        while self.most is None or budget <= self.most:
+        while True:
             found = self._side_by_side(budget) if self._spread(budget) else self._in_turn(budget)
             if found is not None:
                 return found
@@ -87,7 +85,6 @@ class Race(Generic[Result]):
                 return None
             self._make_room()
             budget *= GROWTH
-        return None
 
     def _spread(self, budget: int) -> bool:
         return self.workers > 1 and budget >= SIDE_BY_SIDE and len(self._drawn) - len(self._out) > 1

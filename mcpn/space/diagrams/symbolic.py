@@ -25,13 +25,13 @@ from mcpn.space.markings.firing import unsafe_at_start
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
-BRIEF = 200_000
-"""Steps of the first order in the last round of a race that is to end soon."""
-EXPLORER_RANK, MOST_WORKERS = 3, 4
+BRIEF = 300_000
+"""Steps of the order that is most often good, where the space is only wanted if it is soon there."""
+EXPLORER_RANK, MOST_WORKERS = 2, 4
 Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
 
-STEPS_OF_A_STATE = 4
+STEPS_OF_A_STATE = 2
 """About how many steps of a closure take the time of exploring one marking."""
 
 
@@ -109,6 +109,8 @@ class SymbolicSpace:
     @cached_property
     def max_tokens_in_place(self) -> int:
         """Most tokens in a place."""
+        if self.encoding.counters is None:  # 1-safe
+            return min(self.max_tokens, 1)
         return max(self.encoding.most(self.reachable), default=0)
 
 
@@ -202,12 +204,10 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
     try:
-        runners = islice(_runners(net, (Encoding,), None, DEFAULT_MEMORY), EXPLORER_RANK + 1)
-        space = Race(runners, DEFAULT_MEMORY, 1, most=BRIEF).run()
-        if not isinstance(space, SymbolicSpace):
-            return None
+        name, order = next(candidates(net, None))
+        space = _close(Encoding(net, order, DEFAULT_MEMORY), name, order, BRIEF)
         refuse_unsafe(space)
-    except UnsafeError:
+    except (BudgetExceeded, MemoryLimit, UnsafeError):
         return None
     return space
 

@@ -229,3 +229,17 @@ def test_long_texts_take_linear_time(text: str) -> None:
     start = time.process_time()  # of this process alone, whatever else runs
     problem_of(text.encode())
     assert time.process_time() - start < 15
+
+
+@pytest.mark.parametrize(("suffix", "power"), [("K", 3), ("M", 6), ("G", 9), ("T", 12), ("P", 15), ("E", 18)])
+def test_a_letter_after_a_number_is_a_power_of_ten(tmp_path: Path, suffix: str, power: int) -> None:
+    path = tmp_path / "n.net"
+    most = 10**18 - 1  # what a net may say
+    path.write_text(f"net n\npl a (3{suffix})\ntr t a*2{suffix} -> b\n")
+    if 3 * 10**power > most:
+        with pytest.raises(InputError):
+            read_net(path)
+        return
+    net = read_net(path)
+    assert net.initial[net.place_index["a"]] == 3 * 10**power
+    assert net.transitions[0].consume == ((net.place_index["a"], 2 * 10**power),)

@@ -12,7 +12,7 @@ from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder
 from mcpn.net.reduce.reduction import reduce_for_deadlock
 from mcpn.space.search.equation import StateEquation
-from mcpn.space.search.goal import DEADLOCK, AllOf, Goal, marked, negation
+from mcpn.space.search.goal import DEADLOCK, AllOf, AtMost, Goal, marked, negation
 from mcpn.space.search.searches import Searches
 from tests.space.search.goals import all_markings, goals, is_goal
 from tests.space.search.test_portfolio import PLAIN_NETS
@@ -88,3 +88,23 @@ def test_a_trap_rules_out_what_the_equation_lets_pass() -> None:
 def test_large_nets_without_deadlock(mcc: Path, model: str) -> None:
     net = read_net(mcc / model / "model.pnml")
     assert StateEquation(reduce_for_deadlock(net).net).solve(DEADLOCK).kind == "unreachable"
+
+
+@pytest.mark.parametrize("read", [1, 2, 3, 4])
+def test_what_is_read_stays_only_beyond_what_is_taken(read: int) -> None:
+    builder = NetBuilder("taken")
+    for place, tokens in (("other", 0), ("stock", 4), ("out", 0)):
+        builder.place(place, initial=tokens)
+    builder.transition("take", consume={"stock": 2}, read={"stock": read}, produce=["out"])
+    net = builder.build()
+    markings = all_markings(net)
+    assert markings is not None
+    for left in (0, 2):
+        goal = AtMost(((net.place_index["stock"], 1),), left)
+        reached = any(is_goal(goal, net, marking) for marking in markings)
+        assert reached == (left == 2 or read <= 2)
+        if reached:
+            assert StateEquation(net).solve(goal).kind == "possible"
+    empty = negation(marked(net.place_index["stock"]))
+    if read > 2:  # a trap: the last two tokens can never be taken
+        assert StateEquation(net).solve(empty).kind == "unreachable"

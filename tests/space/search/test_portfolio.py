@@ -16,7 +16,7 @@ from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search import portfolio
 from mcpn.space.search.goal import DEADLOCK, AtMost, Goal, marked
 from mcpn.space.search.portfolio import INITIAL_STATE, REDUCTION, ROUNDS, Finding, Portfolio, Round
-from mcpn.space.search.searches import replay
+from mcpn.space.search.searches import Searches, replay
 from tests.net.nets import nets, state_machines
 from tests.space.search.goals import all_markings, goals, is_goal
 
@@ -147,3 +147,18 @@ def test_check_of_an_unbounded_net_says_whether_it_can_die() -> None:
     builder.transition("restart", consume=["off"], produce=["on"])
     found = check_net(builder.build())
     assert (found.deadlock_free, found.deadlock) == (True, None)
+
+
+def test_numbers_beyond_those_that_are_followed_are_left_to_others() -> None:
+    for tokens, weight in ((2**31, 1), (1, 2**31), (2**31 - 1, 2**31 - 1)):
+        builder = NetBuilder("many")
+        builder.place("many", initial=tokens)
+        builder.place("none")
+        builder.transition("t", consume={"many": weight}, produce=["none"])
+        net = builder.build()
+        fits = max(tokens, weight) < 2**31
+        assert Searches(net).fits is fits
+        found = dict(Portfolio(net).decide([marked(1), marked(0)], ROUNDS[:1]))
+        assert found.keys() == ({0, 1} if fits else {1})
+        if fits:
+            confirm(net, marked(1), found[0], reachable=True)
