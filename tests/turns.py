@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from mcpn._kernel import Zdd
 from mcpn.space.diagrams.spaces import DiagramMarkings
 
@@ -11,9 +13,13 @@ class _Spent(Exception):
 
 
 class ByTurns(DiagramMarkings):
-    """Closures take turns from the first step on; of a greatest fixpoint each attempt takes one step."""
+    """Closures take turns from the first step on; of a greatest fixpoint each attempt takes one step.
+
+    What stays in a set is found without layers of all transitions.
+    """
 
     first_steps = 1
+    steps_of_layers = 1
     attempted = 0
 
     def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
@@ -23,8 +29,8 @@ class ByTurns(DiagramMarkings):
             except _Spent:
                 continue
 
-    def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
+    def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
         self.attempted += 1
         if self.attempted % 2:
             raise _Spent
-        return super()._leaving(states, into)
+        return super().continuing(states, transitions)

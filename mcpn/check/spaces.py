@@ -171,9 +171,9 @@ def space_of(
         if mission_net is None or by.engine == "symbolic" or by.brief:
             return alternatives_by(markings_by(net, by, progress, tokens=tokens), by.limit)[0]
         if by.engine == "local":
-            from mcpn.space.local.composing import Options, composite_space
+            from mcpn.space.local.composing import composite_space
 
-            return composite_space(mission_net, Options(progress=progress))
+            return composite_space(mission_net, progress=progress)
         if found := _too_much_hardware(mission_net, by.limit):
             raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
         from mcpn.space.arrays import ArraySpace
@@ -193,9 +193,9 @@ def mortal_space(mission_net: MissionNet, by: Choice) -> Space[Any]:
         LimitError: A limit was hit.
     """
     if by.engine == "local":
-        from mcpn.space.local.composing import Options, composite_space
+        from mcpn.space.local.composing import composite_space
 
-        return composite_space(mission_net, Options(mortal=True))
+        return composite_space(mission_net, may_die=True)
     from mcpn.net.mortal import mortal
 
     net = mortal(mission_net).net

@@ -129,11 +129,11 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
 
 def composite_of(mission_net: MissionNet, *, quiet: bool = False) -> CompositeSpace:
     """The sections of a mission, glued."""
-    from mcpn.space.local.composing import Options, composite_space
+    from mcpn.space.local.composing import composite_space
     from mcpn.space.stable.clash import in_mission_words
 
     with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
-        return composite_space(mission_net, Options(progress=progress))
+        return composite_space(mission_net, progress=progress)
 
 
 def is_net(path: Path) -> bool:

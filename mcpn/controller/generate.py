@@ -8,7 +8,7 @@ from typing import Literal
 from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller, refuse_entries
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
-from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.composing import composite_space
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
 from mcpn.space.stable.clash import in_mission_words
@@ -60,7 +60,7 @@ def generate(
         return flat_controller(mission_net, graph)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_mission_words(mission_net):
-        composite = composite_space(mission_net, Options(progress=progress))
+        composite = composite_space(mission_net, progress=progress)
     names: dict[SectionType, str] = {}
     for placed in composite.sections.values():
         names.setdefault(placed.type, placed.name)
@@ -71,5 +71,5 @@ def generate(
     if told and largest.size > MOST_UNTOLD:
         every = f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states"
         told(f"{every}, the largest, of section {names[largest]}, {largest.size:,}")
-    listed = {type_: type_.listed(name, limit, WHY) for type_, name in names.items()}
+    listed = {type_: type_.listed() for type_ in names}
     return hierarchical_controller(composite, listed)

@@ -24,6 +24,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
+from mcpn.net.sections import Renaming
 from mcpn.notebook import Drawn
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
@@ -167,7 +168,8 @@ def hierarchical_controller(
     sections = []
     for placed in composite.sections.values():
         number = numbers[placed.type]
-        names = {kind: dict(getattr(placed.renaming, kind)) for kind in KINDS}
+        renaming = Renaming(placed.type.part, placed.part)
+        names = {kind: dict(getattr(renaming, kind)) for kind in KINDS}
         events = tuple(_renamed(event, names) for event in types[number].events)
         sections.append(PlacedMachine(placed.name, number, names, events, dict(placed.routes)))
     mission_net = composite.mission_net

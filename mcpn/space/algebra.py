@@ -219,7 +219,7 @@ class Space(Protocol[S]):
         Args:
             along: The set.
             asked: Where given, the caller asks only whether some of these are among them: a space may stop
-                as soon as it knows that none is, with a set that holds none of them.
+                as soon as it knows, with a set that meets these just where the exact one does.
         """
 
     # --- runs ---

@@ -20,7 +20,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.images import ImageStore
-from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.space.stable.confluence import prove_confluent
@@ -162,6 +162,9 @@ class Questions:
         while lost := {m for m in stays if graph[m] and not any(t in stays for _, t in graph[m])}:
             stays -= lost
         same(stays, lambda s, n: s.staying(sets_a[n]))
+        for name, space in self.spaces.items():
+            some = space.staying(sets_a[name], sets_b[name])
+            assert bool(sets_b[name] & some) == bool(stays & b), name
         weights = dict(
             zip(self.places(), self.draw(st.lists(st.integers(-2, 2), min_size=3, max_size=3)), strict=False)
         )
@@ -313,7 +316,7 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
     assume(len(graph) < 2000)
     spaces: Spaces = {
         "diagrams": DiagramAlternatives(reach(whole.net)),
-        "composite": composite_space(mission_net, Options(mortal=True)),
+        "composite": composite_space(mission_net, may_die=True),
     }
     Questions(data.draw, start, graph, spaces).ask()
 

@@ -144,8 +144,8 @@ def test_sections(mission: Mission) -> None:
     wanted = f"section .* has {largest:,} states: .*, the limit is {{limit}} "
     assert_exact(partial(generate, found), largest, wanted)
     kind = composite.sections[name].type
-    assert_exact(partial(kind.listed, name, why="a test"), largest, wanted)
-    assert kind.listed(name, largest, "a test").states == largest
+    assert_exact(partial(kind.refuse_list, name, why="a test"), largest, wanted)
+    assert kind.listed().states == largest
 
 
 def test_siphons_traps_and_semiflows() -> None:

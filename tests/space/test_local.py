@@ -31,7 +31,7 @@ from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.net.sections import junction_part
 from mcpn.net.templates import Canvas, PaperTemplates
-from mcpn.space.local.composing import Options, composite_space
+from mcpn.space.local.composing import composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.nonconfluent import sharing_pairs
 from mcpn.space.local.section_type import SectionType
@@ -122,7 +122,7 @@ def test_sections_lie_in_the_whole_where_their_own_nets_have_the_same_names(
     mission: Mission, may_die: bool
 ) -> None:
     try:
-        composite = composite_space(compose(mission), Options(mortal=may_die))
+        composite = composite_space(compose(mission), may_die=may_die)
     except (ConfluenceError, DivergenceError):
         returns_early("not confluent")
         return
@@ -238,7 +238,7 @@ def test_a_section_that_leaves_something_behind_is_refused(
 ) -> None:
     mission_net = compose(ulysse, templates)
     with pytest.raises(PremiseError, match="use --engine explicit or symbolic") as caught:
-        composite_space(mission_net, Options(templates))
+        composite_space(mission_net, templates=templates)
     assert (caught.value.place, caught.value.section) == (place, section)
     assert caught.value.runs
 
@@ -266,10 +266,10 @@ def test_a_section_that_does_not_come_to_rest_is_refused(
     templates = Blinking(name)
     mission_net = compose(ulysse, templates)
     with pytest.raises(DivergenceError):
-        composite_space(mission_net, Options(templates))
+        composite_space(mission_net, templates=templates)
     monkeypatch.setattr("mcpn.space.local.composing.refuse_open_junctions", lambda composite: None)
     with pytest.raises(DivergenceError) as caught:
-        composite_space(mission_net, Options(templates))
+        composite_space(mission_net, templates=templates)
     marking, net = mission_net.net.initial, mission_net.net
     for fired in caught.value.runs[0]:
         marking = net.fire(marking, net.transition_index[fired])
@@ -283,9 +283,9 @@ def test_local_spaces_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
     alone: list[tuple[int, int]] = []
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        composite = composite_space(ulysse_net, Options(executor=pool, progress=lambda *at: done.append(at)))
+        composite = composite_space(ulysse_net, executor=pool, progress=lambda *at: done.append(at))
         own = composite_space(
-            ulysse_net, Options(PaperTemplates(), pool, progress=lambda *at: alone.append(at))
+            ulysse_net, templates=PaperTemplates(), executor=pool, progress=lambda *at: alone.append(at)
         )
     assert sizes(composite) == sizes(own) == (260, 1332)
     # Two types of sections; of a caller's templates nothing is known, so that each section is its own.
@@ -299,5 +299,5 @@ def test_local_spaces_are_made_on_a_dask_cluster(ulysse_net: MissionNet) -> None
         distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        composite = composite_space(ulysse_net, Options(executor=client.get_executor()))
+        composite = composite_space(ulysse_net, executor=client.get_executor())
     assert sizes(composite) == (260, 1332)

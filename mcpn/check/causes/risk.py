@@ -108,7 +108,8 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             continue
         kind = placed.type
         if kind not in listed:
-            graph = kind.listed(name, max_states, "numbers of risk list every state")
+            kind.refuse_list(name, max_states, "numbers of risk list every state")
+            graph = kind.listed()
             listed[kind] = Listed(Prospects(kind.net, ArraySpace(graph)), kind.faulty)
         objectives = tuple(placed.part.graph.walk())
         sections[name] = Section(listed[kind], placed.faulty, objectives, placed.routes)

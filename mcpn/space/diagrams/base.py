@@ -10,6 +10,7 @@ from mcpn._kernel import BudgetExceeded, Zdd
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.diagrams.encoding import distinct
+from mcpn.space.diagrams.staying import Staying
 from mcpn.space.diagrams.symbolic import SymbolicSpace, elements
 from mcpn.space.images import ImageStore
 
@@ -29,6 +30,8 @@ class Diagrams:
 
     first_steps = 50_000
     """Budget of a closure's first turn."""
+    steps_of_layers = 300_000
+    """Budget of the layers of :meth:`staying` before anything else is tried."""
 
     def __init__(self, space: SymbolicSpace, states: Zdd, initial: Zdd) -> None:
         self.space = space
@@ -37,7 +40,9 @@ class Diagrams:
         self.everything = states
         self.initial = initial
         self.nothing = self.encoding.store.empty()
-        self._left_off: dict[Zdd, tuple[Zdd, Zdd]] = {}
+        self.most_steps = 0  # about the most that a closure may take; 0: any number
+        self.steps = 0  # what layers have taken
+        self._left_off: dict[tuple[Zdd, Zdd | None], Staying] = {}
         free = {
             t for t in self.encoding.events if self.net.transitions[t].internal or not self.net.priorities
         }
@@ -191,6 +196,8 @@ class Diagrams:
                 if unchanged == len(events):
                     return found
             budget *= GROWTH
+            if self.most_steps and budget > self.most_steps:
+                raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
 
     def _shortest(
         self,
@@ -245,6 +252,14 @@ class Diagrams:
         """States with an edge into some states."""
         raise NotImplementedError
 
+    def reaching(self, goal: Zdd, along: Zdd | None = None) -> Zdd:
+        """States from which some run through ``along`` leads into a goal, the goal's own included."""
+        raise NotImplementedError
+
+    def reached(self, begin: Zdd, along: Zdd | None = None) -> Zdd:
+        """States of ``along`` to which some run through it leads, those it begins from included."""
+        raise NotImplementedError
+
     def crossing(self, among: Zdd, into: Zdd) -> Iterator[tuple[int, Zdd]]:
         """Transitions with edges from some states into others, each with the states before it."""
         candidates = self.before(into) & among
@@ -260,22 +275,21 @@ class Diagrams:
     def staying(self, along: Zdd, asked: Zdd | None = None) -> Zdd:
         """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`.
 
-        Greatest fixpoint: states without a successor in the set are dropped until none is left; only what
-        led into states just dropped is looked at again. What was left off, because its time was spent or
-        because of what was asked, goes on where it was.
+        What was left off because its time was spent goes on where it was; see
+        :mod:`mcpn.space.diagrams.staying`.
         """
-        ends = self.dead
-        found, lost = self._left_off.get(along) or (along, self._leaving(along - ends, along))
-        while lost and (asked is None or asked & found):
-            self._left_off[along] = found, lost
-            found -= lost
-            lost = self._leaving((self.before(lost) & found) - ends, found)
-        if lost:
-            self._left_off[along] = found, lost
-        else:
-            self._left_off.pop(along, None)
+        search = self._left_off.setdefault((along, asked), Staying(self, along, asked))
+        found = search.states()
+        del self._left_off[along, asked]
         return found
 
-    def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
-        """Those of some states that have no edge into a set."""
-        return states - self.before(into)
+    def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+        """Those of some states with an edge of some transitions that leads to one of them."""
+        found = self.before(states, transitions)
+        self.steps += self.encoding.store.steps
+        return found & states
+
+    def firing(self, states: Zdd) -> frozenset[int]:
+        """Transitions that fire on edges from some states, or more."""
+        internal = (t for t, made in enumerate(self.net.transitions) if made.internal)
+        return frozenset(self.firings(states)).union(internal if self.net.priorities else ())

@@ -92,14 +92,17 @@ class DiagramMarkings(Diagrams):
         ways = self.ways(self.encoding.events, transitions, guards)
         return chained(found, [partial(ahead, events=of, where=where) for of, where in ways])
 
-    def _leaving(self, states: Zdd, into: Zdd) -> Zdd:
-        """Those of some states that have no edge into a set; cheaper than all states before it."""
+    def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
+        """Those of some states with an edge of some transitions that leads to one of them."""
         undoing = self.encoding.undoing
-        left = states.beyond(into, [undoing[t] for t in self.free])
-        if not self.waiting:
-            return left
-        settled = left & self.stable
-        return (left - settled) | settled.beyond(into, [undoing[t] for t in self.waiting])
+        found = states.images(self.of(undoing, self.free, transitions), within=states)
+        self.steps += self.encoding.store.steps
+        if self.waiting:
+            waiting = self.of(undoing, self.waiting, transitions)
+            more = states.images(waiting, within=states & self.stable)
+            self.steps += self.encoding.store.steps
+            found |= more
+        return found
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state."""

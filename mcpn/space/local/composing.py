@@ -9,11 +9,9 @@ in which it fails are looked for among those that the mission comes to.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
@@ -27,46 +25,34 @@ from mcpn.space.local.layout import Layout
 from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
+from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.confluence import direct_with_proof
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
-Progress: TypeAlias = Callable[[int, int], None]
-"""Called after each local space and junction with how many are done and how many there are."""
 
-
-@dataclass(frozen=True)
-class Options:
-    """How a composite is made.
-
-    Args:
-        templates: The set of templates that the mission is composed with, the paper's by default; with
-            another no two sections are taken for one type.
-        executor: Where sections are explored; in this process one after the other by default.
-        progress: Called after each local space.
-        mortal: Whether hardware may die (:mod:`mcpn.net.mortal`).
-    """
-
-    templates: TemplateSet | None = None
-    executor: Executor | None = None
-    progress: Progress | None = None
-    mortal: bool = False
-
-
-AS_USUAL = Options()
-
-
-def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> CompositeSpace:
+def composite_space(
+    mission_net: MissionNet,
+    *,
+    templates: TemplateSet | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    may_die: bool = False,
+) -> CompositeSpace:
     """The alternatives graph of a mission by composition.
 
     Args:
         mission_net: The mission's net; it is not explored.
-        options: How the composite is made.
+        templates: The set of templates that the mission is composed with, the paper's by default; with
+            another no two sections are taken for one type.
+        executor: Where sections are explored; in this process one after the other by default.
+        progress: Called after each local space with how many are done and how many there are.
+        may_die: Whether hardware may die (:mod:`mcpn.net.mortal`).
 
     Returns:
-        The composite. With ``mortal`` its net is that of :func:`mcpn.net.mortal.mortal`.
+        The composite. With ``may_die`` its net is that of :func:`mcpn.net.mortal.mortal`.
 
     Raises:
         PremiseError: A section hands on more than the state of its hardware.
@@ -75,28 +61,28 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         UnsafeError: A local net is not 1-safe.
         LimitError: A limit was hit.
     """
-    usage, templates = mission_net.usage, options.templates
-    if usage.contentions and not options.mortal:
+    usage = mission_net.usage
+    if usage.contentions and not may_die:
         step("looking for a clash near the start of the mission")
         error = nearest_fault(mission_net.net)  # a clash near the start is found at once
         if error is not None:
             raise error
     alone = SectionParts(usage).alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
-    kinds = {name: part.type if templates is None else name for name, part in parts.items()}
-    first: dict[Hashable, str] = {}
-    for name in parts:
-        first.setdefault(kinds[name], name)  # the first section of a type stands for it
-    named = mortal if options.mortal else lambda net: net
+    first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
+    standing = {
+        name: first.setdefault(part.type if templates is None else name, name) for name, part in parts.items()
+    }
+    named = mortal if may_die else lambda net: net
     nets = {name: named(parts[name].net(templates)) for name in first.values()}
     explored: dict[str, SymbolicSpace] = {}
-    results = _explored([net.net for net in nets.values()], options.executor)
+    results = _explored([net.net for net in nets.values()], executor)
     for number, name in enumerate(nets, 1):
         step(f"exploring section {name}" + (f" (type {number} of {len(nets)})" if len(nets) > 1 else ""))
         with in_section(name):
             explored[name] = next(results)
-        if options.progress:
-            options.progress(number, len(nets))
+        if progress:
+            progress(number, len(nets))
     whole = WholeNet(named(mission_net), templates)
     layout = Layout(whole.mission_net, max(len(space.encoding.places) for space in explored.values()))
     types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
@@ -104,9 +90,9 @@ def composite_space(mission_net: MissionNet, options: Options = AS_USUAL) -> Com
         step(f"checking what section {name} hands on")
         type_.check_premise(name, explored[name])
     step("joining the sections")
-    stages = [whole.stage(s, parts[s.name], types[first[kinds[s.name]]]) for s in mission_net.graph.sections]
+    stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
-    if not options.mortal:  # what may die behaves as what may not
+    if not may_die:  # what may die behaves as what may not
         if templates is not None:
             refuse_open_junctions(composite)
         refuse_nonconfluent(composite, {types[name]: space for name, space in explored.items()})

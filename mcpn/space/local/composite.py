@@ -10,17 +10,28 @@ from functools import cached_property
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking
-from mcpn.space.algebra import Piece
+from mcpn.space.algebra import Edge, Guards, Piece
+from mcpn.space.diagrams.base import FARTHEST
 from mcpn.space.images import Bit, ImageStore
-from mcpn.space.local.runs import Runs
-from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, Stage
-from mcpn.space.local.sets import CompositeSet, Member, Parts
-from mcpn.space.run import Completion
-
-FARTHEST = 2**62
+from mcpn.space.local.glued import CompositeSet, Glued, Member, Parts
+from mcpn.space.local.layout import idle_places, remembered
+from mcpn.space.local.section_type import ALL, Allowed
+from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, Kind, Stage
 
 
-class CompositeSpace(Runs):
+class TwoOutcomes(Exception):
+    """An event on the way has several outcomes, of which a run follows one, and not the one that leads on.
+
+    Args:
+        run: The edges before that event.
+    """
+
+    def __init__(self, run: list[Edge]) -> None:
+        super().__init__("an event has several outcomes")
+        self.run = run
+
+
+class CompositeSpace(Glued):
     """The alternatives graph of a mission by composition: see :class:`mcpn.space.algebra.Space`."""
 
     # --- where a part of a set says whether a place of the whole net is marked ---
@@ -29,8 +40,9 @@ class CompositeSpace(Runs):
         stage = self.stages[name]
         if (local := stage.local.get(place)) is not None:
             return stage.type.encoding.bit(local)
-        if place in self._slot_of_place:
-            slot, reverse = self._slot_of_place[place]
+        if place in self._hardware:
+            hardware, number, reverse = self._hardware[place]
+            slot = self.layout.slots[hardware][number]
             if slot not in stage.own_places:
                 return slot, reverse
             # An interface of the section's own hardware that the section does not use follows its status.
@@ -39,24 +51,9 @@ class CompositeSpace(Runs):
         return bool(self._idle[place])
 
     @cached_property
-    def _slot_of_place(self) -> dict[int, tuple[int, bool]]:
-        """Places of idle hardware by the slot that says the same, or the reverse."""
-        found: dict[int, tuple[int, bool]] = {}
-        initial, roles, completion = self.net.initial, self.mission_net.by_role, Completion(self.net)
-        for toggle in self.layout.beside():
-            if not toggle.marked:  # it fails
-                name = toggle.hardware
-                oos, *dead = self.layout.slots[name]
-                _, after = completion.after(initial, toggle.transition)
-                for place in self.whole.elements[0]["hardware", name]:
-                    if after[place] != initial[place]:
-                        found[place] = oos, bool(initial[place])
-                for slot in dead:
-                    found[roles["dead", name][0]], found[roles["alive", name][0]] = (
-                        (slot, False),
-                        (slot, True),
-                    )
-        return found
+    def _hardware(self) -> dict[int, tuple[str, int, bool]]:
+        """Places of hardware by what they say of its status while nobody uses it."""
+        return idle_places(self.mission_net)
 
     @cached_property
     def _idle(self) -> list[int]:
@@ -67,29 +64,21 @@ class CompositeSpace(Runs):
                 tokens[place] = 0
         return tokens
 
-    def _holders(self, located: Callable[[Stage], Sequence[int]]) -> dict[int, list[str]]:
+    @remembered
+    def _holders(self, kind: Kind) -> Mapping[int, list[str]]:
+        """By place, or by transition, the stages whose local nets have it."""
         found: dict[int, list[str]] = {}
         for name, stage in self.stages.items():
-            for where in located(stage):
+            for where in getattr(stage, kind):
                 found.setdefault(where, []).append(name)
         return found
-
-    @cached_property
-    def _with_place(self) -> dict[int, list[str]]:
-        """By place, the stages whose local nets have it."""
-        return self._holders(lambda stage: stage.places)
-
-    @cached_property
-    def _with_transition(self) -> dict[int, list[str]]:
-        """By transition, the stages whose local nets have it."""
-        return self._holders(lambda stage: stage.transitions)
 
     # --- what states say ---
 
     def marking(self, state: Member) -> Marking:
         """The marking of a member in the whole net, as tokens by place."""
         tokens = self._idle.copy()
-        for place in (*self._slot_of_place, *self.stages[state[0]].local):
+        for place in (*self._hardware, *self.stages[state[0]].local):
             bit = self._bit(state[0], place)
             tokens[place] = int(bit if isinstance(bit, bool) else (bit[0] in state[1]) != bit[1])
         return tuple(tokens)
@@ -98,8 +87,8 @@ class CompositeSpace(Runs):
         """States that mark at least one of some places."""
         found, parts = Parts(), self.everything.parts
         for place in places:
-            anywhere = self._idle[place] or place in self._slot_of_place
-            for name in parts if anywhere else self._with_place.get(place, ()):
+            anywhere = self._idle[place] or place in self._hardware
+            for name in parts if anywhere else self._holders("places").get(place, ()):
                 if name in parts:
                     found.add(name, self._those(name, parts[name], [place], ()))
         return CompositeSet(self, found)
@@ -126,7 +115,7 @@ class CompositeSpace(Runs):
     def varying(self, states: CompositeSet) -> Collection[int]:
         """Places of the sections that these states are of, but for those of hardware and of the mission."""
         sections = (self.sections[name].places for name in states.parts if name in self.sections)
-        return set[int]().union(*sections) - {NOWHERE, *self._slot_of_place}
+        return set[int]().union(*sections) - {NOWHERE, *self._hardware}
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> CompositeSet:
         """States whose weighted sum of tokens is at most a bound."""
@@ -146,24 +135,19 @@ class CompositeSpace(Runs):
     def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
         found = images.nothing
-        known = self._bits.setdefault(tuple(places), {})
         for name, part in states.parts.items():
-            if name not in known:
-                known[name] = tuple(self._bit(name, place) for place in places)
-            bits = known[name]
-            if (part, bits) not in images.known:
-                told = {bit[0] for bit in bits if not isinstance(bit, bool)}
-                projected = part.onto([*told])
-                if (projected, bits) not in images.known:
-                    images.known[projected, bits] = images.of_diagram(projected, self.layout.store, bits)
-                images.known[part, bits] = images.known[projected, bits]
-            found |= images.known[part, bits]
+            bits, levels = self._bits(name, tuple(places))
+            key = part.onto(levels), bits
+            if key not in images.known:
+                images.known[key] = images.of_diagram(key[0], self.layout.store, bits)
+            found |= images.known[key]
         return found
 
-    @cached_property
-    def _bits(self) -> dict[tuple[int, ...], dict[str, tuple[Bit, ...]]]:
-        """By some places and a section: where its parts of sets say of them whether they are marked."""
-        return {}
+    @remembered
+    def _bits(self, name: str, places: tuple[int, ...]) -> tuple[tuple[Bit, ...], list[int]]:
+        """Where parts of sets say of some places whether they are marked, and the levels that do."""
+        bits = tuple(self._bit(name, place) for place in places)
+        return bits, [*{bit[0] for bit in bits if not isinstance(bit, bool)}]
 
     def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
         """The states, section by section."""
@@ -171,14 +155,14 @@ class CompositeSpace(Runs):
             stage = self.stages[name]
             yield Piece(CompositeSet(self, {name: part}), (stage.alike, part), stage.objectives)
 
-    # --- edges ---
+    # --- edges of sets ---
 
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
         wanted, found, parts = frozenset(transitions), dict[str, Zdd](), self.everything.parts
         allowed_in = self.filtered(wanted)
         beside = not wanted.isdisjoint(self.layout.toggles)
-        for name in parts if beside else {n for t in wanted for n in self._with_transition.get(t, ())}:
+        for name in parts if beside else {n for t in wanted for n in self._holders("transitions").get(t, ())}:
             if name in parts:
                 stage, allowed, part = self.stages[name], allowed_in(name), parts[name]
                 own = stage.type.inside & stage.type.graph.enabling(allowed.local or ())
@@ -214,3 +198,116 @@ class CompositeSpace(Runs):
             for toggle, number in zip(beside, idle, strict=True):
                 counts[toggle.transition] = counts.get(toggle.transition, 0) + number * len(stages)
         return {t: number for t, number in counts.items() if number and t != NOWHERE}
+
+    # --- edges of single states, and runs ---
+
+    def single(self, state: Member) -> CompositeSet:
+        """The set that holds one member."""
+        part, slots = self.layout.store.singleton(state[1]), self.stages[state[0]].slots
+        return CompositeSet(self, {state[0]: self.layout.opened(part, slots)})
+
+    def edges(self, state: Member) -> Iterator[Edge]:
+        """The edges of one member, in the order of the whole net's transitions."""
+        return self._edges(state, ALL, self.everything.parts)
+
+    def _edges(self, state: Member, allowed: Allowed, goal: Mapping[str, Zdd]) -> Iterator[Edge]:
+        """Those of them that are allowed and lead into a set."""
+        name, marked = state[0], frozenset(state[1])
+        edges = [
+            Edge(toggle.transition, (name, tuple(sorted(marked ^ toggle.changed))))
+            for toggle in (self.stages[name].beside(allowed) if name in goal else ())
+            if toggle.marked <= marked and toggle.unmarked.isdisjoint(marked)
+        ]
+        edges += self._fired(state, allowed, goal)
+        for edge in sorted(edges, key=lambda edge: edge.transition):
+            if self._in(edge.target, goal[edge.target[0]]):
+                yield edge
+
+    def _fired(self, state: Member, allowed: Allowed, into: Collection[str]) -> Iterator[Edge]:
+        """The edges of the section's own events, those into some sections."""
+        stage, first, guards = self.stages[state[0]], self.layout.first_slot, dict(allowed.guards)
+        local = tuple(level for level in state[1] if level < first)
+        beside = state[1][len(local) :]
+        for t, after, exit_ in stage.type.fired(local):
+            name = stage.name if exit_ is None else stage.routes[exit_]
+            barred = allowed.local is not None and t not in allowed.local
+            if barred or name not in into or (t in guards and not self._in(state, guards[t])):
+                continue
+            if exit_ is None:
+                target = (*sorted(after), *beside)
+            else:
+                marks, own = stage.type.encoding.marks, stage.own_places.items()
+                slots = (*beside, *(slot for slot, place in own if marks(after, place)))
+                entered = self.closed(name, self.stages[name].entered(self.layout.store.singleton(slots)))
+                target = tuple(entered.pick() or ())
+            yield Edge(stage.transitions[t], (name, target))
+
+    def _in(self, state: Member, part: Zdd) -> bool:
+        # A part is open in the section's own slots, so the member stands for all that it is open to.
+        return bool(self.layout.store.singleton(state[1]) & part)
+
+    def run(
+        self,
+        begin: Member,
+        goal: CompositeSet,
+        along: CompositeSet | None = None,
+        transitions: Collection[int] | None = None,
+        guards: Guards[CompositeSet] = None,
+    ) -> list[Edge] | None:
+        """A run from a member into a goal through as few sections as can be.
+
+        Within each section it is a shortest one; see :meth:`mcpn.space.algebra.Space.run`.
+
+        Raises:
+            TwoOutcomes: The mission is not confluent, and the run would pass such an event.
+        """
+        allowed = self.filtered(transitions, guards)
+        within = (self.everything if along is None else along).parts
+        hops = self._hops(begin, goal, within, allowed)
+        if hops is None:
+            return None
+        run, state = list[Edge](), begin
+        while hops:  # each edge out of a section leads one section nearer
+            _, targets = hops.pop()
+            name, stage = state[0], self.stages[state[0]]
+            layers = [targets[name]]  # back to one that holds the state: by the length of shortest runs
+            seen = targets[name]
+            while not self._in(state, layers[-1]):
+                layers.append((stage.back(layers[-1], allowed(name)) & within[name]) - seen)
+                assert layers[-1], "there is a run"
+                seen |= layers[-1]
+            onward: list[Mapping[str, Zdd]] = [{name: layer} for layer in reversed(layers[:-1])]
+            for target in [*onward, *(closed for closed, _ in hops[-1:])]:
+                edge = next(self._edges(state, allowed(state[0]), target), None)
+                if edge is None:
+                    raise TwoOutcomes(run)
+                run.append(edge)
+                state = edge.target
+        return run
+
+    def _hops(
+        self,
+        begin: Member,
+        goal: CompositeSet,
+        within: Mapping[str, Zdd],
+        allowed: Callable[[str], Allowed],
+    ) -> list[tuple[Parts, Parts]] | None:
+        """By number of sections to leave before the goal: from which states, and to which."""
+        hops: list[tuple[Parts, Parts]] = []
+        seen, targets = Parts(), Parts(goal.parts)
+        while targets:
+            closed, onward = Parts(), Parts()
+            for name, target in targets.items():
+                stage = self.stages[name]
+                found = stage.type.reaching(target, within.get(name, self.empty), allowed(name))
+                closed.add(name, found - seen.get(name, self.empty))
+                if seen.add(name, found):
+                    for before, leaving in self.leaving_for(
+                        name, stage.entries(closed[name]), within, allowed
+                    ):
+                        onward.add(before, leaving)
+            hops.append((closed, targets))
+            if begin[0] in closed and self._in(begin, closed[begin[0]]):
+                return hops
+            targets = onward
+        return None

@@ -1,4 +1,4 @@
-"""Sections glued at their interface: steps and closures of the composite.
+"""Sections glued at their interface: sets of states of the composite, steps and closures.
 
 A state of the whole is a section, a state of its local net, and the status of the hardware beside it; before
 and after the mission there is the status of the hardware alone. What one section hands to the next is its
@@ -9,13 +9,77 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
+from heapq import heappop, heappush
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.section_type import ALL, Allowed, Exit
 from mcpn.space.local.sections import BEGIN, ENDS, Stage, WholeNet, outside
-from mcpn.space.local.sets import CompositeSet, Parts, Waiting
+
+Member = tuple[str, tuple[int, ...]]
+"""A state: its section, and its marked levels with the section's own slots unmarked."""
+
+
+class Parts(dict[str, Zdd]):
+    """A set of states in the making: by section, a diagram that is not empty."""
+
+    def add(self, name: str, part: Zdd) -> bool:
+        """Adds states of a section; whether some are new."""
+        known = self.get(name)
+        wider = part if known is None else known | part
+        if not wider or wider == known:
+            return False
+        self[name] = wider
+        return True
+
+
+class CompositeSet:
+    """A set of states of a composite.
+
+    Args:
+        space: The composite.
+        parts: By section, a diagram with the section's own slots open; those that are empty are left out.
+    """
+
+    __slots__ = ("parts", "space")
+
+    def __init__(self, space: Glued, parts: Mapping[str, Zdd]) -> None:
+        self.space = space
+        self.parts = {name: part for name, part in parts.items() if part}
+
+    def __and__(self, other: CompositeSet) -> CompositeSet:
+        few, many = sorted((self.parts, other.parts), key=len)
+        return CompositeSet(self.space, {n: part & many[n] for n, part in few.items() if n in many})
+
+    def __or__(self, other: CompositeSet) -> CompositeSet:
+        few, many = sorted((self.parts, other.parts), key=len)
+        return CompositeSet(self.space, many | {n: p | many[n] if n in many else p for n, p in few.items()})
+
+    def __sub__(self, other: CompositeSet) -> CompositeSet:
+        theirs = other.parts
+        found = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
+        return CompositeSet(self.space, found)
+
+    def __bool__(self) -> bool:
+        return bool(self.parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CompositeSet) and self.parts == other.parts
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self.parts.items()))
+
+    def count(self) -> int:
+        """How many states the set has."""
+        return sum(self.space.closed(name, part).count() for name, part in self.parts.items())
+
+    def pick(self) -> Member | None:
+        """A state of the first section in the mission's order, with little hardware out of service."""
+        if not self.parts:
+            return None
+        name = min(self.parts, key=self.space.order.__getitem__)
+        return name, tuple(self.space.closed(name, self.parts[name]).pick() or ())
 
 
 class Glued:
@@ -37,15 +101,11 @@ class Glued:
         self.stages: dict[str, Stage] = {s.name: s for s in (begin, *sections, *ends)}
         self.empty = layout.store.empty()
         self.nothing = CompositeSet(self, {})
-        self._order = {name: i for i, name in enumerate(self.stages)}
+        self.order = {name: i for i, name in enumerate(self.stages)}
         self.into: dict[str, list[tuple[Stage, Exit]]] = {name: [] for name in self.stages}
         for stage in self.stages.values():
             for exit_, route in stage.routes.items():
                 self.into[route].append((stage, exit_))
-
-    def in_order(self, names: Iterable[str]) -> list[str]:
-        """Names of sections, and of what is before and after them, in the mission's order."""
-        return sorted(names, key=self._order.__getitem__)
 
     def closed(self, name: str, part: Zdd) -> Zdd:
         """A part of a set with the section's own slots unmarked, so that each state is there once."""
@@ -77,12 +137,10 @@ class Glued:
         beside = None if wanted is None else wanted.intersection(self.layout.toggles)
 
         def of(name: str) -> Allowed:
-            whole = self.stages[name].transitions
-            local = None if wanted is None else frozenset(i for i, t in enumerate(whole) if t in wanted)
-            guarded = [(i, t) for i, t in enumerate(whole) if t in limits] if limits else []
-            return Allowed(
-                local, beside, tuple((i, limits[t].parts.get(name, self.empty)) for i, t in guarded)
-            )
+            own = [*enumerate(self.stages[name].transitions)]
+            local = None if wanted is None else frozenset(i for i, t in own if t in wanted)
+            guarded = ((i, limits[t].parts.get(name, self.empty)) for i, t in own if t in limits)
+            return Allowed(local, beside, tuple(guarded))
 
         return cache(of)
 
@@ -97,8 +155,9 @@ class Glued:
     ) -> Iterator[tuple[str, Zdd]]:
         """By section, states of a set with an event that enters a section with hardware in some states."""
         for before, exit_ in self.into[name]:
-            if before.name in within and allowed(before.name).local != frozenset():
-                leaving = before.leaving(exit_, hardware, allowed(before.name))
+            at = allowed(before.name)
+            if before.name in within and at.local != frozenset():
+                leaving = before.type.before_step(before.ended(exit_, hardware), at)
                 yield before.name, leaving & within[before.name]
 
     def before(
@@ -137,7 +196,7 @@ class Glued:
         found = self.empty
         for exit_, route in stage.routes.items():
             if route in parts:
-                found |= stage.ending(exit_, self.stages[route].entries(parts[route]))
+                found |= stage.ended(exit_, self.stages[route].entries(parts[route]))
         return found
 
     @cached_property
@@ -152,6 +211,20 @@ class Glued:
 
     # --- closures ---
 
+    def worked(
+        self, names: Iterable[str], work: Callable[[str], Iterable[str]], *, back: bool = False
+    ) -> None:
+        """Works on sections in their order, or against it, and again on those that a piece of work names."""
+        queued = set(names)
+        heap = sorted((-self.order[name] if back else self.order[name], name) for name in queued)
+        while heap:
+            _, at = heappop(heap)
+            queued.discard(at)
+            for name in work(at):
+                if name not in queued:
+                    queued.add(name)
+                    heappush(heap, (-self.order[name] if back else self.order[name], name))
+
     def reaching(
         self,
         goal: CompositeSet,
@@ -162,18 +235,16 @@ class Glued:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = (self.everything if along is None else along).parts
         allowed, found = self.filtered(transitions, guards), Parts(goal.parts)
-        waiting = Waiting(found, lambda name: -self._order[name])
-        for name in waiting:
-            found[name] = self.reaching_inside(name, found[name], within, allowed(name))
-            entries = self.stages[name].entries(found[name])
-            for before, leaving in self.leaving_for(name, entries, within, allowed):
-                if found.add(before, leaving):
-                    waiting.again(before)
-        return CompositeSet(self, found)
 
-    def reaching_inside(self, name: str, goal: Zdd, within: Mapping[str, Zdd], allowed: Allowed) -> Zdd:
-        """The closure within one stage."""
-        return self.stages[name].type.reaching(goal, within[name], allowed) if name in within else goal
+        def work(name: str) -> Iterator[str]:
+            stage, along = self.stages[name], within.get(name, self.empty)
+            found[name] = stage.type.reaching(found[name], along, allowed(name))
+            for before, leaving in self.leaving_for(name, stage.entries(found[name]), within, allowed):
+                if found.add(before, leaving):
+                    yield before
+
+        self.worked(found, work, back=True)
+        return CompositeSet(self, found)
 
     def reached(
         self,
@@ -186,32 +257,33 @@ class Glued:
         along = self.everything if along is None else along
         allowed, within = self.filtered(transitions, guards), along.parts
         found = Parts((begin & along).parts)
-        waiting = Waiting(found, self._order.__getitem__)
-        for name in waiting:
+
+        def work(name: str) -> Iterator[str]:
             stage = self.stages[name]
             found[name] = stage.type.reached(found[name], within[name], allowed(name))
             for route, hardware in stage.step(found[name], allowed(name))[1]:
                 if route in within and found.add(route, self.stages[route].entered(hardware) & within[route]):
-                    waiting.again(route)
+                    yield route
+
+        self.worked(found, work)
         return CompositeSet(self, found)
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
         found = dict((along & self.everything).parts)
         ends = self.dead.parts
-        waiting = Waiting(found, lambda name: -self._order[name])
-        for name in waiting:
-            part, stage = found[name], self.stages[name]
+
+        def work(name: str) -> Iterator[str]:
+            stage, part, before = self.stages[name], found[name], None
             onward = ends.get(name, self.empty) | stage.type.before_step(self.ends_into(stage, found), ALL)
-            before = None
             while before != part:
                 before = part
                 part = part & (stage.back(part) | onward)
             if part != found[name]:
                 found[name] = part
-                for earlier, _ in self.into[name]:
-                    if earlier.name in found:
-                        waiting.again(earlier.name)
+                yield from (earlier.name for earlier, _ in self.into[name] if earlier.name in found)
+
+        self.worked(found, work, back=True)
         return CompositeSet(self, found)
 
     @cached_property
@@ -222,8 +294,7 @@ class Glued:
         parts = self.everything.parts
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(parts)
-        graph.add_edges_from(
-            (name, route) for name in parts for route in self.stages[name].routes.values() if route in parts
-        )
+        graph.add_edges_from((n, r) for n in parts for r in self.stages[n].routes.values() if r in parts)
         regions = nx.strongly_connected_components(graph)
-        return [CompositeSet(self, {name: parts[name] for name in self.in_order(r)}) for r in regions]
+        ordered = (sorted(names, key=self.order.__getitem__) for names in regions)
+        return [CompositeSet(self, {name: parts[name] for name in names}) for names in ordered]

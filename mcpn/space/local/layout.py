@@ -8,16 +8,16 @@ open (in either state), so that sections of one type have equal diagrams whateve
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache, cached_property, partial
 from itertools import chain
-from typing import Literal
+from typing import Concatenate, Literal, NamedTuple, ParamSpec, TypeVar, cast
 
 from mcpn._kernel import Store, Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
+from mcpn.space.run import Completion
 
 ROLES: tuple[Literal["oos", "dead"], ...] = ("oos", "dead")
 """What the slots of a resource say, as the roles of places that say so; the second implies the first."""
@@ -25,30 +25,29 @@ ROLES: tuple[Literal["oos", "dead"], ...] = ("oos", "dead")
 CHANGES = {What.OUT_OF_SERVICE: (0, 1), What.REPAIRED: (1, 0), What.LOST: (1, 2)}
 """By event of hardware, its status before and after: how many of its slots are marked."""
 
+Owner = TypeVar("Owner")
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
 
-@dataclass(frozen=True, slots=True)
-class Toggle:
-    """What a resource may do while nobody uses it.
 
-    Args:
-        transition: Its transition of the whole net.
-        hardware: The resource.
-        event: The event of the store.
-        undo: The one that undoes it.
-        condition: The condition of the store for it.
-        marked: Slots that must be marked for it.
-        unmarked: Slots that must be unmarked.
-        changed: Slots that it changes.
-    """
+def remembered(
+    method: Callable[Concatenate[Owner, Given], Found],
+) -> cached_property[Callable[Given, Found]]:
+    """Makes a method that keeps what it has found for the same arguments."""
+    return cached_property(lambda owner: cast(Callable[Given, Found], cache(partial(method, owner))))
 
-    transition: int
+
+class Toggle(NamedTuple):
+    """What a resource may do while nobody uses it."""
+
+    transition: int  # of the whole net
     hardware: str
-    event: int
-    undo: int
-    condition: int
-    marked: frozenset[int]
-    unmarked: frozenset[int]
-    changed: frozenset[int]
+    event: int  # of the store
+    undo: int  # the event that undoes it
+    condition: int  # of the store, for it
+    marked: frozenset[int]  # slots that must be marked for it
+    unmarked: frozenset[int]  # slots that must be unmarked
+    changed: frozenset[int]  # slots that it changes
 
 
 class Layout:
@@ -57,7 +56,6 @@ class Layout:
     Args:
         mission_net: The net of the whole mission.
         places: Most places of a local net.
-        memory_limit: Bytes that the store may take.
 
     Attributes:
         hardware: All hardware of the mission that can fail, in document order.
@@ -65,26 +63,25 @@ class Layout:
         slots: By hardware, its slots.
     """
 
-    def __init__(self, mission_net: MissionNet, places: int, memory_limit: int = DEFAULT_MEMORY) -> None:
+    def __init__(self, mission_net: MissionNet, places: int) -> None:
         self.mission_net = mission_net
-        faulty = {name for said, name in mission_net.roles.values() if said == "oos"}
+        faulty = set(mission_net.saying("oos").values())
         self.hardware = tuple(h.name for h in mission_net.mission.hardware if h.name in faulty)
         self.roles = [role for role in ROLES if mission_net.saying(role)]
         self.first_slot, each = places, len(self.roles)
-        self.store = Store(places + each * len(self.hardware), memory_limit)
+        self.store = Store(places + each * len(self.hardware), DEFAULT_MEMORY)
         self.slots = {
             name: range(places + each * i, places + each * (i + 1)) for i, name in enumerate(self.hardware)
         }
-        self._known: dict[tuple[frozenset[int] | None, tuple[str, ...]], list[Toggle]] = {}
 
     @cached_property
-    def all_slots(self) -> list[int]:
+    def all_slots(self) -> tuple[int, ...]:
         """The slots of all hardware."""
         return self.slots_of(self.hardware)
 
-    def slots_of(self, hardware: Sequence[str]) -> list[int]:
+    def slots_of(self, hardware: Sequence[str]) -> tuple[int, ...]:
         """The slots of some hardware."""
-        return list(chain.from_iterable(self.slots[name] for name in hardware))
+        return tuple(chain.from_iterable(self.slots[name] for name in hardware))
 
     def opened(self, states: Zdd, slots: Iterable[int]) -> Zdd:
         """The same with some slots, unmarked so far, in either state."""
@@ -93,43 +90,54 @@ class Layout:
     @cached_property
     def toggles(self) -> dict[int, Toggle]:
         """What each resource does while nobody uses it, by the transition of the whole net."""
-        net, store = self.mission_net.net, self.store
         found: dict[int, Toggle] = {}
-        for t, transition in enumerate(net.transitions):
-            event = transition.event
-            if event is None or event.what not in CHANGES or event.element not in self.slots:
-                continue
-            before, after = CHANGES[event.what]
-            if before == 0 and not all(net.initial[p] for p, _ in transition.consume):
-                continue  # the failure of a resource in use
-            slots = self.slots[event.element]
+        for t, name, before, after in _idle_events(self.mission_net):
+            slots, event = self.slots[name], self.store.event
             lost, gained = slots[after:before], slots[before:after]
-            read, zero = slots[: min(before, after)], slots[max(before, after) :]
-            marked, unmarked = slots[:before], slots[before:]
-            found[t] = Toggle(
-                t,
-                event.element,
-                store.event(lost, gained, read, zero),
-                store.event(gained, lost, read, zero),
-                store.condition(marked, unmarked),
-                frozenset(marked),
-                frozenset(unmarked),
-                frozenset((*lost, *gained)),
-            )
+            beside = slots[: min(before, after)], slots[max(before, after) :]
+            events = event(lost, gained, *beside), event(gained, lost, *beside)
+            condition = self.store.condition(slots[:before], slots[before:])
+            sets = frozenset(slots[:before]), frozenset(slots[before:]), frozenset((*lost, *gained))
+            found[t] = Toggle(t, name, *events, condition, *sets)
         return found
 
+    @remembered
     def beside(self, transitions: frozenset[int] | None = None, but: tuple[str, ...] = ()) -> list[Toggle]:
-        """What hardware may do while nobody uses it.
+        """What hardware may do while nobody uses it: by some transitions, and but for some hardware."""
+        return [
+            toggle
+            for t, toggle in self.toggles.items()
+            if toggle.hardware not in but and (transitions is None or t in transitions)
+        ]
 
-        Args:
-            transitions: Those that are wanted; all by default.
-            but: Hardware whose events are not wanted.
-        """
-        key = transitions, but
-        if key not in self._known:
-            self._known[key] = [
-                toggle
-                for t, toggle in self.toggles.items()
-                if toggle.hardware not in but and (transitions is None or t in transitions)
-            ]
-        return self._known[key]
+
+def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]:
+    """The events of hardware that nobody uses: transition, resource, its status before and after."""
+    initial = mission_net.net.initial
+    for t, transition in enumerate(mission_net.net.transitions):
+        if transition.event is not None and transition.event.what in CHANGES:
+            before, after = CHANGES[transition.event.what]
+            if before or all(initial[p] for p, _ in transition.consume):
+                yield t, transition.event.element, before, after
+
+
+def idle_places(mission_net: MissionNet) -> dict[int, tuple[str, int, bool]]:
+    """What the places of hardware in a net, of a mission or of a part of it, say while nobody uses it.
+
+    By place that changes with the status of a resource: the resource, the number of its slot that says the
+    same, and whether the place says the reverse.
+    """
+    net, found = mission_net.net, dict[int, tuple[str, int, bool]]()
+    completion, at = Completion(net), list(net.initial)
+    for t, name, before, _ in _idle_events(mission_net):
+        if before == 0:
+            net.fire_in_place(at, t)
+            fired = [net.transitions[u] for u in (t, *completion.settle(at, [t]))]
+            for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
+                if at[place] != net.initial[place]:
+                    found[place] = name, 0, bool(net.initial[place])
+                    at[place] = net.initial[place]
+    # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
+    for role, reverse in (("dead", False), ("alive", True)):
+        found |= {place: (name, 1, reverse) for place, name in mission_net.saying(role).items()}
+    return found

@@ -17,11 +17,10 @@ from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.symbolic import SymbolicSpace
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.local.runs import TwoOutcomes
+from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
+from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import Stage
-from mcpn.space.local.sets import CompositeSet, Parts
 from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
 from mcpn.space.stable.joining import EndlessRun, Joining, calm, parting_among
@@ -47,12 +46,9 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
         conflicts = list(open_conflicts(space))
         if not (conflicts or space.endless):
             continue
-        encoding, own = type_.encoding, [type_.encoding.events[t] for t in type_.graph.waiting]
-        begun = composite.empty
-        for stage in stages:  # one whose entry has no end is entered, and has no state
-            inside = composite.everything.parts.get(stage.name, composite.empty)
-            entry = _before_entry(composite, stage).images([encoding.events[type_.net.start]])
-            begun |= inside.images(distinct(own)) | entry
+        encoding, begun = type_.encoding, composite.empty
+        for stage in stages:
+            begun |= _begun(composite, stage)
         endless, marking = bool(space.endless), None
         try:
             found = parting_among(
@@ -69,14 +65,16 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
             _raise_before(composite, stages, transient, marking)
 
 
-def _before_entry(composite: CompositeSpace, stage: Stage) -> Zdd:
-    """States before the entry of a section, as the mission comes to enter it."""
-    hardware, parts = composite.empty, composite.everything.parts
-    for before, _ in composite.into[stage.name]:
+def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:
+    """Markings just after the events of a section that the mission comes to, and after its entry."""
+    type_, parts, hardware = stage.type, composite.everything.parts, composite.empty
+    for before, _ in composite.into[stage.name]:  # a section whose entry has no end has no state
         for route, states in before.step(parts.get(before.name, composite.empty))[1]:
             if route == stage.name:
                 hardware |= states
-    return stage.type.from_slots(hardware, stage.faulty, None)
+    events, entering = type_.encoding.events, type_.from_slots(hardware, stage.slots, None)
+    own = distinct(events[t] for t in type_.graph.waiting)
+    return parts.get(stage.name, composite.empty).images(own) | entering.images([events[type_.net.start]])
 
 
 def _raise_before(
@@ -94,7 +92,7 @@ def _raise_before(
                 met.add(stage.name, before & parts.get(stage.name, composite.empty))
                 event = stage.transitions[t]
             else:
-                hardware = type_.to_slots(before & type_.before, stage.faulty, None)
+                hardware = type_.to_slots(before & type_.before, stage.slots, None)
                 for name, states in composite.leaving_for(stage.name, hardware, parts):
                     met.add(name, states)
                 event = None

@@ -6,9 +6,10 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
+from itertools import chain
+from typing import NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
@@ -17,7 +18,7 @@ from mcpn.net.sections import LocalPart
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
-from mcpn.space.local.layout import Layout
+from mcpn.space.local.layout import Layout, idle_places, remembered
 from mcpn.space.stable.alternatives import AlternativesGraph, direct
 
 Exit = str
@@ -39,23 +40,6 @@ class Allowed(NamedTuple):
 
 
 ALL = Allowed()
-
-Given = ParamSpec("Given")
-Found = TypeVar("Found")
-Asked = Callable[Concatenate["SectionType", Given], Found]
-
-
-def remembered(compute: Asked[Given, Found]) -> Asked[Given, Found]:
-    """Makes a method that keeps what it has found, for all sections of the type."""
-
-    def method(type_: SectionType, /, *given: Given.args, **named: Given.kwargs) -> Found:
-        key = compute, *given
-        if key not in type_.known:
-            type_.known[key] = compute(type_, *given, **named)
-        return type_.known[key]  # type: ignore[return-value]
-
-    method.__doc__ = compute.__doc__
-    return method
 
 
 class SectionType:
@@ -80,7 +64,6 @@ class SectionType:
         self.net = net
         self.layout = layout
         self.faulty = part.faulty
-        self.known: dict[Hashable, object] = {}
         self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
         assert explored.stable is not None, "nets of missions have priorities"
         self.size = explored.stable.count()
@@ -88,10 +71,8 @@ class SectionType:
             layout.opened(layout.store.from_bytes(states.to_bytes()), layout.all_slots)
             for states in (explored.reachable, explored.stable)
         )
-        order = explored.order, explored.places
-        self.graph = DiagramAlternatives(
-            SymbolicSpace(self.encoding, reachable, stable, *order, explored.peak_nodes)
-        )
+        whole = replace(explored, encoding=self.encoding, reachable=reachable, stable=stable)
+        self.graph = DiagramAlternatives(whole)
         self.before = self.encoding.marking_all([net.beginning], stable)
         self.ended = {e: self.encoding.marking_all([place], stable) for e, place in net.exits.items()}
         self.inside = stable - self.before
@@ -125,7 +106,9 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        return self.inside & self.graph.firing_into(self._ending(goal), allowed.local, dict(allowed.guards))
+        return self.inside & self.graph.firing_into(
+            self.graph.ending(goal), allowed.local, dict(allowed.guards)
+        )
 
     @remembered
     def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
@@ -136,7 +119,7 @@ class SectionType:
 
     @remembered
     def toggling(self, among: Zdd, goal: Zdd, own: tuple[str, ...]) -> list[tuple[int, Zdd]]:
-        """The same of transitions of the whole net, of hardware beside a section with some own hardware."""
+        """The same of transitions of the whole net, of hardware but a section's own."""
         ways = ((t.transition, goal.images([t.undo], within=among)) for t in self.layout.beside(None, own))
         return [(t, states) for t, states in ways if states]
 
@@ -150,6 +133,8 @@ class SectionType:
     @remembered
     def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
+        if not along:
+            return goal
         within = along | goal
         steps = self.graph.back(along, allowed.local, dict(allowed.guards))
         beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
@@ -168,26 +153,21 @@ class SectionType:
         return self.graph.ending(inside).images([self.encoding.undoing[self.net.start]], within=self.before)
 
     @remembered
-    def to_slots(self, states: Zdd, own: Sequence[str], exit_: Exit | None) -> Zdd:
-        """The states of all hardware in some idle local states.
-
-        Args:
-            states: States before the entry, or after an exit.
-            own: The section's hardware that can fail, in the order of the type's.
-            exit_: The exit; ``None`` for states before the entry.
-        """
-        found = states.subset(unmarked=self.layout.slots_of(own))
-        for ways in self._ways(own):
-            found = found.images([to for to, _ in ways])
-        return found.images([self.layout.store.event(self._idle(exit_), [])])
+    def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
+        """The states of all hardware in states before the entry, or after an exit, with some own slots."""
+        found, event = states.subset(unmarked=own), self.layout.store.event
+        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+            found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
+        return found.images([event(self._idle(exit_), [])])
 
     @remembered
-    def from_slots(self, hardware: Zdd, own: Sequence[str], exit_: Exit | None) -> Zdd:
-        """The idle local states, before the entry or after an exit, with all hardware in some states."""
-        found = hardware.images([self.layout.store.event([], self._idle(exit_))])
-        for ways in self._ways(own):
-            found = found.images([back for _, back in ways])
-        return self.layout.opened(found, self.layout.slots_of(own))
+    def from_slots(self, hardware: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
+        """The states before the entry, or after an exit, with all hardware in some states: the reverse."""
+        event = self.layout.store.event
+        found = hardware.images([event([], self._idle(exit_))])
+        for slot, (lost, gained) in zip(own, self._changing, strict=True):
+            found = found.images([event([slot, *lost], gained)]) | found.subset(unmarked=[slot])
+        return self.layout.opened(found, own)
 
     def _idle(self, exit_: Exit | None) -> list[int]:
         """Marked levels before the entry, or after an exit, with all hardware in service."""
@@ -197,42 +177,14 @@ class SectionType:
         return self.encoding.marked_levels(marking)
 
     @cached_property
-    def _patterns(self) -> list[list[frozenset[int]]]:
-        """By own hardware and its status, what is marked of the levels that its status decides."""
-        found = []
-        for name in self.faulty:
-            states = [self._alone(name, status) for status in range(len(self.layout.roles) + 1)]
-            always = states[0].intersection(*states)
-            found.append([state - always for state in states])
-        return found
-
-    def _alone(self, name: str, status: int) -> frozenset[int]:
-        """Marked levels before the entry with one resource in a status, and all others in service."""
-        marked, unmarked = list[int](), list[int]()
-        for other in self.faulty:
-            for number, role in enumerate(self.layout.roles):
-                level, reverse = self.encoding.bit(self.net.by_role[role, other][0])
-                (marked if (other == name and number < status) != reverse else unmarked).append(level)
-        state = self.before.subset(marked, unmarked).pick()
-        assert state is not None, "before the entry hardware may be in any state"
-        return self._local(state)
-
-    def _local(self, state: Sequence[int]) -> frozenset[int]:
-        return frozenset(level for level in state if level < self.layout.first_slot)
-
-    @remembered
-    def _ways(self, own: Sequence[str]) -> list[list[tuple[int, int]]]:
-        """By own hardware and status: the event that moves the status to its slots, and the one back."""
-        found = []
-        for name, states in zip(own, self._patterns, strict=True):
-            slots, levels, ways = self.layout.slots[name], frozenset().union(*states), []
-            for status, marked in enumerate(states):
-                lost, gained = marked - states[0], [*states[0] - marked, *slots[:status]]
-                read, zero = marked & states[0], [*levels - marked - states[0], *slots[status:]]
-                event = self.layout.store.event
-                ways.append((event([*lost], gained, [*read], zero), event(gained, [*lost], [*read], zero)))
-            found.append(ways)
-        return found
+    def _changing(self) -> list[tuple[list[int], list[int]]]:
+        """By own slot, the levels that are marked at an idle state unless it is, and only if it is."""
+        slots = ((name, number) for name in self.faulty for number in range(len(self.layout.roles)))
+        found = {slot: (set[int](), set[int]()) for slot in slots}
+        for place, (name, number, reverse) in idle_places(self.net).items():
+            level, opposite = self.encoding.bit(place)
+            found[name, number][reverse == opposite].add(level)
+        return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
         """Checks that a section hands on the status of its hardware and nothing else.
@@ -245,21 +197,28 @@ class SectionType:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
         """
         any_status = self.layout.opened(self.layout.store.singleton([]), self.layout.all_slots)
+        own = self.layout.slots_of(self.faulty)
         for exit_, states in ((None, self.before), *self.ended.items()):
-            state = (states - self.from_slots(any_status, self.faulty, exit_)).pick()
-            if state is not None:
-                levels = self._local(state) ^ frozenset(self._idle(exit_))
-                hardware = frozenset[int]().union(*(marked for known in self._patterns for marked in known))
-                first = min(self.encoding.places[level] for level in (levels - hardware) or levels)
+            found = (states - self.from_slots(any_status, own, exit_)).pick()
+            if found is not None:
+                state = [level for level in found if level < self.layout.first_slot]
+                levels = {*state} ^ {*self._idle(exit_)}
+                levels = levels.difference(*chain(*self._changing)) or levels
                 space = DiagramAlternatives(explored)
-                run = space.run(space.initial.pick() or (), space.single(sorted(self._local(state))))
-                events = [str(self.net.net.transitions[edge.transition].event) for edge in run or ()]
+                run = space.run(space.initial.pick() or (), space.single(state)) or []
+                events = [str(self.net.net.transitions[edge.transition].event) for edge in run]
+                first = min(self.encoding.places[level] for level in levels)
                 raise PremiseError(section, self.net.net.places[first].name, events)
 
     # --- listed one by one ---
 
-    def listed(self, section: str, max_states: int, why: str) -> AlternativesGraph:
-        """The stable states of the local net, one by one.
+    def listed(self) -> AlternativesGraph:
+        """The stable states of the local net, one by one."""
+        # The composite has proved what the mission reaches confluent.
+        return direct(self.net.net, proof=False, max_states=self.size)
+
+    def refuse_list(self, section: str, max_states: int, why: str) -> None:
+        """Raises an error where there are too many states to be listed.
 
         Args:
             section: The section's name, for the error.
@@ -267,14 +226,8 @@ class SectionType:
             why: What needs the list, for the error.
 
         Raises:
-            LimitError: There are more states than allowed; the message says how many.
+            LimitError: There are more; the message says how many.
         """
-        self.refuse_list(section, max_states, why)
-        # The composite has proved what the mission reaches confluent.
-        return direct(self.net.net, proof=False, max_states=max_states)
-
-    def refuse_list(self, section: str, max_states: int, why: str) -> None:
-        """Raises the error of :meth:`listed` without a list."""
         if self.size > max_states:
             found = f"section {section} has {self.size:,} states: {why}"
             raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal, get_args
 
 from mcpn._kernel import Zdd
 from mcpn.mission.flatten import ObjectivesGraph, Section
@@ -12,12 +13,14 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
-from mcpn.net.petri import NetBuilder, PetriNet, Place, Provenance, Transition
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on
+from mcpn.net.petri import NetBuilder, Provenance
+from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on, renamed_sections
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.local.layout import Layout, Toggle
+from mcpn.space.local.layout import Layout, Toggle, remembered
 from mcpn.space.local.section_type import ALL, Allowed, Exit, SectionType
+
+Kind = Literal["places", "transitions"]
 
 BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""
@@ -55,7 +58,7 @@ class Stage:
         return self.part.faulty
 
     @cached_property
-    def slots(self) -> list[int]:
+    def slots(self) -> tuple[int, ...]:
         """Its own slots, which sets of its states leave open."""
         return self.type.layout.slots_of(self.faulty)
 
@@ -69,11 +72,6 @@ class Stage:
     def objectives(self) -> tuple[str, ...]:
         """Its elementary objectives, in the order of the type's."""
         return tuple(section.name for section in self.part.graph.walk())
-
-    @property
-    def renaming(self) -> Renaming:
-        """From the names in the type's local net to its own."""
-        return Renaming(self.type.part, self.part)
 
     @cached_property
     def local(self) -> Mapping[int, int]:
@@ -91,25 +89,21 @@ class Stage:
 
     def entered(self, hardware: Zdd) -> Zdd:
         """First states, entered with all hardware in some states."""
-        return self.type.entered(self.type.from_slots(hardware, self.faulty, None))
+        return self.type.entered(self.type.from_slots(hardware, self.slots, None))
 
     def entries(self, inside: Zdd) -> Zdd:
         """The states of all hardware with which it is entered in some of its states."""
-        return self.type.to_slots(self.type.entries(inside), self.faulty, None)
+        return self.type.to_slots(self.type.entries(inside), self.slots, None)
 
-    def ending(self, exit_: Exit, hardware: Zdd) -> Zdd:
+    def ended(self, exit_: Exit, hardware: Zdd) -> Zdd:
         """States after an exit with all hardware in some states."""
-        return self.type.from_slots(hardware, self.faulty, exit_)
-
-    def leaving(self, exit_: Exit, hardware: Zdd, allowed: Allowed = ALL) -> Zdd:
-        """States with an event that ends it by an exit with all hardware in some states."""
-        return self.type.before_step(self.ending(exit_, hardware), allowed)
+        return self.type.from_slots(hardware, self.slots, exit_)
 
     def step(self, part: Zdd, allowed: Allowed = ALL) -> tuple[Zdd, list[tuple[str, Zdd]]]:
         """States one of its own events later, and how all hardware is where it ends."""
         after = self.type.after(part, allowed)
         leaving = [
-            (route, self.type.to_slots(ended, self.faulty, exit_))
+            (route, self.type.to_slots(ended, self.slots, exit_))
             for exit_, route in self.routes.items()
             if (ended := after & self.type.ended[exit_])
         ]
@@ -139,75 +133,54 @@ class WholeNet:
     def __init__(self, mission_net: MissionNet, templates: TemplateSet | None = None) -> None:
         self.mission_net = mission_net
         self.templates = templates
-        self.elements = _elements(mission_net.net)
-        self._of_type: dict[SectionType, list[dict[Element, list[int]]]] = {}
-        self._renamed: dict[tuple[SectionType, Used], PetriNet] = {}
+        self._known: dict[tuple[Kind, SectionType, Used], list[int]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
         events = {exit_on(i.event): i.target for i in section.interruptions}
         routes = {"success": section.success, "failure": section.failure, **events}
-        return Stage(section.name, type_, part, routes, *self._located(part, type_))
+        located = (self._located(kind, part, type_) for kind in get_args(Kind))
+        return Stage(section.name, type_, part, routes, *located)
 
-    def _located(self, part: LocalPart, type_: SectionType) -> Iterator[list[int]]:
-        """Where the places of a section's local net lie, and where its transitions do.
+    def _located(self, kind: Kind, part: LocalPart, type_: SectionType) -> list[int]:
+        """Where the places, or the transitions, of a section's local net lie.
 
         Each element is drawn in the same order in both nets. Of what several activities share, the local net
         has the interfaces of its own activities alone: there names are compared.
         """
-        if type_ not in self._of_type:
-            self._of_type[type_] = _elements(type_.net.net)
-        names = Renaming(type_.part, part).elements
-        for kind, (ours, local) in enumerate(zip(self.elements, self._of_type[type_], strict=True)):
-            found = [NOWHERE] * len(_drawn(type_.net.net)[kind])
-            for element, here in local.items():
-                if element[0] in ("exit", "mission"):
-                    continue
-                there = ours[names.get(element, element)]
-                if len(there) != len(here):
-                    own, index = _drawn(self._net(part, type_))[kind], self._index[kind]
-                    there = [index.get(own[i].name, NOWHERE) for i in here]
-                for i, where in zip(here, there, strict=True):
-                    found[i] = where
-            yield found
+        net, ours, theirs = self.mission_net.net, self._elements(kind, None), self._elements(kind, type_)
+        key = kind, type_, part.used
+        if key in self._known:  # sections that use the same differ in their objectives and blocks alone
+            found, names = [*self._known[key]], renamed_sections(type_.part, part)
+        else:
+            found, names = [NOWHERE] * len(getattr(type_.net.net, kind)), {e: e for e in theirs}
+            names |= Renaming(type_.part, part).elements
+        for element in names.keys() & theirs.keys():
+            if element[0] in ("exit", "mission"):
+                continue
+            here, there = theirs[element], ours[names[element]]
+            if len(there) != len(here):
+                same = part.net(self.templates)  # as the type's local net, place by place, but for names
+                own = getattr((mortal(same) if len(type_.layout.roles) > 1 else same).net, kind)
+                index = net.place_index if kind == "places" else net.transition_index
+                there = [index.get(own[i].name, NOWHERE) for i in here]
+            for i, where in zip(here, there, strict=True):
+                found[i] = where
+        self._known.setdefault(key, found)
+        return found
 
-    @cached_property
-    def _index(self) -> tuple[Mapping[str, int], Mapping[str, int]]:
-        return self.mission_net.net.place_index, self.mission_net.net.transition_index
-
-    def _net(self, part: LocalPart, type_: SectionType) -> PetriNet:
-        """The local net of a section: that of its type with other names, place by place."""
-        key = type_, part.used
-        if key not in self._renamed:
-            net = part.net(self.templates)
-            self._renamed[key] = (mortal(net) if len(type_.layout.roles) > 1 else net).net
-        return self._renamed[key]
-
-
-def _drawn(net: PetriNet) -> tuple[Sequence[Place | Transition], ...]:
-    return net.places, net.transitions
-
-
-def _elements(net: PetriNet) -> list[dict[Element, list[int]]]:
-    """The places of a net, and its transitions, by the element that they are of, in the net's order."""
-    both = []
-    for drawn in _drawn(net):
+    @remembered
+    def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
+        """What a type's local net, or the whole net, has of each element, in the net's order."""
         found: dict[Element, list[int]] = {}
-        for index, one in enumerate(drawn):
+        for index, one in enumerate(getattr((self.mission_net if type_ is None else type_.net).net, kind)):
             if one.provenance is not None:
                 found.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
-        both.append(found)
-    return both
+        return found
 
 
 def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
-    """What stands before the mission or after it: one state of its own, with no hardware of its own.
-
-    Args:
-        name: One of :data:`BEGIN` and :data:`ENDS`.
-        mission_net: The net of the whole mission.
-        layout: The store of the composite.
-    """
+    """What stands before the mission or after it: one state of its own, with no hardware of its own."""
     builder = NetBuilder(name, priorities=True)
     for place in ("before", "here", "success", "failure"):
         builder.place(place, initial=int(place == "before"))
