@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,6 +50,8 @@ def init(folder: Path, example: str | None, as_json: bool) -> None:
 
 def _start(example: str | None) -> Traversable:
     """The folder of the files to start from."""
+    from importlib import resources  # which takes milliseconds to load
+
     if example is None:
         return resources.files("mcpn.cli.start")
     installed = resources.files("mcpn").joinpath("examples", example)
@@ -70,6 +71,8 @@ def schema(of: str, as_json: bool) -> None:
     <?xml-model href="mission.rng"?>. Other forms, XSD or compact, are made from it by trang (package trang
     of Debian): trang mission.rng mission.xsd.
     """
+    from importlib import resources
+
     if of == LANGUAGE:
         language, file = "RELAX NG", resources.files("mcpn.mission").joinpath("schema.rng")
     else:

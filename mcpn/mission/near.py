@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from difflib import get_close_matches
 from itertools import chain, islice
 
 MAX_HINTS = 10
@@ -16,6 +15,8 @@ MAX_COMPARED = 500
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """A hint at the nearest known name, if there is one near."""
+    from difflib import get_close_matches
+
     near = get_close_matches(name, sorted(islice(known, MAX_COMPARED)), n=1)
     return f" (did you mean {near[0]}?)" if near else ""
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
-from importlib import resources
+from pathlib import Path
 
 from lxml import etree
 
@@ -33,7 +33,7 @@ class _Rule:
 
 @cache
 def _document() -> etree._ElementTree:
-    with resources.files("mcpn.mission").joinpath("schema.rng").open("rb") as file:
+    with Path(__file__).with_name("schema.rng").open("rb") as file:
         return etree.parse(file)
 
 

@@ -101,12 +101,12 @@ class Evaluation(Generic[S]):
             case EX(operand):
                 return space.before(self.states(operand) & self.fair_states)
             case EU(left, right):
-                return space.reaching(self.states(right) & self.fair_states, self._along(left))
+                return space.reaching(self.states(right) & self.fair_states, self.along(left))
             case EG(operand):
                 return self._always(self.states(operand))
         raise TypeError(f"no formula: {formula!r}")
 
-    def _along(self, formula: Formula) -> S | None:
+    def along(self, formula: Formula) -> S | None:
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
         return None if formula == TRUE else self.states(formula)
 

@@ -8,10 +8,9 @@ errors, depends on the engine; every question is asked once, of :class:`mcpn.spa
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.spaces import Asked, Choice, Engine, alternatives_by, answered, markings_by
@@ -28,6 +27,9 @@ from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash import explained
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")

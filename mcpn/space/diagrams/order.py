@@ -12,7 +12,6 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from random import Random
-from statistics import fmean
 
 from mcpn._kernel import force as kernel_force
 from mcpn.errors import InputError, Problem, Source
@@ -128,7 +127,7 @@ def _stands_on_hardware(net: PetriNet, order: Order) -> bool:
         [level for level, p in enumerate(order) if kinds[p] in wanted]
         for wanted in (("mission", "objective", "parallel"), ("hardware",))
     )
-    return bool(control and hardware and fmean(control) < fmean(hardware))
+    return sum(control) * len(hardware) < sum(hardware) * len(control)
 
 
 def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:

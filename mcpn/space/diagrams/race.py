@@ -14,12 +14,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from math import isqrt
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 FIRST_BUDGET = 50_000
 GROWTH = 2
@@ -113,6 +115,8 @@ class Race(Generic[Result]):
             rank += 1
 
     def _side_by_side(self, budget: int) -> Result | None:
+        from concurrent.futures import ThreadPoolExecutor, as_completed
+
         ranks = [rank for rank in range(len(self._drawn)) if rank not in self._out]
         with ThreadPoolExecutor(self.workers) as pool:
             working: dict[Future[Result | None], int] = {

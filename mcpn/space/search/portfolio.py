@@ -54,6 +54,8 @@ class Round:
     equation: bool = False
 
 
+ALONE = 3
+"""How many times as many markings a lone goal has before the equation, whose solver takes as long to load."""
 STEPS_OF_TRANSITION = 20
 """Firings of a walk beyond those of its round, for each transition of the net."""
 ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
@@ -114,7 +116,7 @@ class Portfolio:
             left = []
             for index in waiting:
                 task = tasks.get(index) or tasks.setdefault(index, _Task(self.net, goals[index]))
-                finding = task.search(budget, seed=number)
+                finding = task.search(budget, seed=number, alone=len(goals) == 1)
                 if finding is None:
                     left.append(index)
                 else:
@@ -138,7 +140,7 @@ class _Task:
         self.inner = goal if self.reduction is None else renamed(goal, self.reduction.place_index.__getitem__)
         self.techniques = () if self.reduction is None else (REDUCTION,)
 
-    def search(self, budget: Round, seed: int) -> Finding | None:
+    def search(self, budget: Round, seed: int, alone: bool) -> Finding | None:
         """Walks and searches, within a budget; nothing where neither decides."""
         if self.reduction is not None:
             if not self.searches.fits:
@@ -146,7 +148,8 @@ class _Task:
             walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed)
             if walked:
                 return self._reached(walked[0], RANDOM_WALK)
-        found = self.searches.seek(self.inner, max_states=budget.states)
+        more = ALONE if alone and budget.equation else 1
+        found = self.searches.seek(self.inner, max_states=budget.states * more)
         if found.outcome == "reached":
             return self._reached(found.run, EXPLICIT, STUBBORN_SETS)
         if found.outcome == "unreachable":
