@@ -98,7 +98,7 @@ def causes(
         wanted = None if fmeca is not None else list(found.objectives)
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
     goals = {found.mission.name: found.mission, **found.objectives}
-    formulas = {name: minimal_formula(goal.cut_sets).text for name, goal in goals.items()} if formula else {}
+    formulas = {name: minimal_formula(goal.cut_sets) for name, goal in goals.items()} if formula else {}
     numbers = None
     if rates:
         from mcpn.check.causes.risk import risk

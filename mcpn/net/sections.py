@@ -262,7 +262,6 @@ class Renaming:
         walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
         self.objectives = {theirs.name: mine.name for theirs, mine in walks}
         software = zip(old.used.software, new.used.software, strict=True)
-        sections = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
         by_kind = {
             "hardware": self.hardware,
             "software": {a.name: b.name for a, b in software},
@@ -271,7 +270,13 @@ class Renaming:
         }
         self.elements: dict[Element, Element] = {
             (kind, name): (kind, mine) for kind, names in by_kind.items() for name, mine in names.items()
-        } | {(kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in sections}
+        } | renamed_sections(old, new)
+
+
+def renamed_sections(old: LocalPart, new: LocalPart) -> dict[Element, Element]:
+    """From the objectives and blocks of a part to those of another of the same type."""
+    both = zip(old.graph.all_sections(), new.graph.all_sections(), strict=True)
+    return {(kind_of(theirs), theirs.name): (kind_of(mine), mine.name) for theirs, mine in both}
 
 
 def kind_of(section: Section) -> str:

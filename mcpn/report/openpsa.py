@@ -19,7 +19,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from lxml import etree
 
 from mcpn._kernel import Zdd
-from mcpn.check.causes.availability import Availability, LostObjectives
+from mcpn.check.causes.availability import Availability, Losses
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.model import Hardware
@@ -50,11 +50,10 @@ def _says(text: Availability, mission: Sequence[CutSet], objectives: Mapping[str
     """Whether the text of the mission has just these cut sets."""
 
     def same(function: Zdd, cut_sets: Sequence[CutSet]) -> bool:
-        members = text.minimal(function)
-        return {frozenset(text.hardware[h] for h in m) for m in members} == set(map(frozenset, cut_sets))
+        return set(map(frozenset, text.minimal(function))) == set(map(frozenset, cut_sets))
 
     return same(text.mission, mission) and all(
-        same(function, objectives[name]) for name, function in text.objectives.items()
+        same(text.objective(section), objectives[section.name]) for section in text.usage.graph.walk()
     )
 
 
@@ -99,9 +98,9 @@ class _Structured(_Tree):
         self.text = text
 
     def draw(self) -> None:
-        over = LostObjectives(self.usage)
-        gates = [f"objective-{_identifier(name)}" for name in over.names]
-        products = ([("gate", gates[o]) for o in m] for m in over.minimal(over.mission))
+        losses = Losses(self.usage, (section.name for section in self.usage.graph.walk()))
+        minimal = losses.minimal(losses.mission)
+        products = ([("gate", f"objective-{_identifier(name)}") for name in m] for m in minimal)
         _sum(self.gate("mission-lost", f"mission {self.usage.mission.name} cannot succeed"), products)
         for section in self.usage.graph.walk():
             gate = self.gate(f"objective-{_identifier(section.name)}", f"{section.name} cannot succeed")
@@ -113,7 +112,7 @@ class _Structured(_Tree):
     def alternatives(self, gate: etree._Element, activity: str) -> None:
         """All alternatives are lost, each by one of its resources."""
         ways = self.usage.activities[activity].alternatives
-        if not self.text.activity(activity) or not ways:
+        if not self.text.activities[activity] or not ways:
             etree.SubElement(gate, "constant", value="false")
             return
         # Alternatives that the same resources defeat are one factor: a formula names each argument once.
@@ -125,7 +124,7 @@ class _Structured(_Tree):
             _sum(holder, ([reference] for reference in factor))
 
     def may_fail(self, resource: str) -> bool:
-        return bool(self.text.resource(resource))
+        return bool(self.text.resources[resource])
 
     def resource(self, name: str) -> tuple[str, str]:
         if name in self.usage.hardware:

@@ -8,7 +8,6 @@ from typing import Any, get_args
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.prospects import Goal, Prospects
-from mcpn.check.causes.scenarios import Scenarios
 from mcpn.check.spaces import Choice, Engine, mortal_space, space_of
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
@@ -33,10 +32,6 @@ class Asked:
     @cached_property
     def cuts(self) -> CutSets[Any]:
         return CutSets(Prospects(mortal(self.found), mortal_space(self.found, Choice(self.engine))))
-
-    @cached_property
-    def scenarios(self) -> Scenarios[Any]:
-        return Scenarios(self.prospects)
 
     @cached_property
     def all(self) -> Causes:

@@ -140,6 +140,26 @@ def test_the_most_tokens_of_some_places_at_the_same_time(engine: Asked, tokens: 
     assert answers(builder.build(), bodies, engine) == {name: str(most) for name, most in expected.items()}
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_sums_are_compared_up_to_the_most_that_they_come_to(engine: Asked) -> None:
+    """Three tokens in two places: a sum of twice one of them and the other is from three to six."""
+    builder = NetBuilder("pair")
+    builder.place("a", initial=3)
+    builder.place("b")
+    builder.transition("to", consume=["a"], produce=["b"])
+    builder.transition("fro", consume=["b"], produce=["a"])
+    asked: dict[str, tuple[Written, bool]] = {}
+    for k in range(2, 8):
+        twice = (0, "a", "a", "b")
+        asked[f"AG at most {k}"] = ("AG", ("<=", twice, (k,))), k >= 6
+        asked[f"AG at least {k}"] = ("AG", (">=", twice, (k,))), k <= 3
+        asked[f"EF equal {k}"] = ("EF", ("=", twice, (k,))), 3 <= k <= 6
+        asked[f"EF more {k}"] = ("EF", (">", (0, "a", "a"), (0, *["b"] * k))), True
+        asked[f"AG differ {k}"] = ("AG", ("!=", (0, "a"), (k, "b"))), k != 3
+    expected = {name: str(value).upper() for name, (_, value) in asked.items()}
+    assert answers(builder.build(), {name: written(f) for name, (f, _) in asked.items()}, engine) == expected
+
+
 def growing() -> PetriNet:
     """A place that grows without end while a switch is on; once it is off nothing fires."""
     builder = NetBuilder("grows")

@@ -101,6 +101,12 @@ class InRegions(ArraySpace):
         self.regions = [part for part in parts if part]
 
 
+class Hasty(Evaluation[Any]):
+    """Leaves out of fair hulls at once all that cannot go on for ever."""
+
+    first_steps = 0
+
+
 @fewer(0.6)
 @given(nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn: drawn[0]), st.data())
 def test_fairness_on_every_space_agrees_with_components(net: PetriNet, data: st.DataObject) -> None:
@@ -108,7 +114,7 @@ def test_fairness_on_every_space_agrees_with_components(net: PetriNet, data: st.
     fair = data.draw(constraints(net))
     graph = explore(net)
     everyone = [*spaces(net), InRegions(graph, data.draw(st.integers(1, 5)))]
-    evaluations = [Evaluation(space, fair) for space in everyone]
+    evaluations = [kind(space, fair) for space in everyone for kind in (Evaluation, Hasty)]
     oracle = ByComponents(graph, fair)
     for formula in data.draw(st.lists(formulas(*names(net)), min_size=4, max_size=4)):
         core = read(formula, net)
@@ -125,10 +131,10 @@ def check_witness(mission_net: MissionNet, evaluation: Evaluation[Any], core: Fo
         assert t in net.enabled(marking)
         marking = net.fire(marking, t)
         assert marking == tuple(after)
-    markings = list(witness.markings)
-    assert marking == markings[-1]
+    assert marking == witness.space.marking(witness.end)
     if witness.cycle is not None:
-        assert markings[witness.cycle] == markings[-1]
+        before = [witness.start, *(edge.target for edge in witness.steps)][witness.cycle]
+        assert witness.space.marking(before) == marking
 
 
 @fewer(0.4)
@@ -161,6 +167,7 @@ def test_spaces_agree_on_both_graphs_of_missions(mission: Mission, data: st.Data
                 core = read(formula, net, mission_net)
                 expected = by_components(oracle, core)
                 for each in every:
+                    assert satisfy(Hasty(each, fair), core) == expected
                     evaluation = Evaluation(each, fair)
                     assert evaluation.holds(core) == oracle.holds(core)
                     assert satisfy(evaluation, core) == expected

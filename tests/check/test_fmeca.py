@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.causes.effects import Severity
+from mcpn.check.causes.effects import Severity, changes
 from mcpn.check.causes.fmeca import Row, fmeca
+from mcpn.check.modes import Situation
 from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import ElementarySection
@@ -435,3 +436,13 @@ def test_where_the_failure_of_an_objective_leads(tmp_path: Path) -> None:
             "end": "its failure ends the mission in success",
         }
         assert [told[name].section for name in names] == ["first", "both", "both", "both", "both", "end"]
+
+
+def test_of_a_mode_only_what_changes_is_told() -> None:
+    before = Situation(mode={"b": "b1", "c": "c1"}, waiting={"a": "a1"}, refused=("r",))
+    after = Situation(mode={"b": "b2", "e": "e1"}, waiting={"a": "a1", "d": "d1"}, refused=("r", "s"))
+    assert changes(before, after) == "b: b1 -> b2, s has no possible alternative, d waits"
+    assert changes(after, after) == ""
+    # That something stops or runs is told where nothing else is.
+    assert changes(Situation(mode={"b": "b1", "c": "c1"}), Situation(mode={"b": "b1"})) == "c stops"
+    assert changes(Situation(), Situation(mode={"b": "b1"})) == "b runs"

@@ -137,11 +137,11 @@ def test_cut_sets_read_back_are_ours(mission: Mission) -> None:
 def test_the_flat_tree_says_what_it_is_given(mission: Mission) -> None:
     found = compose(mission)
     text = Availability(found.usage)
-    if not text.hardware:
+    if not text.elements:
         returns_early("no hardware that fails")
         return
     # Cut sets that the text of the mission does not have, as contention brings them about.
-    given_sets: list[CutSet] = [tuple(sorted(text.hardware[:2]))]
+    given_sets: list[CutSet] = [tuple(sorted(text.elements[:2]))]
     objectives: dict[str, list[CutSet]] = {s.name: [] for s in found.graph.walk()}
     solved = solve(open_psa(found.usage, given_sets, objectives))
     assert solved["mission-lost"] == given_sets

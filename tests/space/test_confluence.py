@@ -16,6 +16,7 @@ from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
+from mcpn.space.stable import confluence
 from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
 from mcpn.space.stable.clash import find_clash
 from mcpn.space.stable.confluence import (
@@ -25,7 +26,7 @@ from mcpn.space.stable.confluence import (
     open_conflicts,
     proof_by_joining,
 )
-from mcpn.space.stable.nearest import nearest_fault
+from mcpn.space.stable.nearest import fault_by, nearest_fault
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
@@ -266,3 +267,26 @@ def test_a_fault_before_any_event_is_the_nearest() -> None:
     assert isinstance(error, ConfluenceError)
     assert error.events == ()
     assert "at the start the outcome depends" in str(error)
+
+
+def test_a_run_of_events_ends_at_the_first_that_has_two_outcomes() -> None:
+    net = torn_behind(("A", "B"), ("C",))
+    first, last, other, none = map(Event.parse, ("A", "B", "C", "NONE"))
+    assert fault_by(net, []) is None
+    assert fault_by(net, [first]) is None
+    for run in ([first, last], [first, last, none], [other], [other, none]):
+        error = fault_by(net, run)
+        assert isinstance(error, ConfluenceError)
+        assert error.events == tuple(str(event) for event in run if event is not none)
+
+
+def test_without_a_diagram_it_is_proved_edge_by_edge(
+    monkeypatch: pytest.MonkeyPatch, ulysse_net: MissionNet
+) -> None:
+    def too_large(net: PetriNet) -> None:
+        raise LimitError("no memory for a diagram")
+
+    monkeypatch.setattr(confluence, "reach", too_large)
+    assert same(direct_with_proof(ulysse_net.net), direct(ulysse_net.net))
+    with pytest.raises(ConfluenceError):
+        direct_with_proof(torn_behind(("A",)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import combinations
 from pathlib import Path
 
 import pytest
@@ -12,14 +13,18 @@ from hypothesis import given
 from mcpn.check.spaces import Choice, mortal_space, space_of
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, UnboundedError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.net.compose import compose
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
-from mcpn.space.diagrams.spaces import DiagramAlternatives
+from mcpn.net.templates import control
+from mcpn.space import images
+from mcpn.space.diagrams.bounded import reach_markings
+from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.images import ImageStore
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.markings.explicit import count, explore
@@ -30,6 +35,7 @@ from mcpn.space.stable.alternatives import direct
 from mcpn.space.stable.confluence import direct_with_proof
 from mcpn.space.stable.listing import written_out
 from mcpn.testing import missions
+from tests import small
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 from tests.draws import fewer
@@ -197,3 +203,75 @@ def test_the_option(arguments: str, size: int, tmp_path: Path) -> None:
     assert "limit" in refused.stderr
     assert not (tmp_path / "out").exists()
     assert mcpn(*filled, "--max-states", size).returncode == 0
+
+
+def test_minimal_sets(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = ImageStore(6)
+    pairs = set(combinations(range(6), 2))
+    family = found.of_rows(pairs | {(0, 1, 2)})
+    for most in (len(pairs), len(pairs) - 1):
+        monkeypatch.setattr(images, "MAX_MINIMAL", most)
+        if most == len(pairs):
+            assert set(found.minimal(family)) == pairs
+        else:
+            with pytest.raises(LimitError, match=f"more than {most} minimal sets"):
+                found.minimal(family)
+
+
+@pytest.mark.parametrize("branches", [1, 2, 3])
+def test_combinations_of_branches_that_an_event_meets(monkeypatch: pytest.MonkeyPatch, branches: int) -> None:
+    """What a branch may be doing multiplies by each further branch that the same event concerns."""
+    names = [f"x{i}" for i in range(branches)]
+    of = small.robot((), *(small.activity(f"do_{n}", ()) for n in (*names, "free")), events=("recall",))
+    handlers = (Handler(event="recall", goto=SUCCEED),)
+    blocks = tuple(Objective(name=n, activities=(f"do_{n}",), handlers=handlers) for n in names)
+    mission = small.mission(
+        of, Parallel(name="all", blocks=(*blocks, Objective(name="free", activities=("do_free",))))
+    )
+    monkeypatch.setattr(control, "MAX_POSITIONS", 0)
+    words = r"parallel block all: (\d+) combinations of where its branches are when the event recall happens"
+    with pytest.raises(LimitError, match=words) as caught:
+        compose(mission)
+    told = int(str(caught.value).partition(": ")[2].split()[0])
+    assert round(told ** (1 / branches)) ** branches == told
+    monkeypatch.setattr(control, "MAX_POSITIONS", told)
+    compose(mission)
+    monkeypatch.setattr(control, "MAX_POSITIONS", told - 1)
+    with pytest.raises(LimitError, match=f"the limit is {told - 1}"):
+        compose(mission)
+
+
+def test_hardware_that_alone_is_too_much() -> None:
+    of = small.robot(small.hw(*(f"h{i}" for i in range(5))), small.activity("look", ()))
+    found = compose(small.mission(of, Objective(name="x", activities=("look",))))
+    alone = "5 hardware resources that may fail have 2\\^5 states"
+    with pytest.raises(LimitError, match=alone):
+        space_of(found, Choice("explicit", max_states=2**5 - 1), "alternatives")
+    with pytest.raises(LimitError) as caught:
+        space_of(found, Choice("explicit", max_states=2**5), "alternatives")
+    assert "2^5" not in str(caught.value)
+
+
+def with_tokens(initial: int, weight: int) -> PetriNet:
+    builder = NetBuilder("many")
+    builder.place("many", initial=initial)
+    builder.place("out")
+    builder.transition("take", consume={"many": weight}, produce=["out"])
+    return builder.build()
+
+
+def test_numbers_of_tokens() -> None:
+    # A place of 40 bits, a weight of 62: no run is near them, so that the limits are on what is written.
+    assert count_tokens(with_tokens(2**40 - 1, 2**39)).states == 2
+    with pytest.raises(LimitError, match=f"many may hold more than {2**40 - 1} tokens"):
+        count_tokens(with_tokens(2**40, 2**39))
+    assert count_tokens(with_tokens(2, 2**62)).states == 1
+    with pytest.raises(LimitError, match=f"take has a weight of more than {2**62}"):
+        count_tokens(with_tokens(2, 2**62 + 1))
+
+
+def test_weighted_sums_of_diagrams() -> None:
+    space = DiagramMarkings(reach_markings(with_tokens(3, 1)))
+    assert space.at_most({0: 2**29}, 2**30).count() == 3  # two tokens or fewer
+    with pytest.raises(LimitError, match="a sum of tokens is beyond"):
+        space.at_most({0: 2**31}, 2**30)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import networkx as nx
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError, UnsafeError
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.algebra import S, Space
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
@@ -49,3 +51,24 @@ def check(net: PetriNet, space: Space[S], places: set[int], least: float | None)
         marking = net.fire(marking, edge.transition)
     assert any(marking[p] for p in places)
     assert sum(not net.transitions[edge.transition].internal for edge in run) == least
+
+
+def test_a_run_takes_guarded_edges_only_where_it_may() -> None:
+    """Two ways to the goal of one length, of which the first one is barred at the start."""
+    builder = NetBuilder("two ways")
+    for name in ("start", "left", "right", "goal"):
+        builder.place(name, initial=int(name == "start"))
+    for source, target in (("start", "left"), ("start", "right"), ("left", "goal"), ("right", "goal")):
+        builder.transition(f"{source} {target}", consume=[source], produce=[target])
+    net = builder.build()
+
+    def run(space: Space[S], guards: dict[int, S]) -> list[str] | None:
+        found = space.run(space.initial.pick(), space.marked([3]), None, None, guards)
+        return None if found is None else [net.transitions[edge.transition].name for edge in found]
+
+    spaces: tuple[Space[Any], ...] = ArraySpace(explore(net)), DiagramMarkings(reach(net))
+    for space in spaces:
+        barred = space.marked([1])
+        assert run(space, {0: barred}) == ["start right", "right goal"]
+        assert run(space, {1: barred}) == ["start left", "left goal"]
+        assert run(space, {0: barred, 3: space.nothing}) is None

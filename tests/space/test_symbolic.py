@@ -184,3 +184,20 @@ def test_the_run_to_a_second_token_has_what_is_internal_in_its_place() -> None:
         error = caught.value
         assert (list(error.run), error.transition, error.place) == (["go", "at once"], "too much", "c")
         check_unsafe_run(net, error)
+
+
+def test_the_run_to_a_second_token_respects_priorities() -> None:
+    # From "hurried" the goal is one event away, too; but what is internal comes first there.
+    builder = NetBuilder("two ways", priorities=True)
+    for place, tokens in (("start", 1), ("hurried", 0), ("calm", 0), ("goal", 0), ("gone", 0), ("full", 1)):
+        builder.place(place, initial=tokens)
+    steps = (("start", "hurried"), ("hurried", "goal"), ("start", "calm"), ("calm", "goal"), ("goal", "full"))
+    for source, target in steps:
+        name = f"{source} {target}"
+        builder.transition(name, consume=[source], produce=[target], event=Event.parse(name))
+    builder.transition("at once", consume=["hurried"], produce=["gone"])
+    for explored in (reach, explore):
+        with pytest.raises(UnsafeError) as caught:
+            explored(builder.build())
+        assert list(caught.value.run) == ["start calm", "calm goal"]
+        check_unsafe_run(builder.build(), caught.value)

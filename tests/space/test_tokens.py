@@ -79,3 +79,23 @@ def test_bounds_are_those_of_exploration(net: PetriNet) -> None:
         check_pump(net, found.run, found.pump)
         with pytest.raises((LimitError, UnboundedError)):
             explore_tokens(net, max_states=3_000)
+
+
+def test_where_the_limit_is_hit_bounds_are_left_out_but_not_what_is_known() -> None:
+    builder = NetBuilder("heaps")
+    for place in "abcd":
+        builder.place(place)
+        builder.transition(f"fill {place}", produce=[place])
+        builder.transition(f"empty {place}", consume=[place])
+    net = builder.build()
+    seen = set[tuple[int, ...] | None]()
+    for limit in range(1, 120):
+        try:
+            found = boundedness(net, max_states=limit)
+        except LimitError:
+            assert not seen  # once a run that repeats is found, the answer stands
+            continue
+        assert found.bounded is False
+        check_pump(net, found.run, found.pump)
+        seen.add(found.bounds)
+    assert seen == {None, (OMEGA,) * 4}

@@ -8,26 +8,11 @@ are equivalent. pyeda is an optional dependency, loaded only here.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.errors import LimitError, SemanticsError
 
 MAX_TERMS = 2000
-
-
-@dataclass(frozen=True)
-class Formula:
-    """A minimal sum of products over hardware that is out of service.
-
-    Args:
-        terms: Its products, each a set of names.
-        text: For example ``thruster_actuator | GPS_sensor & IMU_sensor``; ``0`` never, ``1`` always.
-    """
-
-    terms: tuple[CutSet, ...]
-    text: str
 
 
 def sentence(name: str, cut_sets: Sequence[CutSet]) -> str:
@@ -54,23 +39,22 @@ def enumeration(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def minimal_formula(losing: Sequence[CutSet]) -> Formula:
+def minimal_formula(losing: Sequence[CutSet]) -> str:
     """The minimal sum of products of a function, found by espresso and proved equivalent to it.
 
     Args:
-        losing: Products whose sum is the function; they need not be minimal.
+        losing: Products whose sum is the function, each of names of hardware; they need not be minimal.
 
     Returns:
-        Smaller products first, then in alphabetical order.
+        For example ``thruster_actuator | GPS_sensor & IMU_sensor``, smaller products first, then in
+        alphabetical order; ``0`` never, ``1`` always.
 
     Raises:
         LimitError: pyeda is not installed, or the function has more than :data:`MAX_TERMS` products.
         SemanticsError: The solver finds the formula and the function to differ.
     """
-    if not losing:
-        return Formula((), "0")
-    if () in losing:
-        return Formula(((),), "1")
+    if not losing or () in losing:
+        return "1" if losing else "0"
     if len(losing) > MAX_TERMS:
         raise LimitError(f"{len(losing)} products: more than {MAX_TERMS}, the limit on products of a formula")
     try:
@@ -80,21 +64,9 @@ def minimal_formula(losing: Sequence[CutSet]) -> Formula:
         raise LimitError('minimal formulas need pyeda: pip install "mcpn[pyeda]"') from error
     names = sorted({name for product in losing for name in product})
     variables = {name: exprvar("hardware", number) for number, name in enumerate(names)}
-    named = {variable.uniqid: name for name, variable in variables.items()}
     function = Or(*(And(*(variables[name] for name in product)) for product in losing))
     (minimised,) = espresso_exprs(function.to_dnf())
     if Xor(function, minimised).satisfy_one() is not None:
         raise SemanticsError("espresso's formula differs from the function that it minimises")
-    products = [
-        tuple(sorted(named[literal] for literal in product)) for product in _products(minimised.to_ast())
-    ]
-    terms = tuple(sorted(products, key=lambda product: (len(product), product)))
-    return Formula(terms, " | ".join(" & ".join(product) for product in terms))
-
-
-def _products(tree: Any) -> list[list[int]]:
-    """Products of pyeda's tree of a sum, a product or a literal, as literals."""
-    if tree[0] == "or":
-        return [product for part in tree[1:] for product in _products(part)]
-    literals = tree[1:] if tree[0] == "and" else (tree,)
-    return [[literal[1] for literal in literals]]
+    products = [sorted(names[variable.indices[0]] for variable in cube) for cube in minimised.cover]
+    return " | ".join(" & ".join(product) for product in sorted(products, key=lambda p: (len(p), p)))

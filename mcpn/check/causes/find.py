@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
-from mcpn.check.causes.scenarios import Scenarios
+from mcpn.check.causes.scenarios import most_failures, to_failure
 from mcpn.check.spaces import Asked, Choice, answered, mortal_space, space_of
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
@@ -34,7 +34,6 @@ class GoalCauses:
 
     Args:
         name: Of the mission or the objective.
-        cut_sets: Minimal cut sets: of the mission at its start, of an objective at its entry.
         moments: Minimal cut sets by moment, see :class:`mcpn.check.causes.cutsets.Moment`.
         critical: Events that lead into the losing region where nothing is repaired.
         critical_with_repairs: The same where hardware may be repaired.
@@ -43,12 +42,16 @@ class GoalCauses:
     """
 
     name: str
-    cut_sets: list[CutSet]
     moments: dict[str, list[CutSet]]
     critical: list[CriticalEvent]
     critical_with_repairs: list[CriticalEvent]
     nonmonotone: Nonmonotone | None
     find_run: Callable[[CutSet], Run | None]
+
+    @property
+    def cut_sets(self) -> list[CutSet]:
+        """Minimal cut sets: of the mission at its start, of an objective at its entry."""
+        return self.moments.get(Moment.ENTRY.value, self.moments[Moment.START.value])
 
     @property
     def critical_events(self) -> list[Event]:
@@ -177,21 +180,18 @@ class _Finding:
     def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any]) -> None:
         self.prospects = prospects
         self.cuts = cuts
-        self.scenarios = Scenarios(prospects)
 
     def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
         step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
         wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
         losing = {moment: self.cuts.losing(dying, moment, section) for moment in wanted}
-        moments = {moment.value: self.cuts.minimal(lost) for moment, lost in losing.items()}
         return GoalCauses(
             goal.name,
-            moments[(Moment.START if section is None else Moment.ENTRY).value],
-            moments,
+            {moment.value: self.cuts.minimal(lost) for moment, lost in losing.items()},
             self.prospects.critical(goal, repairs=False),
             self.prospects.critical(goal, repairs=True),
             self.cuts.nonmonotone(losing[Moment.SOMETIME]),
-            lambda names: self.scenarios.to_failure(goal, names),
+            partial(to_failure, self.prospects, goal),
         )
 
     def survival(self, section: Section | None) -> Survival:
@@ -204,4 +204,4 @@ class _Finding:
         if survived:
             always = len(cut_sets[0]) - 1 if cut_sets else len(cuts.hardware)
             at_most = cuts.images.sized(survived)
-        return Survival(name, cut_sets, always, at_most, lambda: self.scenarios.most_failures(section))
+        return Survival(name, cut_sets, always, at_most, partial(most_failures, self.prospects, section))

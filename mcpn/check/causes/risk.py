@@ -85,11 +85,8 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
 
 def _refuse_unknown(prospects: Prospects[Any]) -> None:
     needed = "no duration, which numbers of risk need: its mean in hours"
-    unknown = (
-        section
-        for section in prospects.mission_net.graph.walk()
-        if section.duration is None and prospects.objectives[section.name].running
-    )
+    running = (s for name, s in prospects.sections.items() if prospects.objectives[name].running)
+    unknown = (section for section in running if section.duration is None)
     problems = list(of_objectives(unknown, f"has {needed}", f"have {needed}"))
     if problems:
         raise InputError(problems)

@@ -8,101 +8,82 @@ happen.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Generic
+from itertools import product
+from typing import Any
 
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.mission.flatten import Section
 from mcpn.net.events import What
-from mcpn.space.algebra import Edge, Guards, S
+from mcpn.space.algebra import Edge, S, Space
 from mcpn.space.images import ImageStore
 from mcpn.space.run import Run, transitions_of
 
 
-class Scenarios(Generic[S]):
-    """Runs of a mission that show what its cut sets say.
+def to_failure(prospects: Prospects[S], goal: Goal[S], cut_set: Iterable[str]) -> Run | None:
+    """A short run in which a goal fails because of a cut set, and no other hardware fails.
 
     Args:
         prospects: The mission in a space of its alternatives graph.
+        goal: The mission, or an objective.
+        cut_set: Names of hardware; all of it is out of service at the end.
+
+    Returns:
+        Up to the mission's failure or the objective's failure; where the mission need not end, up to
+        where it can no longer succeed. ``None`` where no run without repairs leads there.
     """
+    space, names = prospects.space, list(cut_set)
+    mine = (prospects.carrying(What.OUT_OF_SERVICE, name) for name in names)
+    transitions = (prospects.unrepaired - prospects.failing).union(*mine)
+    oos = prospects.places("oos", names)
+    ends = [space.restricted(prospects.losing(goal, repairs=False), oos, ())]
+    if goal is prospects.mission:
+        ends.insert(0, space.restricted(space.marked([prospects.mission_net.failure]), oos, ()))
+    for wanted, guards in product(ends, (prospects.forced, None)):
+        run = space.run(space.initial.pick(), wanted, None, transitions, guards)
+        if run is not None:
+            if goal is not prospects.mission:
+                fails = prospects.carrying(What.FAILURE, goal.name)
+                run.append(next(e for e in space.edges(run[-1].target) if e.transition in fails))
+            return _told(space, run)
+    return None
 
-    def __init__(self, prospects: Prospects[S]) -> None:
-        self.prospects = prospects
-        self.space = prospects.space
-        self._begin = self.space.initial.pick()
 
-    def _told(self, edges: Iterable[Edge]) -> Run:
-        return Run(self.space.net, transitions_of(edges), settles=True)
+def most_failures(prospects: Prospects[S], section: Section | None = None) -> Run | None:
+    """A run to success in which, from one moment on, as many resources fail as in any.
 
-    def to_failure(self, goal: Goal[S], cut_set: Iterable[str]) -> Run | None:
-        """A short run in which a goal fails because of a cut set, and no other hardware fails.
+    Args:
+        prospects: The mission in a space of its alternatives graph.
+        section: The run enters this section with all hardware in service; ``None`` for any run.
 
-        Args:
-            goal: The mission, or an objective.
-            cut_set: Names of hardware; all of it is out of service at the end.
-
-        Returns:
-            Up to the mission's failure or the objective's failure; where the mission need not end, up to
-            where it can no longer succeed. ``None`` where no run without repairs leads there.
-        """
-        prospects, names = self.prospects, list(cut_set)
-        mine = [t for name in names for t in prospects.carrying(What.OUT_OF_SERVICE, name)]
-        transitions = (prospects.unrepaired - prospects.failing).union(mine)
-        oos = prospects.places("oos", names)
-        lost = self.space.restricted(prospects.losing(goal, repairs=False), oos, ())
-        ways: tuple[Guards[S], ...] = (prospects.forced, None)
-        if goal is not prospects.mission:
-            for guards in ways:
-                run = self.space.run(self._begin, lost, None, transitions, guards)
-                if run is not None:
-                    return self._told([*run, self._failure(goal.name, run)])
-            return None
-        failed = self.space.marked([prospects.mission_net.failure])
-        for ends in (self.space.restricted(failed, oos, ()), lost):
-            for guards in ways:
-                run = self.space.run(self._begin, ends, None, transitions, guards)
-                if run is not None:
-                    return self._told(run)
-        return None
-
-    def _failure(self, objective: str, run: list[Edge]) -> Edge:
-        """The edge with which an objective fails at the end of a run."""
-        state = run[-1].target if run else self._begin
-        fails = self.prospects.carrying(What.FAILURE, objective)
-        return next(edge for edge in self.space.edges(state) if edge.transition in fails)
-
-    def most_failures(self, section: Section | None = None) -> Run | None:
-        """A run to success in which, from one moment on, as many resources fail as in any.
-
-        Args:
-            section: The run enters this section with all hardware in service; ``None`` for any run.
-
-        Returns:
-            A short such run, or ``None`` where no run leads to success.
-        """
-        prefix, begin = list[Edge](), self._begin
-        if section is not None:
-            oos = self.prospects.places("oos", self.prospects.hardware)
-            entry = self.space.restricted(self.prospects.entered(section), (), oos)
-            found = self.space.run(begin, entry)
-            if found is None:
-                return None
-            prefix, begin = found, found[-1].target if found else begin
-        onward = self._most_failures(begin)
-        return None if onward is None else self._told([*prefix, *onward])
-
-    def _most_failures(self, begin: Any) -> list[Edge] | None:
-        prospects, space = self.prospects, self.space
-        goal, guards = prospects.mission, prospects.forced
-        transitions = prospects.unrepaired
-        ends = space.reached(space.single(begin), goal.running | goal.won, transitions, guards) & goal.won
-        # Success may be followed by failures that cost nothing any more: only edges before it count.
-        ends = ends & space.after(
-            space.reached(space.single(begin), goal.running, transitions, guards), transitions, guards
-        )
-        if not ends:
-            return [] if space.single(begin) & goal.won else None
+    Returns:
+        A short such run, or ``None`` where no run leads to success.
+    """
+    space, prefix = prospects.space, list[Edge]()
+    if section is not None:
         oos = prospects.places("oos", prospects.hardware)
-        images = ImageStore(len(oos))
-        most = images.sized(space.image(ends, oos, images))
-        widest = ends & space.at_most(dict.fromkeys(oos, -1), -most)
-        return space.run(begin, widest, goal.running, transitions, guards)
+        entry = space.restricted(prospects.entered(section), (), oos)
+        found = space.run(space.initial.pick(), entry)
+        if found is None:
+            return None
+        prefix = found
+    onward = _most_failures(prospects, prefix[-1].target if prefix else space.initial.pick())
+    return None if onward is None else _told(space, [*prefix, *onward])
+
+
+def _most_failures(prospects: Prospects[S], begin: Any) -> list[Edge] | None:
+    space, goal = prospects.space, prospects.mission
+    guards, transitions = prospects.forced, prospects.unrepaired
+    # Success may be followed by failures that cost nothing any more: only edges before it count.
+    before = space.reached(space.single(begin), goal.running, transitions, guards)
+    ends = space.after(before, transitions, guards) & goal.won
+    if not ends:
+        return [] if space.single(begin) & goal.won else None
+    oos = prospects.places("oos", prospects.hardware)
+    images = ImageStore(len(oos))
+    most = images.sized(space.image(ends, oos, images))
+    widest = ends & space.at_most(dict.fromkeys(oos, -1), -most)
+    return space.run(begin, widest, goal.running, transitions, guards)
+
+
+def _told(space: Space[S], edges: Iterable[Edge]) -> Run:
+    return Run(space.net, transitions_of(edges), settles=True)

@@ -281,9 +281,9 @@ class _Step:
 
     def _each_beside(self, matrix: Array, maps: Iterable[Sequence[Sequence[float]]]) -> Array:
         """Values after a map of two states to two for each resource beside the section."""
-        found = matrix.reshape(len(matrix), *(2,) * len(self.beside), matrix.shape[-1])
-        for axis, of in enumerate(maps, 1):
-            found = np.moveaxis(np.tensordot(np.asarray(of), found, (1, axis)), 0, axis)
+        found = matrix
+        for number, of in enumerate(maps):
+            found = np.asarray(of) @ found.reshape(len(matrix) << number, 2, -1)
         return found.reshape(matrix.shape)
 
     @cached_property

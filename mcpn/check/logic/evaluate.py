@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property, reduce
+from itertools import count
 from operator import and_, or_
 from typing import Generic
 
@@ -43,6 +44,9 @@ class Evaluation(Generic[S]):
         space: The space.
         fair: Justice constraints: infinite paths that meet one of them only finitely often do not count.
     """
+
+    first_steps = 8
+    """How often states without a successor are left out of a fair hull one step at a time, not altogether."""
 
     def __init__(self, space: Space[S], fair: Sequence[Justice] = ()) -> None:
         self.space = space
@@ -97,12 +101,12 @@ class Evaluation(Generic[S]):
             case EX(operand):
                 return space.before(self.states(operand) & self.fair_states)
             case EU(left, right):
-                return space.reaching(self.states(right) & self.fair_states, self._along(left))
+                return space.reaching(self.states(right) & self.fair_states, self.along(left))
             case EG(operand):
                 return self._always(self.states(operand))
         raise TypeError(f"no formula: {formula!r}")
 
-    def _along(self, formula: Formula) -> S | None:
+    def along(self, formula: Formula) -> S | None:
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
         return None if formula == TRUE else self.states(formula)
 
@@ -139,8 +143,11 @@ class Evaluation(Generic[S]):
         speaks of an objective takes a step in that objective's section.
         """
         space, found = self.space, inside
-        while True:
-            narrower = found & space.before(found)
+        for step in count():
+            if step < self.first_steps:
+                narrower = found & space.before(found)
+            else:
+                narrower = space.staying(found - space.dead)
             for constraint in constraints:
                 waiting = narrower & self.plain.states(negation(constraint.states))
                 if not waiting:
@@ -153,8 +160,9 @@ class Evaluation(Generic[S]):
                 if stuck:
                     narrower = narrower - stuck
             if not found - narrower:
-                return found
+                break
             found = narrower
+        return found
 
     def met(self, constraint: Justice, inside: S) -> S:
         """States of a set at which a constraint is met, there or by the next step inside the set."""

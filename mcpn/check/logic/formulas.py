@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.space.search.goal import AtMost
+from mcpn.net.petri import PetriNet
+from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable
+from mcpn.space.search.goal import negation as other_markings
 
 MAX_SIZE = 50_000
 
@@ -210,3 +212,36 @@ def within_limit(formula: Formula) -> Formula:
     if any(number == MAX_SIZE for number, _ in enumerate(walk(formula))):
         raise LimitError(f"the formula says more than {MAX_SIZE} operators in full: the limit was hit")
     return formula
+
+
+def as_reachability(formula: Formula, net: PetriNet) -> Goal | None:
+    """The markings of ``f`` where a formula is ``EF f`` and needs no more than a search; else ``None``."""
+    match formula:
+        case EU(Const(True), inside):
+            return as_goal(inside, net)
+    return None
+
+
+def as_goal(formula: Formula, net: PetriNet) -> Goal | None:
+    """The markings of a net without priorities that satisfy a formula; ``None`` if it speaks of paths."""
+    match formula:
+        case Const(value):
+            return AllOf(()) if value else AnyOf(())
+        case Not(operand):
+            inside = as_goal(operand, net)
+            return None if inside is None else other_markings(inside)
+        case And(several) | Or(several):
+            goals = [as_goal(operand, net) for operand in several]
+            known = tuple(each for each in goals if each is not None)
+            if len(known) < len(goals):
+                return None
+            return AllOf(known) if isinstance(formula, And) else AnyOf(known)
+        case AtMost():
+            return formula
+        case Fires(transitions):
+            return AnyOf(tuple(fireable(net, t) for t in transitions))
+        case Deadlock():
+            return Dead()
+        case Stable():
+            return AllOf(())
+    return None

@@ -1,7 +1,5 @@
 """CTL on the markings of a net as they are needed: no space is built, and places may hold several tokens.
 
-What has no temporal operators is a goal, as a search has it.
-
 Source: Vergauwen, Lewi, *A linear local model checking algorithm for CTL* (CONCUR 1993); the native kernel
 has it.
 """
@@ -12,22 +10,9 @@ from collections.abc import Iterable
 from typing import Literal
 
 from mcpn._kernel import Checker
-from mcpn.check.logic.formulas import (
-    EG,
-    EU,
-    EX,
-    And,
-    Const,
-    Deadlock,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    Stable,
-    operands,
-)
+from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Formula, Not, Or, as_goal, operands
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, encode, fireable, negation
+from mcpn.space.search.goal import Goal, encode
 from mcpn.space.search.searches import Searches
 
 MAX_BYTES = 1 << 30
@@ -39,39 +24,6 @@ KINDS: dict[type, Literal["not", "all", "any", "next", "until", "always"]] = {
     EU: "until",
     EG: "always",
 }
-
-
-def as_reachability(formula: Formula, net: PetriNet) -> Goal | None:
-    """The markings of ``f`` where a formula is ``EF f`` and needs no more than a search; else ``None``."""
-    match formula:
-        case EU(Const(True), inside):
-            return as_goal(inside, net)
-    return None
-
-
-def as_goal(formula: Formula, net: PetriNet) -> Goal | None:
-    """The markings of a net without priorities that satisfy a formula; ``None`` if it speaks of paths."""
-    match formula:
-        case Const(value):
-            return AllOf(()) if value else AnyOf(())
-        case Not(operand):
-            goal = as_goal(operand, net)
-            return None if goal is None else negation(goal)
-        case And(operands) | Or(operands):
-            goals = [as_goal(operand, net) for operand in operands]
-            known = tuple(goal for goal in goals if goal is not None)
-            if len(known) < len(goals):
-                return None
-            return AllOf(known) if isinstance(formula, And) else AnyOf(known)
-        case AtMost():
-            return formula
-        case Fires(transitions):
-            return AnyOf(tuple(fireable(net, t) for t in transitions))
-        case Deadlock():
-            return Dead()
-        case Stable():
-            return AllOf(())
-    return None
 
 
 class LocalCheck:

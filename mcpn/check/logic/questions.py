@@ -36,13 +36,13 @@ class Answer:
         choice: The engine that answered.
     """
 
-    def __repr__(self) -> str:
-        return f"<{self.formula} {'holds' if self.holds else 'fails'}>"
-
     formula: str
     holds: bool
     witness: Witness
     choice: Choice
+
+    def __repr__(self) -> str:
+        return f"<{self.formula} {'holds' if self.holds else 'fails'}>"
 
 
 class Questions:

@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import EU, TRUE, Const, Deadlock, Formula, walk
-from mcpn.check.logic.local import LocalCheck, as_goal, as_reachability
+from mcpn.check.logic.formulas import EU, TRUE, Const, Deadlock, Formula, as_goal, as_reachability, walk
+from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
 from mcpn.check.nets.behaviour import examine

@@ -9,7 +9,6 @@ Veith, *Counterexamples revisited*, 2003).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
@@ -66,13 +65,6 @@ class Witness:
     def end(self) -> Any:
         """The last state."""
         return self.steps[-1].target if self.steps else self.start
-
-    @property
-    def markings(self) -> Iterator[Marking]:
-        """The marking at the start and after each step."""
-        yield self.space.marking(self.start)
-        for edge in self.steps:
-            yield self.space.marking(edge.target)
 
     @property
     def notes(self) -> list[str]:
@@ -154,7 +146,7 @@ class _Explanation(Generic[S]):
                 self.explain(operand, True)
             case EU(left, right) if holds:
                 goal = self.evaluation.states(right) & self.evaluation.fair_states
-                self.follow(None if left == TRUE else self.evaluation.states(left), goal)
+                self.follow(self.evaluation.along(left), goal)
                 if left != TRUE:
                     self.note("up to there", left)
                 self.explain(right, True)

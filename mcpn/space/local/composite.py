@@ -15,8 +15,8 @@ from mcpn.space.diagrams.base import FARTHEST
 from mcpn.space.images import Bit, ImageStore
 from mcpn.space.local.glued import CompositeSet, Glued, Member, Parts
 from mcpn.space.local.layout import idle_places, remembered
-from mcpn.space.local.section_type import ALL, Allowed, Kind
-from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, Stage
+from mcpn.space.local.section_type import ALL, Allowed
+from mcpn.space.local.sections import BEGIN, ENDS, NOWHERE, Kind, Stage
 
 
 class TwoOutcomes(Exception):
@@ -269,8 +269,14 @@ class CompositeSpace(Glued):
         run, state = list[Edge](), begin
         while hops:  # each edge out of a section leads one section nearer
             _, targets = hops.pop()
-            layers = self._layers(state, targets[state[0]], within, allowed(state[0]))
-            onward: list[Mapping[str, Zdd]] = [{state[0]: layer} for layer in reversed(layers[:-1])]
+            name, stage = state[0], self.stages[state[0]]
+            layers = [targets[name]]  # back to one that holds the state: by the length of shortest runs
+            seen = targets[name]
+            while not self._in(state, layers[-1]):
+                layers.append((stage.back(layers[-1], allowed(name)) & within[name]) - seen)
+                assert layers[-1], "there is a run"
+                seen |= layers[-1]
+            onward: list[Mapping[str, Zdd]] = [{name: layer} for layer in reversed(layers[:-1])]
             for target in [*onward, *(closed for closed, _ in hops[-1:])]:
                 edge = next(self._edges(state, allowed(state[0]), target), None)
                 if edge is None:
@@ -305,12 +311,3 @@ class CompositeSpace(Glued):
                 return hops
             targets = onward
         return None
-
-    def _layers(self, state: Member, goal: Zdd, within: Mapping[str, Zdd], allowed: Allowed) -> list[Zdd]:
-        """Layers back from a goal in a section to one that holds a state: by the length of shortest runs."""
-        stage, layers, seen = self.stages[state[0]], [goal], goal
-        while not self._in(state, layers[-1]):
-            layers.append((stage.back(layers[-1], allowed) & within[state[0]]) - seen)
-            assert layers[-1], "the caller knows that there is a run"
-            seen |= layers[-1]
-        return layers

@@ -103,12 +103,7 @@ class Layout:
 
     @remembered
     def beside(self, transitions: frozenset[int] | None = None, but: tuple[str, ...] = ()) -> list[Toggle]:
-        """What hardware may do while nobody uses it.
-
-        Args:
-            transitions: Those that are wanted; all by default.
-            but: Hardware whose events are not wanted.
-        """
+        """What hardware may do while nobody uses it: by some transitions, and but for some hardware."""
         return [
             toggle
             for t, toggle in self.toggles.items()
@@ -127,14 +122,10 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]
 
 
 def idle_places(mission_net: MissionNet) -> dict[int, tuple[str, int, bool]]:
-    """What the places of hardware say of its status while nobody uses it.
+    """What the places of hardware in a net, of a mission or of a part of it, say while nobody uses it.
 
-    Args:
-        mission_net: The net of a mission, or of a part of it.
-
-    Returns:
-        By place that changes with the status of a resource: the resource, the number of the slot that says
-        the same, and whether it says the reverse.
+    By place that changes with the status of a resource: the resource, the number of its slot that says the
+    same, and whether the place says the reverse.
     """
     net, found = mission_net.net, dict[int, tuple[str, int, bool]]()
     completion, at = Completion(net), list(net.initial)

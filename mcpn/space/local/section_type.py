@@ -6,16 +6,15 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
 from mcpn.net.compose import MissionNet
-from mcpn.net.petri import PetriNet
-from mcpn.net.sections import Element, LocalPart
+from mcpn.net.sections import LocalPart
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
@@ -41,18 +40,6 @@ class Allowed(NamedTuple):
 
 
 ALL = Allowed()
-
-
-Kind = Literal["places", "transitions"]
-
-
-def by_element(net: PetriNet, kind: Kind) -> dict[Element, list[int]]:
-    """The places of a net, or its transitions, by the element that they are of, in the net's order."""
-    found: dict[Element, list[int]] = {}
-    for index, one in enumerate(getattr(net, kind)):
-        if one.provenance is not None:
-            found.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
-    return found
 
 
 class SectionType:
@@ -84,20 +71,13 @@ class SectionType:
             layout.opened(layout.store.from_bytes(states.to_bytes()), layout.all_slots)
             for states in (explored.reachable, explored.stable)
         )
-        order = explored.order, explored.places
-        self.graph = DiagramAlternatives(
-            SymbolicSpace(self.encoding, reachable, stable, *order, explored.peak_nodes)
-        )
+        whole = replace(explored, encoding=self.encoding, reachable=reachable, stable=stable)
+        self.graph = DiagramAlternatives(whole)
         self.before = self.encoding.marking_all([net.beginning], stable)
         self.ended = {e: self.encoding.marking_all([place], stable) for e, place in net.exits.items()}
         self.inside = stable - self.before
         for states in self.ended.values():
             self.inside -= states
-
-    @remembered
-    def elements(self, kind: Kind) -> Mapping[Element, list[int]]:
-        """The places of the local net, or its transitions, by the element that they are of."""
-        return by_element(self.net.net, kind)
 
     # --- steps and closures: inside the section, or from inside to its ends ---
 
@@ -126,7 +106,9 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        return self.inside & self.graph.firing_into(self._ending(goal), allowed.local, dict(allowed.guards))
+        return self.inside & self.graph.firing_into(
+            self.graph.ending(goal), allowed.local, dict(allowed.guards)
+        )
 
     @remembered
     def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
@@ -172,13 +154,7 @@ class SectionType:
 
     @remembered
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
-        """The states of all hardware in some idle local states.
-
-        Args:
-            states: States before the entry, or after an exit.
-            own: The slots of the section's own hardware, in the order of the type's.
-            exit_: The exit; ``None`` for states before the entry.
-        """
+        """The states of all hardware in states before the entry, or after an exit, with some own slots."""
         found, event = states.subset(unmarked=own), self.layout.store.event
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
             found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
@@ -186,7 +162,7 @@ class SectionType:
 
     @remembered
     def from_slots(self, hardware: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
-        """The idle local states, before the entry or after an exit, with all hardware in some states."""
+        """The states before the entry, or after an exit, with all hardware in some states: the reverse."""
         event = self.layout.store.event
         found = hardware.images([event([], self._idle(exit_))])
         for slot, (lost, gained) in zip(own, self._changing, strict=True):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import get_args
+from typing import Literal, get_args
 
 from mcpn._kernel import Zdd
 from mcpn.mission.flatten import ObjectivesGraph, Section
@@ -13,12 +13,14 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
-from mcpn.net.petri import NetBuilder, PetriNet, Provenance
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on
+from mcpn.net.petri import NetBuilder, Provenance
+from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on, renamed_sections
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.local.layout import Layout, Toggle
-from mcpn.space.local.section_type import ALL, Allowed, Exit, Kind, SectionType, by_element
+from mcpn.space.local.layout import Layout, Toggle, remembered
+from mcpn.space.local.section_type import ALL, Allowed, Exit, SectionType
+
+Kind = Literal["places", "transitions"]
 
 BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""
@@ -131,55 +133,54 @@ class WholeNet:
     def __init__(self, mission_net: MissionNet, templates: TemplateSet | None = None) -> None:
         self.mission_net = mission_net
         self.templates = templates
-        net = mission_net.net
-        self._index = {"places": net.place_index, "transitions": net.transition_index}
-        self._elements = {kind: by_element(net, kind) for kind in get_args(Kind)}
-        self._renamed: dict[tuple[SectionType, Used], PetriNet] = {}
+        self._known: dict[tuple[Kind, SectionType, Used], list[int]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
         events = {exit_on(i.event): i.target for i in section.interruptions}
         routes = {"success": section.success, "failure": section.failure, **events}
-        names = Renaming(type_.part, part).elements
-        located = (self._located(kind, part, type_, names) for kind in get_args(Kind))
+        located = (self._located(kind, part, type_) for kind in get_args(Kind))
         return Stage(section.name, type_, part, routes, *located)
 
-    def _located(
-        self, kind: Kind, part: LocalPart, type_: SectionType, names: Mapping[Element, Element]
-    ) -> list[int]:
+    def _located(self, kind: Kind, part: LocalPart, type_: SectionType) -> list[int]:
         """Where the places, or the transitions, of a section's local net lie.
 
         Each element is drawn in the same order in both nets. Of what several activities share, the local net
         has the interfaces of its own activities alone: there names are compared.
         """
-        found = [NOWHERE] * len(getattr(type_.net.net, kind))
-        for element, here in type_.elements(kind).items():
-            if element[0] not in ("exit", "mission"):
-                there = self._elements[kind][names.get(element, element)]
-                if len(there) != len(here):
-                    own, index = getattr(self._net(type_, part), kind), self._index[kind]
-                    there = [index.get(own[i].name, NOWHERE) for i in here]
-                for i, where in zip(here, there, strict=True):
-                    found[i] = where
+        net, ours, theirs = self.mission_net.net, self._elements(kind, None), self._elements(kind, type_)
+        key = kind, type_, part.used
+        if key in self._known:  # sections that use the same differ in their objectives and blocks alone
+            found, names = [*self._known[key]], renamed_sections(type_.part, part)
+        else:
+            found, names = [NOWHERE] * len(getattr(type_.net.net, kind)), {e: e for e in theirs}
+            names |= Renaming(type_.part, part).elements
+        for element in names.keys() & theirs.keys():
+            if element[0] in ("exit", "mission"):
+                continue
+            here, there = theirs[element], ours[names[element]]
+            if len(there) != len(here):
+                same = part.net(self.templates)  # as the type's local net, place by place, but for names
+                own = getattr((mortal(same) if len(type_.layout.roles) > 1 else same).net, kind)
+                index = net.place_index if kind == "places" else net.transition_index
+                there = [index.get(own[i].name, NOWHERE) for i in here]
+            for i, where in zip(here, there, strict=True):
+                found[i] = where
+        self._known.setdefault(key, found)
         return found
 
-    def _net(self, type_: SectionType, part: LocalPart) -> PetriNet:
-        """The local net of a section: that of its type with other names, place by place."""
-        key = type_, part.used  # other names of objectives do not matter here
-        if key not in self._renamed:
-            net = part.net(self.templates)
-            self._renamed[key] = (mortal(net) if len(type_.layout.roles) > 1 else net).net
-        return self._renamed[key]
+    @remembered
+    def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
+        """What a type's local net, or the whole net, has of each element, in the net's order."""
+        found: dict[Element, list[int]] = {}
+        for index, one in enumerate(getattr((self.mission_net if type_ is None else type_.net).net, kind)):
+            if one.provenance is not None:
+                found.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
+        return found
 
 
 def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
-    """What stands before the mission or after it: one state of its own, with no hardware of its own.
-
-    Args:
-        name: One of :data:`BEGIN` and :data:`ENDS`.
-        mission_net: The net of the whole mission.
-        layout: The store of the composite.
-    """
+    """What stands before the mission or after it: one state of its own, with no hardware of its own."""
     builder = NetBuilder(name, priorities=True)
     for place in ("before", "here", "success", "failure"):
         builder.place(place, initial=int(place == "before"))

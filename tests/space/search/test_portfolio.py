@@ -122,6 +122,20 @@ def test_every_way_finds_the_end_of_a_line(rounds: tuple[Round, ...]) -> None:
         assert all(REDUCTION in finding.techniques for finding in found.values())
 
 
+@pytest.mark.parametrize("rounds", WAYS)
+def test_a_run_to_a_deadlock_goes_on_until_nothing_may_fire(rounds: tuple[Round, ...]) -> None:
+    # Dead once the key is lost; where a smaller net shows that, a first step may be left to do.
+    builder = NetBuilder("key")
+    for place, tokens in (("mid", 0), ("start", 1), ("key", 1), ("out", 0), ("lost", 0)):
+        builder.place(place, initial=tokens)
+    builder.transition("first", consume=["start"], produce=["mid"])
+    builder.transition("second", consume=["mid", "key"], produce=["out"])
+    builder.transition("again", consume=["out"], produce=["start", "key"])
+    builder.transition("lose", consume=["key"], produce=["lost"])
+    net = builder.build()
+    confirm(net, DEADLOCK, decide(net, [DEADLOCK], rounds)[0], reachable=True)
+
+
 def test_what_no_budget_decides_is_left_out() -> None:
     net = line("ab", ("b", "a"), first=40)
     goal = AtMost(((1, -1),), -40)
