@@ -63,7 +63,7 @@ def runs_of_faults(mission_net: MissionNet) -> set[int]:
     """How many runs show each fault of internal runs: two where ends differ, one where it need not end."""
     graph = explore(mission_net.net)
     internal = np.array([t.internal for t in mission_net.net.transitions])[graph.labels]
-    firings = nx.DiGraph()
+    firings: nx.DiGraph[int] = nx.DiGraph()
     firings.add_nodes_from(range(graph.states))
     firings.add_edges_from(
         zip(graph.sources[internal].tolist(), graph.targets[internal].tolist(), strict=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain, islice
+from itertools import chain, islice, repeat
 from typing import Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
@@ -26,7 +26,7 @@ from mcpn.space.markings.firing import unsafe_at_start
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
 BRIEF = 300_000
-"""Steps of the order that is most often good, where the space is only wanted if it is soon there."""
+"""Steps of each of two orders that are often good, where the space is only wanted if it is soon there."""
 EXPLORER_RANK, MOST_WORKERS = 2, 4
 Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
@@ -203,13 +203,19 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
         return None
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    try:
-        name, order = next(candidates(net, None))
-        space = _close(Encoding(net, order, DEFAULT_MEMORY), name, order, BRIEF)
-        refuse_unsafe(space)
-    except (BudgetExceeded, MemoryLimit, UnsafeError):
-        return None
-    return space
+    first, _, grouped = islice(
+        chain(candidates(net, None), repeat(None)), 3
+    )  # the second is the first reversed
+    for candidate in filter(None, (first, grouped)):
+        try:
+            space = _close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
+            refuse_unsafe(space)
+        except UnsafeError:
+            return None
+        except (BudgetExceeded, MemoryLimit):
+            continue
+        return space
+    return None
 
 
 def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None) -> SymbolicSpace:
