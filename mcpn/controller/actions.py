@@ -13,7 +13,8 @@ from typing import Literal
 from mcpn.check.modes import Situation
 from mcpn.controller.run import Passage
 from mcpn.mission.facts.usage import Usage
-from mcpn.mission.flatten import ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.flatten import ObjectivesGraph, Section
+from mcpn.mission.graph import names_in
 from mcpn.net.sections import section_part
 
 Verb = Literal["stop", "release", "select", "start"]
@@ -51,7 +52,7 @@ class Ordering:
 
     def __init__(self, usage: Usage, graph: ObjectivesGraph) -> None:
         self.usage = usage
-        self._home = {name: section.name for section in graph.sections for name in _names(section)}
+        self._home = {name: section.name for section in graph.sections for name in names_in(section)}
         self._stops = {section.name: _consumers_first(usage, section) for section in graph.sections}
         self._named = {section.name: section.activities for section in graph.walk()}
         self._hardware = {
@@ -95,16 +96,6 @@ class Ordering:
         known = self._stops[home] if home is not None else []
         rest = [a for a in activities if a not in known]
         return [a for a in known if a in activities] + rest
-
-
-def _names(section: Section) -> Iterator[str]:
-    """Objectives and branches of a section, at any depth."""
-    yield section.name
-    if isinstance(section, ParallelSection):
-        for branch in section.branches:
-            yield branch.name
-            for inner in branch.graph.sections:
-                yield from _names(inner)
 
 
 def _consumers_first(usage: Usage, section: Section) -> list[str]:

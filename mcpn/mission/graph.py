@@ -128,6 +128,16 @@ class ParallelSection(_Routes):
 Section: TypeAlias = ElementarySection | ParallelSection
 
 
+def names_in(section: Section) -> Iterator[str]:
+    """Objectives, blocks and branches of a section, at any depth, its own name first."""
+    yield section.name
+    if isinstance(section, ParallelSection):
+        for branch in section.branches:
+            yield branch.name
+            for inner in branch.graph.sections:
+                yield from names_in(inner)
+
+
 @dataclass(frozen=True)
 class ObjectivesGraph(Drawn):
     """The objectives graph of a mission, or of a branch of a parallel block.

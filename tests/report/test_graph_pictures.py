@@ -24,6 +24,7 @@ from mcpn.report.pictures import graph as graphs
 from mcpn.report.pictures import graphviz
 from mcpn.report.pictures.choice import KINDS, drawn
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, Placed, lay_out
+from mcpn.report.pictures.machines import sections_of
 from mcpn.report.pictures.nets import interface, net_picture, units_picture
 from mcpn.report.pictures.objectives import MOST_SECTIONS, objectives_picture
 from mcpn.testing import missions
@@ -305,3 +306,37 @@ def test_any_mission_is_drawn(mission: Mission) -> None:
                 etree.fromstring(drawn(net, kind, section).svg.encode())
             except (LimitError, SemanticsError):
                 continue
+
+
+@settings(max_examples=50)
+@given(missions())
+def test_whatever_a_marking_says_of_objectives_has_a_section(mission: Mission) -> None:
+    net = compose(mission)
+    places = sections_of(net.graph)
+    said = {name for kind, name in net.roles.values() if kind in ("objective", "pending", "done")}
+    assert said <= set(places)
+    assert set(places.values()) == {section.name for section in net.graph.sections}
+
+
+def test_a_branch_of_an_inner_block_that_is_tried_again_stands_in_the_outer_one(tmp_path: Path) -> None:
+    path = tmp_path / "mission.xml"
+    path.write_text(
+        """<mission xmlns="urn:mcpn:mission:1" name="m">
+          <robot name="r">
+            <hardware name="h"/>
+            <activity name="a" consumes="h"/><activity name="b"/><activity name="c"/>
+          </robot>
+          <parallel name="outer">
+            <objective name="first">
+              <parallel name="inner">
+                <objective name="again" activities="a" retries="1"/>
+                <objective name="beside" activities="b"/>
+              </parallel>
+            </objective>
+            <objective name="last" activities="c"/>
+          </parallel>
+        </mission>"""
+    )
+    found = sections_of(compose(read_mission(path)).graph)
+    assert set(found.values()) == {"outer"}
+    assert found["again"] == "outer"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from mcpn.check.modes import Situation, situation
 from mcpn.controller.actions import Action
 from mcpn.controller.hierarchy import Controller, SectionMachine, section_machine
-from mcpn.mission.graph import ObjectivesGraph, ParallelSection
+from mcpn.mission.graph import ObjectivesGraph, names_in
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.net.sections import part_of
@@ -141,15 +141,8 @@ def graph_drawing(graph: AlternativesGraph) -> Drawing:
 
 
 def sections_of(graph: ObjectivesGraph) -> dict[str, str]:
-    """By objective and by branch of a parallel block, the section of the mission that it stands in."""
-    found = {}
-    for section in graph.sections:
-        found[section.name] = section.name
-        if isinstance(section, ParallelSection):
-            for branch in section.branches:
-                names = (branch.name, *(inner.name for inner in branch.graph.all_sections()))
-                found |= dict.fromkeys(names, section.name)
-    return found
+    """By objective and by branch, at any depth, the section of the mission that it stands in."""
+    return {name: section.name for section in graph.sections for name in names_in(section)}
 
 
 def states_within(mission_net: MissionNet, graph: AlternativesGraph) -> tuple[list[Situation], list[Passage]]:

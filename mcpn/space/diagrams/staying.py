@@ -11,10 +11,10 @@ After some steps of the kernel another way takes turns with them. A run that sta
 
 Where only some states are asked for, it looks at what runs from them come to alone: any cycle is an answer.
 
-Measured on 170 such sets of nets of the Model Checking Contest: the closure and the semiflows alone decide a
-third of them, and take milliseconds where layers are hundreds. Layers win where most transitions are on
-cycles. Cycles of one semiflow after the other, components by closures from states that walks come to, and
-removal transition by transition took longer on most sets.
+Measured on 161 such sets of nets of the Model Checking Contest that took over 0.1 s: the closure and the
+semiflows alone decide 64 of them. Layers win where most transitions are on cycles; there to take turns costs
+up to twice the time. Cycles of one semiflow after the other, components by closures from states that walks
+come to, and removal transition by transition took longer on most sets.
 """
 
 from __future__ import annotations
