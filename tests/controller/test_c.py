@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
 from mcpn.controller.generate import generate
@@ -274,7 +274,9 @@ def test_collisions_and_keywords() -> None:
     assert len(set(identifiers(long, longest=C_SIGNIFICANT).values())) == 2
 
 
-@given(st.text(max_size=40))
+@example("*\\")
+@example("/\\*/*/")
+@given(st.text(max_size=40) | st.text('*/\\?\n"', max_size=8))
 def test_strings_end_where_they_should(text: str) -> None:
     literal = c_string(text)
     assert literal.isascii()

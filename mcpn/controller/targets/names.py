@@ -93,4 +93,5 @@ def c_string(text: str) -> str:
 
 def comment(text: str) -> str:
     """A text for one line of a comment, in which nothing can end the comment."""
-    return re.sub(r"[^\x20-\x7e]", "?", text).replace("*/", "* /").replace("/*", "/ *").replace("\\", "/")
+    # Backslashes first, so that the slashes that stand for them end nothing either.
+    return re.sub(r"[^\x20-\x7e]", "?", text).replace("\\", "/").replace("*/", "* /").replace("/*", "/ *")
