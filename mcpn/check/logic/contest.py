@@ -13,9 +13,10 @@ from typing import cast
 
 from lxml import etree
 
-from mcpn.check.logic.formulas import OPERATORS, Const, Deadlock, Fires, Formula, Sum, compare, within_limit
+from mcpn.check.logic.formulas import OPERATORS, Sum, compare, within_limit
 from mcpn.check.logic.names import Names
 from mcpn.errors import InputError, Source
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula
 from mcpn.xmlio import parse_xml
 
 MAX_BYTES = 100_000_000
@@ -112,7 +113,7 @@ class _Reader:
     def formula(self, element: etree._Element) -> Formula:
         match self.tag(element):
             case "true" | "false" as value:
-                return Const(value == "true")
+                return TRUE if value == "true" else FALSE
             case tag if tag in _CONNECTIVES:
                 operator, count = _CONNECTIVES[tag]
                 return OPERATORS[operator](*map(self.formula, self.only(element, count)))
@@ -123,7 +124,7 @@ class _Reader:
             case "is-fireable":
                 return Fires(tuple(sorted({*self.named(element, "transition", self.lookup.transition)})))
             case "deadlock":
-                return Deadlock()
+                return DEADLOCK
             case "integer-le":
                 small, large = map(self.sum, self.only(element, 2))
                 return compare(small, "<=", large)

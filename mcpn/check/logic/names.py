@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from difflib import get_close_matches
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from mcpn.check.logic.formulas import FALSE, Const, Fires, Formula, Justice, negation
+from mcpn.check.logic.formulas import Justice
 from mcpn.errors import InputError
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import AtMost
+from mcpn.space.search.goal import FALSE, TRUE, Fires, Formula, marked
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -65,7 +65,7 @@ class Names:
                 too; or ``success`` or ``failure`` alone.
         """
         meaning = self._meaning(*said)
-        if not isinstance(meaning, Const):  # which other formulas mean as well
+        if meaning not in (TRUE, FALSE):  # which other formulas mean as well
             self.said.setdefault(meaning, said)
         return meaning
 
@@ -91,7 +91,7 @@ class Names:
                 if kind == "available":
                     resources += of.usage.producer
                 oos = _said(of, "oos", [_element(name, resources, "resource")])
-                return oos if kind == "oos" else negation(oos)
+                return oos if kind == "oos" else ~oos
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
                 event = Event(What.DECLARED, name)
@@ -115,13 +115,7 @@ class Names:
 
 def _said(of: MissionNet, kind: str, names: Collection[str]) -> Formula:
     """Some place that says so is marked; false where the templates have none."""
-    return marked(place for place, (said, name) in of.roles.items() if said == kind and name in names)
-
-
-def marked(places: Iterable[int]) -> Formula:
-    """Some of these places holds a token."""
-    terms = tuple((place, -1) for place in sorted(places))
-    return AtMost(terms, -1) if terms else FALSE
+    return marked(*(place for place, (said, name) in of.roles.items() if said == kind and name in names))
 
 
 def _element(name: str, names: Collection[str], what: str) -> str:
@@ -167,6 +161,6 @@ def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
     for place, name in mission_net.saying("objective").items():
         waits[place] = {Event(What.SUCCESS, name), Event(What.FAILURE, name)}
     return tuple(
-        Justice(negation(marked([place])), tuple(i for i, t in enumerate(transitions) if t.event in endings))
+        Justice(~marked(place), tuple(i for i, t in enumerate(transitions) if t.event in endings))
         for place, endings in waits.items()
     )

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import Formula, Justice
+from mcpn.check.logic.formulas import Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.witness import Witness, explain
@@ -18,6 +18,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach_briefly
+from mcpn.space.search.goal import Formula
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
