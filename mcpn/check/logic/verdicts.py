@@ -23,7 +23,7 @@ from mcpn.check.logic.formulas import EU, as_reachability
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
-from mcpn.check.nets.behaviour import examine
+from mcpn.check.nets import EXAMINATIONS, Behaviour
 from mcpn.errors import InputError, McpnError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
@@ -77,7 +77,7 @@ def answer_all(
     Args:
         questions: About the net.
         properties: What is asked.
-        examinations: Names of :data:`mcpn.check.nets.behaviour.EXAMINATIONS`.
+        examinations: Names of :data:`mcpn.check.nets.EXAMINATIONS`.
 
     Returns:
         The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
@@ -267,7 +267,7 @@ def _value(questions: Questions, meaning: Meaning) -> int:
     if isinstance(meaning, tuple):
         return largest(questions.space, Counter(meaning))
     if isinstance(meaning, str):
-        return examine(meaning, questions.space)
+        return EXAMINATIONS[meaning](Behaviour(questions.space))
     return questions.evaluation.holds(meaning)
 
 
