@@ -235,7 +235,7 @@ class _Answers:
 
 @contextmanager
 def _limited(store: Store | None, seconds: float) -> Iterator[None]:
-    """Ends what is inside when a diagram has had so much CPU time; what else the machine does is no matter."""
+    """Ends what is inside when a diagram has had so much CPU time, whatever else the machine does."""
     if store is None:
         yield
         return
