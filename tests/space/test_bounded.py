@@ -14,8 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.nets.behaviour import behaviour
-from mcpn.check.nets.properties import check_net
+from mcpn.check.nets import Behaviour, check_net
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.formats import read_net
@@ -173,7 +172,7 @@ def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
     from_each = {marking: ahead(graph, marking) for marking in graph}
     fired = {marking: {t for at in found for t, _ in graph[at]} for marking, found in from_each.items()}
     for space in spaces(net):
-        found = behaviour(space)
+        found = Behaviour(space)
         assert found.quasi_live == fired[net.initial]
         assert found.live == {
             t for t in range(len(net.transitions)) if all(t in later for later in fired.values())
@@ -302,7 +301,7 @@ def test_the_contest_s_nets_that_are_not_safe(
         counted = count_tokens(space.encoding.net)
         assert (counted.states, counted.edges) == (space.states, space.edges)
         assert list(counted.bounds) == space.encoding.most(space.reachable)
-    found = behaviour(DiagramMarkings(space))
+    found = Behaviour(DiagramMarkings(space))
     everything = frozenset(range(len(space.encoding.net.transitions)))
     assert (found.live == everything) == (row["live"] == "TRUE")
     assert (found.quasi_live == everything) == (row["quasi_live"] == "TRUE")
