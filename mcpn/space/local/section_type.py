@@ -6,6 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -73,8 +74,8 @@ class SectionType:
         )
         whole = replace(explored, encoding=self.encoding, reachable=reachable, stable=stable)
         self.graph = DiagramAlternatives(whole)
-        self.before = self.encoding.marking_all([net.beginning], stable)
-        self.ended = {e: self.encoding.marking_all([place], stable) for e, place in net.exits.items()}
+        self.before = self.encoding.restricted(stable, [net.beginning])
+        self.ended = {e: self.encoding.restricted(stable, [place]) for e, place in net.exits.items()}
         self.inside = stable - self.before
         for states in self.ended.values():
             self.inside -= states
@@ -82,14 +83,17 @@ class SectionType:
     # --- steps and closures: inside the section, or from inside to its ends ---
 
     @remembered
-    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, frozenset[int], Exit | None]]:
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, list[int], Exit | None]]:
         """The events of a local state: each with the stable state after it, and its exit if it has one."""
-        found = []
-        for edge in self.graph.edges(levels):
-            after, marks = frozenset(edge.target), self.encoding.marks
-            exit_ = next((e for e, place in self.net.exits.items() if marks(after, place)), None)
-            found.append((edge.transition, after, exit_))
-        return found
+        exits = self.net.exits.items()
+        return [
+            (
+                edge.transition,
+                edge.target,
+                next((e for e, p in exits if self.encoding.marks(edge.target, p)), None),
+            )
+            for edge in self.graph.edges(levels)
+        ]
 
     @remembered
     def after(self, states: Zdd, allowed: Allowed) -> Zdd:
@@ -97,7 +101,7 @@ class SectionType:
         return self.graph.after(states, allowed.local, dict(allowed.guards))
 
     @remembered
-    def _ending(self, goal: Zdd) -> Zdd:
+    def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
         return self.graph.ending(goal)
 
@@ -106,22 +110,34 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        return self.inside & self.graph.firing_into(
-            self.graph.ending(goal), allowed.local, dict(allowed.guards)
-        )
+        ending = self.ending(goal)
+        return self.inside & self.graph.firing_into(ending, allowed.local, dict(allowed.guards))
 
     @remembered
-    def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
-        """Event transitions that lead from some states inside to a goal, each with the states before."""
-        ending, undoing = self._ending(goal), self.encoding.undoing
-        ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self.graph.waiting))
-        return [(t, states) for t, states in ways if states]
+    def crossing(
+        self, among: Zdd, goal: Zdd, own: tuple[str, ...]
+    ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
+        """By event, the states of some inside from which it leads to a goal, inside or at the ends.
+
+        Args:
+            among: States inside.
+            goal: The goal.
+            own: The section's own hardware.
+
+        Returns:
+            What is found by event of the local net, and by transition of the whole net, of hardware beside.
+        """
+        ending, undoing = self.ending(goal), self.encoding.undoing
+        local = {t: ending.images([undoing[t]], within=among) for t in self.graph.waiting}
+        beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
+        return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
 
     @remembered
-    def toggling(self, among: Zdd, goal: Zdd, own: tuple[str, ...]) -> list[tuple[int, Zdd]]:
-        """The same of transitions of the whole net, of hardware but a section's own."""
-        ways = ((t.transition, goal.images([t.undo], within=among)) for t in self.layout.beside(None, own))
-        return [(t, states) for t, states in ways if states]
+    def firings(self, states: Zdd, own: tuple[str, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
+        """The same with the number of states inside in which each event is enabled."""
+        beside = self.layout.beside(None, own)
+        counts = states.counts([toggle.condition for toggle in beside])
+        return self.graph.firings(states), {t.transition: n for t, n in zip(beside, counts, strict=True)}
 
     @remembered
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
