@@ -131,18 +131,14 @@ class CompositeSpace(Glued):
             if (levels := here.images([toggle.event]).pick()) is not None:
                 edges.append(Edge(toggle.transition, (stage.name, tuple(levels))))
         local = tuple(level for level in state[1] if level < self.layout.first_slot)
-        for t, after, exit_ in stage.type.fired(local):
-            route, there = (
-                stage.name if exit_ is None else stage.routes[exit_],
-                (*after, *state[1][len(local) :]),
-            )
-            if route not in into:
-                continue
-            if exit_ is not None:
+        for edge, exit_ in stage.type.fired(local):
+            route, there = stage.routes.get(exit_ or "", stage.name), (*edge.target, *state[1][len(local) :])
+            if exit_ is not None and route in into:
                 hardware = stage.type.to_slots(store.singleton(there), stage.slots, exit_)
                 entered = self.stages[route]
                 there = tuple(entered.closed(entered.entered(hardware)).pick() or ())
-            edges.append(Edge(stage.transitions[t], (route, there)))
+            if route in into:
+                edges.append(Edge(stage.transitions[edge.transition], (route, there)))
         return iter(sorted(edges, key=lambda edge: edge.transition))
 
     # --- runs ---

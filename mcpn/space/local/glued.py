@@ -159,6 +159,15 @@ class Glued:
                 found.add(name, stage.type.before_step(ends, allowed(name)) & within[name])
         return found
 
+    def entering(self, states: Mapping[str, Zdd], within: Mapping[str, Zdd], allowed: Filter) -> Parts:
+        """States of a set just after an event that leads into their section, out of another set."""
+        found = Parts()
+        for name, part in states.items():
+            for route, hardware in self.stages[name].leave(part, allowed(name)):
+                if route in within:
+                    found.add(route, self.stages[route].entered(hardware) & within[route])
+        return found
+
     def before(
         self,
         states: CompositeSet,
@@ -179,13 +188,10 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States that an edge leads to from some states."""
-        allowed, found = self.filtered(transitions, guards), Parts()
+        allowed = self.filtered(transitions, guards)
+        found = self.entering(states.parts, self.everything.parts, allowed)
         for name, part in states.parts.items():
-            stage = self.stages[name]
-            inside, leaving = stage.step(part, allowed(name))
-            found.add(name, inside | part.images([t.event for t in stage.beside(allowed(name))]))
-            for route, hardware in leaving:
-                found.add(route, self.stages[route].entered(hardware))
+            found.add(name, self.stages[name].forth(part, allowed(name)))
         return CompositeSet(self, found)
 
     @cached_property
@@ -225,9 +231,8 @@ class Glued:
         def work(name: str) -> Iterator[str]:
             along = within.get(name, self.empty)
             found[name] = self.stages[name].type.reaching(found[name], along, allowed(name))
-            for before, leaving in self.leaving({name: found[name]}, within, allowed).items():
-                if found.add(before, leaving):
-                    yield before
+            leaving = self.leaving({name: found[name]}, within, allowed)
+            return (before for before, states in leaving.items() if found.add(before, states))
 
         self.worked(found, work, back=True)
         return CompositeSet(self, found)
@@ -245,11 +250,9 @@ class Glued:
         found = Parts((begin & along).parts)
 
         def work(name: str) -> Iterator[str]:
-            stage = self.stages[name]
-            found[name] = stage.type.reached(found[name], within[name], allowed(name))
-            for route, hardware in stage.step(found[name], allowed(name))[1]:
-                if route in within and found.add(route, self.stages[route].entered(hardware) & within[route]):
-                    yield route
+            found[name] = self.stages[name].type.reached(found[name], within[name], allowed(name))
+            entering = self.entering({name: found[name]}, within, allowed)
+            return (route for route, states in entering.items() if found.add(route, states))
 
         self.worked(found, work)
         return CompositeSet(self, found)

@@ -65,7 +65,7 @@ def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:
     """Markings just after the events of a section that the mission comes to, and after its entry."""
     type_, parts, hardware = stage.type, composite.everything.parts, composite.empty
     for before in composite.into[stage.name]:  # a section whose entry has no end has no state
-        for route, states in composite.stages[before].step(parts.get(before, composite.empty))[1]:
+        for route, states in composite.stages[before].leave(parts.get(before, composite.empty)):
             if route == stage.name:
                 hardware |= states
     events, entering = type_.encoding.events, type_.from_slots(hardware, stage.slots, None)

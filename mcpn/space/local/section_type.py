@@ -16,6 +16,7 @@ from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
+from mcpn.space.algebra import Edge
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
@@ -83,17 +84,10 @@ class SectionType:
     # --- steps and closures: inside the section, or from inside to its ends ---
 
     @remembered
-    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, list[int], Exit | None]]:
-        """The events of a local state: each with the stable state after it, and its exit if it has one."""
-        exits = self.net.exits.items()
-        return [
-            (
-                edge.transition,
-                edge.target,
-                next((e for e, p in exits if self.encoding.marks(edge.target, p)), None),
-            )
-            for edge in self.graph.edges(levels)
-        ]
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[Edge, Exit | None]]:
+        """The edges of a local state by its own events, each with the exit that it leads to if it does."""
+        exits, marks, edges = self.net.exits.items(), self.encoding.marks, self.graph.edges(levels)
+        return [(edge, next((e for e, p in exits if marks(edge.target, p)), None)) for edge in edges]
 
     @remembered
     def after(self, states: Zdd, allowed: Allowed) -> Zdd:
@@ -117,15 +111,10 @@ class SectionType:
     def crossing(
         self, among: Zdd, goal: Zdd, own: tuple[str, ...]
     ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
-        """By event, the states of some inside from which it leads to a goal, inside or at the ends.
+        """The states of some inside from which each event leads to a goal, inside or at the ends.
 
-        Args:
-            among: States inside.
-            goal: The goal.
-            own: The section's own hardware.
-
-        Returns:
-            What is found by event of the local net, and by transition of the whole net, of hardware beside.
+        They are found by event of the local net, and by transition of the whole net, of hardware beside: of
+        all but the section's own.
         """
         ending, undoing = self.ending(goal), self.encoding.undoing
         local = {t: ending.images([undoing[t]], within=among) for t in self.graph.waiting}
@@ -203,11 +192,7 @@ class SectionType:
         return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
-        """Checks that a section hands on the status of its hardware and nothing else.
-
-        Args:
-            section: The section's name, for the error.
-            explored: The markings of its local net, on a store of their own.
+        """Checks on its local markings that a section hands on the status of its hardware and nothing else.
 
         Raises:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
@@ -234,12 +219,7 @@ class SectionType:
         return direct(self.net.net, proof=False, max_states=self.size)
 
     def refuse_list(self, section: str, max_states: int, why: str) -> None:
-        """Raises an error where there are too many states to be listed.
-
-        Args:
-            section: The section's name, for the error.
-            max_states: How many states may be listed.
-            why: What needs the list, for the error.
+        """Refuses to list more states than a limit, for a reason that the error names.
 
         Raises:
             LimitError: There are more; the message says how many.

@@ -123,22 +123,15 @@ class Stage(Levels):
                 found |= self.type.from_slots(hardware[route], self.slots, exit_)
         return found
 
-    def step(self, part: Zdd, allowed: Allowed = ALL) -> tuple[Zdd, list[tuple[str, Zdd]]]:
-        """States one of its own events later, and how all hardware is where it ends."""
+    def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
+        """By route, how all hardware is where one of its own events has ended it."""
         after = self.type.after(part, allowed)
-        leaving = [
-            (route, self.type.to_slots(ended, self.slots, exit_))
-            for exit_, route in self.routes.items()
-            if (ended := after & self.type.ended[exit_])
-        ]
-        return after & self.type.inside, leaving
+        for exit_, route in self.routes.items():
+            if ended := after & self.type.ended[exit_]:
+                yield route, self.type.to_slots(ended, self.slots, exit_)
 
     def beside(self, allowed: Allowed = ALL) -> list[Toggle]:
-        """What hardware beside it may do.
-
-        Closures may take what all hardware does, since its own slots are open: it changes nothing there, but
-        it would look like a step.
-        """
+        """What hardware beside it may do. What its own does changes nothing here, but looks like a step."""
         return self.layout.beside(allowed.beside, self.faulty)
 
     def conditions(self, allowed: Allowed = ALL) -> list[int]:
@@ -149,6 +142,11 @@ class Stage(Levels):
         """What is found by event of its own, and of hardware beside it, by transition of the whole net."""
         yield from ((self.transitions[t], found) for t, found in own.items())
         yield from beside.items()
+
+    def forth(self, part: Zdd, allowed: Allowed) -> Zdd:
+        """States one event after some states: an event of its own or of hardware beside it."""
+        toggled = part.images([toggle.event for toggle in self.beside(allowed)])
+        return (self.type.after(part, allowed) & self.type.inside) | toggled
 
     def back(self, part: Zdd, allowed: Allowed, within: Zdd) -> Zdd:
         """States of a set one event before some states: an event of its own or of hardware beside it."""
