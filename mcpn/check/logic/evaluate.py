@@ -122,7 +122,8 @@ class Evaluation(Generic[S]):
         another in the same region.
         """
         found = self.space.nothing
-        for region, constraints in self._by_region():
+        unmet = [(c, self.plain.states(~c.states)) for c in self.fair]
+        for region, constraints in self._by_region(self.space.regions, unmet):
             inside = along & region
             if inside:
                 found = found | self._hull_of(inside, constraints)
@@ -163,19 +164,17 @@ class Evaluation(Generic[S]):
             here = here | (self.space.before(inside, constraint.transitions) & inside)
         return here
 
-    def _by_region(self) -> Iterator[tuple[S, list[Justice]]]:
-        """Each region with the constraints that some of its states do not meet."""
-        unmet = [(c, self.plain.states(~c.states)) for c in self.fair]
-        parts: list[tuple[Sequence[S], list[tuple[Justice, S]]]] = [(self.space.regions, unmet)]
-        while parts:  # regions are halved, and only constraints that speak of a half go on with it
-            regions, constraints = parts.pop()
-            if len(regions) == 1 or not constraints:
-                yield from ((region, [c for c, _ in constraints]) for region in regions)
-                continue
-            half = len(regions) // 2
-            for part in (regions[half:], regions[:half]):
-                together = reduce(or_, part, self.space.nothing)
-                parts.append((part, [(c, states) for c, states in constraints if together & states]))
+    def _by_region(
+        self, regions: Sequence[S], unmet: Sequence[tuple[Justice, S]]
+    ) -> Iterator[tuple[S, list[Justice]]]:
+        """Each region with the constraints that some of its states do not meet: halves, and their halves."""
+        if len(regions) == 1 or not unmet:
+            yield from ((region, [c for c, _ in unmet]) for region in regions)
+            return
+        half = len(regions) // 2
+        for part in (regions[:half], regions[half:]):
+            together = reduce(or_, part, self.space.nothing)
+            yield from self._by_region(part, [(c, states) for c, states in unmet if together & states])
 
 
 def _effort(formula: Formula) -> int:

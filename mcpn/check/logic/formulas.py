@@ -60,21 +60,13 @@ class Justice:
     transitions: tuple[int, ...] = ()
 
 
-def _same(a: Formula, b: Formula) -> Formula:
-    return Or(And(a, b), And(~a, ~b))
-
-
-def _every_until(a: Formula, b: Formula) -> Formula:
-    stays = ~b
-    return And(~EU(stays, And(~a, stays)), ~EG(stays))
-
-
 OPERATORS: Mapping[str, Callable[..., Formula]] = {
     "!": lambda a: ~a,
     "&": And,
     "|": Or,
     "->": lambda a, b: Or(~a, b),
-    "<->": _same,
+    "<->": lambda a, b: Or(And(a, b), And(~a, ~b)),
+    "xor": lambda a, b: ~Or(And(a, b), And(~a, ~b)),
     "EX": EX,
     "AX": lambda a: ~EX(~a),
     "EF": lambda a: EU(TRUE, a),
@@ -82,7 +74,7 @@ OPERATORS: Mapping[str, Callable[..., Formula]] = {
     "EG": EG,
     "AG": lambda a: ~EU(TRUE, ~a),
     "EU": EU,
-    "AU": _every_until,
+    "AU": lambda a, b: And(~EU(~b, And(~a, ~b)), ~EG(~b)),
 }
 """By the operators that people write, the formulas of their operands."""
 
@@ -107,9 +99,7 @@ def compare(left: Sum, relation: str, right: Sum) -> Formula:
     weights.subtract(right[1])
     terms = tuple(sorted((place, weight) for place, weight in weights.items() if weight))
     bound = right[0] - left[0] - ("=" not in relation)
-    if terms:
-        return AtMost(terms, bound)
-    return TRUE if bound >= 0 else FALSE
+    return AtMost(terms, bound) if terms else TRUE if bound >= 0 else FALSE
 
 
 def is_temporal(formula: Formula) -> bool:

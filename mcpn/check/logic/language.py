@@ -27,22 +27,9 @@ from difflib import get_close_matches
 from typing import NamedTuple, NoReturn, TypeVar
 
 from mcpn.check.logic.formulas import EG, EU, EX, OPERATORS, Sum, compare, within_limit
-from mcpn.check.logic.names import WORDS, Names
+from mcpn.check.logic.names import ENDINGS, WORDS, Names
 from mcpn.errors import InputError
-from mcpn.space.search.goal import (
-    DEADLOCK,
-    FALSE,
-    TRUE,
-    And,
-    AtMost,
-    Deadlock,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    Stable,
-    marked,
-)
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, Stable, marked
 
 MAX_DEPTH = 200
 MAX_LENGTH = 1_000_000
@@ -66,9 +53,8 @@ def parse(text: str, names: Names) -> Formula:
 
 
 _PLAIN: dict[str, Formula] = {"true": TRUE, "false": FALSE, "deadlock": DEADLOCK, "stable": Stable()}
-_ENDINGS = ("success", "failure")
 _UNARY = ("EX", "AX", "EF", "AF", "EG", "AG")
-_RESERVED = {*_UNARY, *_PLAIN, *_ENDINGS, "not", "and", "or", "U"}
+_RESERVED = {*_UNARY, *_PLAIN, *ENDINGS, "not", "and", "or", "U"}
 _KEYWORDS = {*_RESERVED, *WORDS, "enabled", "tokens"} - {"U"}
 
 _BINARY = {"<->": 0, "->": 1, "|": 2, "&": 3}
@@ -183,7 +169,7 @@ class _Parser:
         text, behind, longer = token.text, self._next, ("+", "=", "<")
         if text in _PLAIN:
             return _PLAIN[text]
-        if text in _ENDINGS:
+        if text in ENDINGS:
             return self._named(self._lookup.word, FALSE, token)
         if behind.text == "(" and text == "enabled":
             return Fires(tuple(sorted({*self._listed(self._lookup.transition)})))
@@ -286,14 +272,16 @@ class _Parser:
 
 def _hint(text: str, at: int) -> str:
     """What the word here, or the one before it, may have been meant to be."""
-    for word in (re.match(r"\w+", text[at:]), re.search(r"\w+(?=\s*$)", text[:at])):
-        near = get_close_matches(word.group(), _KEYWORDS, n=1) if word else []
-        if word and near and word.group() not in _KEYWORDS:
+    for word in (*re.findall(r"^\w+", text[at:]), *re.findall(r"\w+(?=\s*$)", text[:at])):
+        if word not in _KEYWORDS and (near := get_close_matches(word, _KEYWORDS, n=1)):
             return f"; did you mean {near[0]}?"
     return ""
 
 
 # --- printing ------------------------------------------------------------------------------------------
+
+_ON_PATHS = {EX: ("EX", "AX"), EG: ("EG", "AF"), EU: ("EF", "AG")}
+"""How an operator with one operand is written, and its negation."""
 
 
 def show(formula: Formula, names: Names, around: int = 0) -> str:
@@ -305,60 +293,51 @@ def show(formula: Formula, names: Names, around: int = 0) -> str:
         around: How tight the operator around it binds.
     """
 
-    def joined(operator: str, operands: tuple[Formula, ...]) -> str:
-        strength = _BINARY[operator]
-        text = f" {operator} ".join(show(operand, names, strength + 1) for operand in operands)
-        return f"({text})" if strength < around else text
-
     def tight(operator: str, operand: Formula) -> str:
-        return f"{operator}{show(operand, names, _TIGHT + 1)}"
+        return operator + show(operand, names, _TIGHT + 1)
 
-    def listed(places: Iterable[tuple[int, int]], constant: int) -> str:
-        named = [_quoted(names.net.places[p].name) for p, weight in places for _ in range(weight)]
-        if len(named) > 1:
-            named = [f"tokens({', '.join(named)})"]
-        return " + ".join([*named, *([str(constant)] if constant or not named else [])])
-
+    if word := _word(formula, names):
+        return word
     match formula:
-        case AtMost() | Fires() | Not((AtMost() | Fires(),)) if word := _said(formula, names):
-            return word
-        case Deadlock() | Stable() | And(()) | Or(()):
-            return next(text for text, plain in _PLAIN.items() if plain == formula)
-        case Fires(()):
-            return "false"
-        case Or(operands):
-            return joined("|", operands)
-        case And(operands):
-            return joined("&", operands)
-        case Not((EX((a,)),)):
-            return tight("AX ", ~a)
-        case Not((EG((a,)),)):
-            return tight("AF ", ~a)
-        case Not((EU((And(()), a)),)):
-            return tight("AG ", ~a)
-        case Not((a,)):
-            return tight("!", a)
-        case EX((a,)):
-            return tight("EX ", a)
-        case EG((a,)):
-            return tight("EG ", a)
-        case EU((And(()), a)):
-            return tight("EF ", a)
-        case EU((a, b)):
-            return f"E[{show(a, names)} U {show(b, names)}]"
+        case And(operands) | Or(operands):
+            operator = "&" if isinstance(formula, And) else "|"
+            strength = _BINARY[operator]
+            text = f" {operator} ".join(show(operand, names, strength + 1) for operand in operands)
+            return f"({text})" if strength < around else text
+        case EX() | EG() | EU((And(()), _)):
+            return tight(f"{_ON_PATHS[type(formula)][0]} ", formula.operands[-1])
+        case Not((EX() | EG() | EU((And(()), _)) as path,)):
+            return tight(f"{_ON_PATHS[type(path)][1]} ", ~path.operands[-1])
+        case Not((operand,)):
+            return tight("!", operand)
+        case EU((left, right)):
+            return f"E[{show(left, names)} U {show(right, names)}]"
         case AtMost(((place, -1),), -1):
             return _quoted(names.net.places[place].name)
         case AtMost(weights, bound):
-            small = listed(((place, weight) for place, weight in weights if weight > 0), max(-bound, 0))
-            large = listed(((place, -weight) for place, weight in weights if weight < 0), max(bound, 0))
+            small = _sum(((place, weight) for place, weight in weights if weight > 0), -bound, names)
+            large = _sum(((place, -weight) for place, weight in weights if weight < 0), bound, names)
             return f"({small} <= {large})" if around > _TIGHT else f"{small} <= {large}"
         case Fires(transitions):
             return f"enabled({', '.join(_quoted(names.net.transitions[t].name) for t in transitions)})"
     raise TypeError(f"no formula: {formula!r}")
 
 
-def _said(formula: Formula, names: Names) -> str:
-    """The word about the mission that people have used for a formula or for its negation."""
+def _sum(places: Iterable[tuple[int, int]], constant: int, names: Names) -> str:
+    """Tokens of places, each as often as it counts, and what a constant adds to them."""
+    terms = [_quoted(names.net.places[p].name) for p, weight in places for _ in range(weight)]
+    if len(terms) > 1:
+        terms = [f"tokens({', '.join(terms)})"]
+    return " + ".join([*terms, str(constant)] if constant > 0 else terms or ["0"])
+
+
+def _word(formula: Formula, names: Names) -> str:
+    """The word for a formula; one about the mission that people have used for it or for its negation."""
+    for word, meaning in (*_PLAIN.items(), ("false", Fires(()))):
+        if formula == meaning:
+            return word
+    if not isinstance(formula.operands[0] if isinstance(formula, Not) else formula, AtMost | Fires):
+        return ""
     for sign, meant in (("", formula), ("!", ~formula)):
         if meant in names.said:
             kind, *about = names.said[meant]

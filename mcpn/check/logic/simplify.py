@@ -90,39 +90,36 @@ def _until(left: Formula, right: Formula) -> Formula:
     return EU(left, right) if tuple(inner) == parts else _until(left, joined(Or(*inner)))
 
 
-def replaced(formula: Formula, value: Callable[[Formula], Formula]) -> Formula:
-    """A formula with other parts outside of temporal operators: each is what ``value`` makes of it."""
-    if not isinstance(formula, Not | And | Or):
-        return value(formula)
-    found = formula.mapped(lambda operand: replaced(operand, value))
-    return joined(found) if isinstance(formula, And | Or) and isinstance(found, And | Or) else found
-
-
-def at_first(formula: Formula, holds: Callable[[Formula], bool]) -> Formula:
-    """A formula with the same value in the initial state, as far as that state alone decides.
+def at_first(formula: Formula, known: Callable[[Formula], bool | None]) -> Formula:
+    """A formula with the same value in the initial state, as far as what is known of that state decides.
 
     Args:
         formula: A simplified one.
-        holds: Whether the initial state satisfies a formula without temporal operators and connectives.
+        known: Whether the initial state satisfies an atom or a temporal formula; ``None`` where not known.
 
     Returns:
         A constant where the initial state decides; else what is left to ask there.
     """
 
-    def value(part: Formula) -> Formula:
-        match part:
-            case EU((left, right)):
-                now = at_first(right, holds)
-                if now == TRUE or (now == FALSE and at_first(left, holds) == FALSE):
-                    return now
-                return part
-            case EG((operand,)):
-                return FALSE if at_first(operand, holds) == FALSE else part
-            case EX():
-                return FALSE if holds(DEADLOCK) else part
-        return TRUE if holds(part) else FALSE
+    def left(part: Formula) -> Formula:
+        return at_first(part, known)
 
-    return replaced(formula, value)
+    if isinstance(formula, Not):
+        return formula.mapped(left)
+    if isinstance(formula, And | Or):
+        return joined(type(formula)(*map(left, formula.operands)))
+    value = known(formula)
+    match formula:
+        case _ if value is not None:
+            return TRUE if value else FALSE
+        case EU((along, goal)):
+            now = left(goal)
+            return now if now == TRUE or (now == FALSE and left(along) == FALSE) else formula
+        case EG((operand,)) if left(operand) == FALSE:
+            return FALSE
+        case EX() if known(DEADLOCK):
+            return FALSE
+    return formula
 
 
 def parts_at_first(formula: Formula) -> list[Formula]:

@@ -22,7 +22,7 @@ from mcpn.check.logic.contest import Property
 from mcpn.check.logic.formulas import EU, as_reachability
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
+from mcpn.check.logic.simplify import at_first, parts_at_first, simplified
 from mcpn.check.nets import EXAMINATIONS, Behaviour
 from mcpn.errors import InputError, McpnError
 from mcpn.space.algebra import Space
@@ -160,11 +160,10 @@ class _Answers:
 
     def learn(self, part: Formula, value: bool, *ways: str) -> Iterator[Verdict]:
         """Puts the value of a part where it is asked for, and yields what that answers."""
-        constant = TRUE if value else FALSE
         for name, formula in self.formulas().items():
             if part in parts_at_first(formula):
                 self.ways[name].update(dict.fromkeys(ways))
-                yield from self.left(name, replaced(formula, lambda at: constant if at == part else at))
+                yield from self.left(name, at_first(formula, lambda at: value if at == part else None))
 
     def left(self, name: str, rest: Formula, *ways: str) -> Iterator[Verdict]:
         """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
@@ -198,9 +197,9 @@ class _Answers:
         """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
         bounds: list[float] = []
 
-        def at_start(atom: Formula) -> bool:
-            goal = as_goal(atom, self.net)
-            return goal is not None and holds(goal, self.net, self.net.initial)
+        def at_start(part: Formula) -> bool | None:
+            goal = as_goal(part, self.net)
+            return None if goal is None else holds(goal, self.net, self.net.initial)
 
         for name, formula in self.formulas().items():
             if formula != SOME_DEADLOCK:

@@ -162,17 +162,14 @@ class _Explanation(Generic[S]):
     def explain_some(self, operands: tuple[Formula, ...], holds: bool, *, all_needed: bool) -> None:
         """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
         shown = [o for o in operands if self.at_end(self.evaluation.states(o)) == holds]
-        if not shown:
-            return
-        if all_needed:
-            temporal = [o for o in shown if is_temporal(o)]
-            for operand in shown:
-                if operand not in temporal[:1]:
-                    reason = "shown by a run of its own, not by this one" if operand in temporal else ""
-                    self.note("here", operand if holds else ~operand, reason)
-            shown = temporal[:1]
-        if shown:
-            self.explain(min(shown, key=is_temporal), holds)
+        temporal = [o for o in shown if is_temporal(o)]
+        onward = temporal[:1] if all_needed else sorted(shown, key=is_temporal)[:1]
+        for operand in shown if all_needed else ():
+            if operand not in onward:
+                reason = "shown by a run of its own, not by this one" if operand in temporal else ""
+                self.note("here", operand if holds else ~operand, reason)
+        for operand in onward:
+            self.explain(operand, holds)
 
     # --- runs ---
 
