@@ -116,10 +116,6 @@ class Usage:
         reached = frozenset[str]().union(*(self.closure(a) for a in named))
         return tuple(a for a in self.activities if a in reached)
 
-    def by_request(self, activity: str) -> bool:
-        """Whether the activity is started by a request for what it produces, not by an objective."""
-        return bool(self.activities[activity].produces)
-
     def hardware_under(self, resource: str) -> frozenset[str]:
         """The faulty hardware whose failure may end in an error of the resource, itself included."""
         if resource in self.hardware:
