@@ -75,7 +75,7 @@ def causes(
     """
     from dataclasses import asdict
 
-    from mcpn.check.causes.conditions import minimal_formula
+    from mcpn.check.causes.cutsets import minimal_formula
     from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically

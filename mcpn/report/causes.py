@@ -10,7 +10,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes.conditions import enumeration, sentence
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes, GoalCauses, Survival
@@ -24,6 +23,7 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import in_words, what_happens
 from mcpn.space.run import Run
+from mcpn.space.stable.clash import enumeration
 
 if TYPE_CHECKING:
     from mcpn.check.causes.risk import Risk
@@ -46,6 +46,21 @@ COLUMNS = (
     "severity",
     "with_others",
 )
+
+
+def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
+    """When something fails, by its minimal cut sets.
+
+    >>> condition("going_up", [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")])
+    'going_up fails if thruster_actuator, or if GPS_sensor and IMU_sensor'
+    >>> condition("filming", [])
+    'filming can succeed whatever hardware fails'
+    """
+    if not cut_sets:
+        return f"{name} can succeed whatever hardware fails"
+    if () in cut_sets:
+        return f"{name} can never succeed"
+    return f"{name} fails if " + ", or if ".join(map(enumeration, cut_sets))
 
 
 # --- objects -------------------------------------------------------------------------------------------
@@ -87,7 +102,7 @@ def _goal(goal: GoalCauses, runs: bool) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
-        "condition": sentence(goal.name, goal.cut_sets),
+        "condition": condition(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
             "without_repairs": _all_critical(goal.critical),
@@ -185,15 +200,15 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
 def print_causes(causes: Causes) -> None:
     """Prints conditions of failure, what is survived, runs to failure, and critical events."""
     terminal = Terminal()
-    terminal.print(sentence(causes.mission.name, causes.mission.cut_sets), style="bold")
+    terminal.print(condition(causes.mission.name, causes.mission.cut_sets), style="bold")
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)
     for cut_sets, names in shared.items():
-        condition = sentence(", ".join(names), cut_sets)
+        told = condition(", ".join(names), cut_sets)
         if len(names) > 1:
-            condition = condition.replace(" fails if ", " fail if ")
-        terminal.print(condition, indent=2)
+            told = told.replace(" fails if ", " fail if ")
+        terminal.print(told, indent=2)
     terminal.print()
     _print_survival(terminal, causes.survival)
     for lost, run in causes.mission.runs.items():

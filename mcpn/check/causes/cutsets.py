@@ -1,4 +1,4 @@
-"""Minimal cut sets: minimal sets of hardware that, lost for good, leave no way to succeed.
+"""Minimal cut sets: minimal sets of hardware that, lost for good, leave no way to succeed; as a formula, too.
 
 A set is lost for good where it is out of service and never repaired, while other hardware may fail and
 recover as it likes. In the net whose hardware may die (:mod:`mcpn.net.mortal`) the sets that a goal survives
@@ -9,17 +9,21 @@ diagram, the minimal ones by their size, and no set is tried on its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from enum import Enum
 from functools import cached_property
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.check.causes.prospects import Goal, Prospects
+from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import Section
 from mcpn.space.algebra import S
 from mcpn.space.images import ImageStore
+from mcpn.space.local.layout import remembered
+
+MAX_TERMS = 2000
+"""The most products of which a minimal formula is looked for."""
 
 CutSet = tuple[str, ...]
 """Names of hardware, in alphabetical order."""
@@ -43,14 +47,8 @@ class Moment(Enum):
     where they could not succeed any more: at the worst moment."""
 
 
-@dataclass(frozen=True)
-class Nonmonotone:
-    """A set that is lost while a larger one is not: only hardware that cannot always fail does so.
-
-    Args:
-        lost: A set of hardware that loses the goal at some moment.
-        larger: The same and one resource more, which does not.
-    """
+class Nonmonotone(NamedTuple):
+    """A set whose loss loses a goal at some moment, and the same with one resource more, which does not."""
 
     lost: CutSet
     larger: CutSet
@@ -68,8 +66,7 @@ class CutSets(Generic[S]):
         self.space = mortal.space
         self.hardware = mortal.hardware
         self.images = ImageStore(len(self.hardware))
-        self._minimal: dict[Zdd, list[CutSet]] = {}
-        self._dead = mortal.places("dead", self.hardware)
+        self._places = mortal.places("dead", self.hardware)
 
     @cached_property
     def _from_start(self) -> S:
@@ -85,15 +82,6 @@ class CutSets(Generic[S]):
         found = space.reached(space.initial, transitions=transitions, guards=mortal.forced)
         return (found & mortal.begun) - space.enabling(mortal.dying)
 
-    def states(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> S:
-        """The states at a moment: those that have reached the goal for ``START``, else those that may."""
-        if moment is Moment.START:
-            return self._from_start & goal.won
-        if moment is Moment.ENTRY:
-            assert section is not None, "an entry is that of a section"
-            return self.mortal.entered(section) & goal.running
-        return goal.running & (self.mortal.begun if moment is Moment.WHENEVER else self._at_worst)
-
     def losing(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
         """The sets of hardware whose loss loses a goal.
 
@@ -105,13 +93,23 @@ class CutSets(Generic[S]):
         Returns:
             A family that holds all larger sets too, but for ``SOMETIME`` (:meth:`nonmonotone`).
         """
-        states = self.states(goal, moment, section)
+        mortal, hopeful = self.mortal, self.mortal.hopeful(goal, repairs=True)
         if moment is Moment.SOMETIME:
-            return self.space.image(states - self.mortal.hopeful(goal), self._dead, self.images)
-        if moment is not Moment.START:
-            states = states & self.mortal.hopeful(goal)
-        return self.images.everything - self.space.image(states, self._dead, self.images)
+            return self._dead((goal.running & self._at_worst) - hopeful)
+        if moment is Moment.START:
+            survived = self._from_start & goal.won
+        elif moment is Moment.ENTRY:
+            assert section is not None, "an entry is that of a section"
+            survived = mortal.entered(section) & goal.running & hopeful
+        else:
+            survived = goal.running & mortal.begun & hopeful
+        return self.images.everything - self._dead(survived)
 
+    def _dead(self, states: S) -> Zdd:
+        """The sets of hardware that is dead in some states."""
+        return self.space.image(states, self._places, self.images)
+
+    @remembered
     def minimal(self, family: Zdd) -> list[CutSet]:
         """The minimal members of a family: of :meth:`losing`, the minimal cut sets.
 
@@ -122,10 +120,8 @@ class CutSets(Generic[S]):
         Raises:
             LimitError: There are too many.
         """
-        if family not in self._minimal:
-            names = map(self._names, self.images.minimal(family))
-            self._minimal[family] = sorted(names, key=lambda members: (len(members), members))
-        return self._minimal[family]
+        names = map(self._names, self.images.minimal(family))
+        return sorted(names, key=lambda members: (len(members), members))
 
     def _names(self, members: Iterable[int]) -> CutSet:
         return tuple(sorted(self.hardware[member] for member in members))
@@ -146,3 +142,38 @@ class CutSets(Generic[S]):
                 names = self._names(larger)
                 return Nonmonotone(tuple(n for n in names if n != name), names)
         return None
+
+
+def minimal_formula(losing: Sequence[CutSet]) -> str:
+    """The minimal sum of products of a function, found by espresso and proved equivalent to it by a solver.
+
+    A monotone function has just one, the sum of its minimal solutions.
+
+    Args:
+        losing: Products whose sum is the function, each of names of hardware; they need not be minimal.
+
+    Returns:
+        For example ``thruster_actuator | GPS_sensor & IMU_sensor``, smaller products first, then in
+        alphabetical order; ``0`` never, ``1`` always.
+
+    Raises:
+        LimitError: pyeda is not installed, or the function has more than :data:`MAX_TERMS` products.
+        SemanticsError: The solver finds the formula and the function to differ.
+    """
+    if not losing or () in losing:
+        return "1" if losing else "0"
+    if len(losing) > MAX_TERMS:
+        raise LimitError(f"{len(losing)} products: more than {MAX_TERMS}, the limit on products of a formula")
+    try:
+        from pyeda.boolalg.expr import And, Or, Xor, exprvar
+        from pyeda.boolalg.minimization import espresso_exprs
+    except ImportError as error:
+        raise LimitError('minimal formulas need pyeda: pip install "mcpn[pyeda]"') from error
+    names = sorted({name for product in losing for name in product})
+    variables = {name: exprvar("hardware", number) for number, name in enumerate(names)}
+    function = Or(*(And(*(variables[name] for name in product)) for product in losing))
+    (minimised,) = espresso_exprs(function.to_dnf())
+    if Xor(function, minimised).satisfy_one() is not None:
+        raise SemanticsError("espresso's formula differs from the function that it minimises")
+    products = [sorted(names[variable.indices[0]] for variable in cube) for cube in minimised.cover]
+    return " | ".join(" & ".join(product) for product in sorted(products, key=lambda p: (len(p), p)))
