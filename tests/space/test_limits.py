@@ -29,7 +29,7 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.markings.explicit import count, explore
 from mcpn.space.markings.tokens import boundedness
-from mcpn.space.search.goal import AnyOf
+from mcpn.space.search.goal import FALSE
 from mcpn.space.search.searches import Searches
 from mcpn.space.stable.alternatives import direct
 from mcpn.space.stable.confluence import direct_with_proof
@@ -116,7 +116,7 @@ def test_search(net: PetriNet) -> None:
     for limit, outcome in ((len(markings), "unreachable"), (len(markings) - 1, "states")):
         if limit == 0:
             continue
-        found = Searches(net).seek(AnyOf(()), max_states=limit, stubborn=False)
+        found = Searches(net).seek(FALSE, max_states=limit, stubborn=False)
         assert found.outcome == outcome, (limit, len(markings))
 
 

@@ -13,9 +13,10 @@ from typing import cast
 
 from lxml import etree
 
-from mcpn.check.logic.formulas import OPERATORS, Const, Deadlock, Fires, Formula, Sum, compare, within_limit
+from mcpn.check.logic.formulas import OPERATORS, Sum, compare, within_limit
 from mcpn.check.logic.names import Names
 from mcpn.errors import InputError, Source
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula
 from mcpn.xmlio import parse_xml
 
 MAX_BYTES = 100_000_000
@@ -57,15 +58,18 @@ def read_properties(path: Path, names: Names) -> list[Property]:
     return [reader.property(element) for element in root]
 
 
-_OPERATORS = {"finally": "F", "globally": "G", "next": "X"}
+_ATOMS = {"true": TRUE, "false": FALSE, "deadlock": DEADLOCK}
 _CONNECTIVES = {
     "negation": ("!", 1),
     "conjunction": ("&", None),
     "disjunction": ("|", None),
     "implication": ("->", 2),
     "equivalence": ("<->", 2),
+    "exclusive-disjunction": ("xor", 2),
 }
 """By element the operator, and the number of its operands where not any will do."""
+_QUANTIFIERS = {"exists-path": "E", "all-paths": "A"}
+_PATHS = {"finally": "F", "globally": "G", "next": "X"}
 
 
 class _Reader:
@@ -111,19 +115,15 @@ class _Reader:
 
     def formula(self, element: etree._Element) -> Formula:
         match self.tag(element):
-            case "true" | "false" as value:
-                return Const(value == "true")
+            case tag if tag in _ATOMS:
+                return _ATOMS[tag]
             case tag if tag in _CONNECTIVES:
                 operator, count = _CONNECTIVES[tag]
                 return OPERATORS[operator](*map(self.formula, self.only(element, count)))
-            case "exclusive-disjunction":
-                return OPERATORS["!"](OPERATORS["<->"](*map(self.formula, self.only(element, 2))))
-            case "exists-path" | "all-paths" as quantifier:
-                return self.path("E" if quantifier == "exists-path" else "A", *self.only(element))
+            case tag if tag in _QUANTIFIERS:
+                return self.path(_QUANTIFIERS[tag], *self.only(element))
             case "is-fireable":
                 return Fires(tuple(sorted({*self.named(element, "transition", self.lookup.transition)})))
-            case "deadlock":
-                return Deadlock()
             case "integer-le":
                 small, large = map(self.sum, self.only(element, 2))
                 return compare(small, "<=", large)
@@ -131,24 +131,22 @@ class _Reader:
 
     def path(self, quantifier: str, element: etree._Element) -> Formula:
         tag = self.tag(element)
-        if tag == "until":
-            before, reach = self.only(element, 2)
-            self.expect(before, "before")
-            self.expect(reach, "reach")
-            inside = (self.formula(*self.only(part)) for part in (before, reach))
-            return OPERATORS[f"{quantifier}U"](*inside)
-        if tag in _OPERATORS:
-            return OPERATORS[quantifier + _OPERATORS[tag]](self.formula(*self.only(element)))
-        raise self.wrong(element, "<finally>, <globally>, <next> or <until>")
+        if tag in _PATHS:
+            return OPERATORS[quantifier + _PATHS[tag]](self.formula(*self.only(element)))
+        if tag != "until":
+            raise self.wrong(element, "<finally>, <globally>, <next> or <until>")
+        parts = self.only(element, 2)
+        for part, expected in zip(parts, ("before", "reach"), strict=True):
+            self.expect(part, expected)
+        return OPERATORS[f"{quantifier}U"](*(self.formula(*self.only(part)) for part in parts))
 
     def sum(self, element: etree._Element) -> Sum:
         match self.tag(element):
             case "integer-constant":
                 text = (element.text or "").strip()
                 if not re.fullmatch(r"-?[0-9]{1,18}", text):
-                    raise InputError.at(
-                        self.source(element), f"found {text!r}, expected an integer of at most 18 digits"
-                    )
+                    message = f"found {text!r}, expected an integer of at most 18 digits"
+                    raise InputError.at(self.source(element), message)
                 return int(text), ()
             case "tokens-count":
                 return 0, self.named(element, "place", self.lookup.place)

@@ -13,13 +13,14 @@ from dataclasses import dataclass, field
 from typing import Any, Generic
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, TRUE, And, Formula, Justice, Not, Or, negation, walk
+from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.check.logic.language import show
 from mcpn.check.logic.names import Names
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, S, Space
 from mcpn.space.run import Run, transitions_of
+from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
 
 MAX_WALK = 100_000
 
@@ -136,42 +137,39 @@ class _Explanation(Generic[S]):
     def explain(self, formula: Formula, holds: bool) -> None:
         """Extends the run to demonstrate the value of a formula at its last state."""
         match formula:
-            case Not(operand):
+            case Not((operand,)):
                 self.explain(operand, not holds)
             case And(operands) | Or(operands):
                 self.explain_some(operands, holds, all_needed=isinstance(formula, And) == holds)
-            case EX(operand) if holds:
+            case EX((operand,)) if holds:
                 self.note("one step on", operand)
                 self.go(self.evaluation.states(operand) & self.evaluation.fair_states)
                 self.explain(operand, True)
-            case EU(left, right) if holds:
+            case EU((left, right)) if holds:
                 goal = self.evaluation.states(right) & self.evaluation.fair_states
                 self.follow(self.evaluation.along(left), goal)
                 if left != TRUE:
                     self.note("up to there", left)
                 self.explain(right, True)
-            case EG(operand) if holds:
+            case EG((operand,)) if holds:
                 self.note("all along", operand)
                 self.stay(operand)
             case EX() | EU() | EG():
-                self.note("every run from here", negation(formula), "no single run shows it")
+                self.note("every run from here", ~formula, "no single run shows it")
             case _:
-                self.note("here", formula if holds else negation(formula))
+                self.note("here", formula if holds else ~formula)
 
     def explain_some(self, operands: tuple[Formula, ...], holds: bool, *, all_needed: bool) -> None:
         """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
         shown = [o for o in operands if self.at_end(self.evaluation.states(o)) == holds]
-        if not shown:
-            return
-        if all_needed:
-            temporal = [o for o in shown if _is_temporal(o)]
-            for operand in shown:
-                if operand not in temporal[:1]:
-                    reason = "shown by a run of its own, not by this one" if operand in temporal else ""
-                    self.note("here", operand if holds else negation(operand), reason)
-            shown = temporal[:1]
-        if shown:
-            self.explain(min(shown, key=_is_temporal), holds)
+        temporal = [o for o in shown if is_temporal(o)]
+        onward = temporal[:1] if all_needed else sorted(shown, key=is_temporal)[:1]
+        for operand in shown if all_needed else ():
+            if operand not in onward:
+                reason = "shown by a run of its own, not by this one" if operand in temporal else ""
+                self.note("here", operand if holds else ~operand, reason)
+        for operand in onward:
+            self.explain(operand, holds)
 
     # --- runs ---
 
@@ -244,10 +242,6 @@ class _Explanation(Generic[S]):
 
     def note(self, where: str, formula: Formula, reason: str = "") -> None:
         self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
-
-
-def _is_temporal(formula: Formula) -> bool:
-    return any(isinstance(inside, EX | EU | EG) for inside in walk(formula))
 
 
 def scenario(witness: Witness) -> str:

@@ -20,7 +20,7 @@ from typing import Literal, TypeAlias
 
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import incidence, invariants, state_machine_units
-from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable, needs
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Fires, Goal, Or, as_goal
 
 MARGIN = 1e-3
 LARGEST = 10_000
@@ -202,21 +202,17 @@ class _Program:
                     return False
                 self.at_least({p: -float(w) for p, w in weights}, -bound - MARGIN, choice)
                 return True
-            case AllOf(goals):
+            case And(goals):
                 return all(self.require(inside, choice) for inside in goals)
-            case AnyOf((only,)):
+            case Or((only,)):
                 return self.require(only, choice)
-            case AnyOf(goals):
+            case Or(goals):
                 return self._clause(goals, choice) or self._choose(goals, choice)
-            case Dead() if goal.holds:
-                alternatives = (
-                    AnyOf(tuple(AtMost(((p, 1),), w - 1) for p, w in needs(self.net, t).items()))
-                    for t in range(len(self.net.transitions))
-                )
-                return all(self.require(inside, choice) for inside in alternatives)
-            case Dead():
-                some = AnyOf(tuple(fireable(self.net, t) for t in range(len(self.net.transitions))))
-                return self.require(some, choice)
+            case _:  # a deadlock, or that something may fire
+                fires = Fires(tuple(range(len(self.net.transitions))))
+                spelled = as_goal(fires, self.net, goal != DEADLOCK)
+                assert spelled is not None, "it speaks of tokens alone"
+                return self.require(spelled, choice)
 
     def _clause(self, goals: tuple[Goal, ...], choice: int | None) -> bool:
         """One row for alternatives that each ask whether a place of at most one token is marked."""

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.search.goal import DEADLOCK, AllOf, AtMost, Goal, marked
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.space.search.searches import Searches, replay, shortened
 from tests.net.nets import nets, state_machines
 from tests.space.search.goals import all_markings, goals, is_goal
@@ -114,7 +114,7 @@ def counter(bits: int) -> PetriNet:
 
 def test_limits_are_told() -> None:
     net = counter(12)
-    goal = AllOf(tuple(marked(net.place_index[f"one{bit}"]) for bit in range(12)))
+    goal = And(*(marked(net.place_index[f"one{bit}"]) for bit in range(12)))
     assert Searches(net).seek(goal, max_states=100).outcome == "states"
     assert Searches(net).seek(goal, max_states=10**6, max_bytes=10_000).outcome == "bytes"
     found = Searches(net).seek(goal, max_states=10**6)
