@@ -74,12 +74,12 @@ def answered(
     on: On,
     max_states: int | None = None,
 ) -> tuple[Found, Choice]:
-    """The first answer to a question, and whose it is.
+    """The first answer to a question, and whose it is: of one engine after the other for ``auto``.
 
     Args:
         ask: Asks one engine.
         mission_net: The mission that is asked about; ``None`` for a net of no mission.
-        engine: Who is asked; ``auto``: one after the other, until one answers.
+        engine: Who is asked.
         on: The graph that the question speaks of.
         max_states: The user's limit on states that are listed one by one.
 

@@ -7,7 +7,6 @@ from itertools import combinations
 from hypothesis import given
 
 from mcpn.check.causes.cutsets import CutSet, Moment
-from mcpn.check.causes.losses import Losses
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
@@ -18,7 +17,7 @@ from mcpn.mission.model import (
     Recursive,
 )
 from mcpn.net.compose import MissionNet, compose
-from mcpn.report.openpsa import Formula, structured
+from mcpn.report.openpsa import Formula, Losses, structured
 from mcpn.space.stable.alternatives import direct
 from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal

@@ -1,8 +1,7 @@
 """Failure causes of a mission, all together: what a report shows and the command line prints.
 
 Which hardware must be lost for the mission and each objective to fail, when; which events decide it, in which
-functioning mode; the shortest runs that show it; how much the mission survives from each section on. Every
-question is asked of a space of states, whichever engine has made it.
+functioning mode; the shortest runs that show it; how much the mission survives from each section on.
 """
 
 from __future__ import annotations
@@ -112,17 +111,12 @@ class Causes(Told):
         return f"<causes of the mission {self.mission.name}: fails without {lost}>"
 
     def of(self, objectives: Iterable[str]) -> Causes:
-        """The same with some elementary objectives alone.
-
-        Raises:
-            InputError: The mission has no such objective.
-        """
+        """The same with some elementary objectives alone; an unknown one is an InputError."""
         chosen = list(objectives)
         for name in chosen:
             if name not in self.objectives:
-                expected = f"expected one of {', '.join(self.objectives)}"
-                source = self.mission_net.mission.source
-                raise InputError.at(source, f"no objective {name}; {expected}")
+                message = f"no objective {name}; expected one of {', '.join(self.objectives)}"
+                raise InputError.at(self.mission_net.mission.source, message)
         return replace(self, objectives={name: self.objectives[name] for name in chosen})
 
 
@@ -135,12 +129,8 @@ def find_causes(
 ) -> Causes:
     """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
-    Args:
-        mission_net: The mission's net.
-        engine: Who makes the spaces, see :mod:`mcpn.check.spaces`. All give the same answers;
-            runs are shortest but for composition, where they pass as few sections as can be.
-        max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges that are listed.
+    All engines give the same answers; runs are shortest but for composition, where they pass as few sections
+    as can be. The arguments are those of :func:`mcpn.check.verdicts.mission.check`.
 
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.

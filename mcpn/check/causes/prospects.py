@@ -47,13 +47,12 @@ class Goal(Generic[S]):
 
 @dataclass(frozen=True)
 class CriticalEvent:
-    """Edges of one event that lead into a losing region, from one functioning mode.
+    """How many edges of one event lead into a losing region from one functioning mode.
 
     Args:
         event: The event.
         objectives: Objectives that run before it, in the mission's order.
-        mode: The alternatives, before it, of the activities that the event concerns: those that may use the
-            hardware, directly or through others, or those of the objective that ends.
+        mode: The alternatives, before it, of the activities that the event concerns.
         edges: How many edges of the alternatives graph.
     """
 
@@ -149,18 +148,17 @@ class Prospects(Generic[S]):
     def entered(self, section: Section) -> S:
         """States at the entry of a section: just entered, or so but for failures that came at once."""
         space, first = self.space, [inner.name for inner in entries(section)]
-        inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
-        before = space.before(inside, self.everything)
+        running = inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
+        before, again = space.before(inside, self.everything), space.nothing
         if isinstance(section, ElementarySection):
             # A retry ends one run and begins the next with one event.
             again = space.after(before & inside, self.objectives[section.name].ends)
-            entry = space.after(before - inside, self.everything) | again
         else:
             names = [*(b.name for b in section.branches), *(inner.name for inner in section.walk())]
             kinds: tuple[Kind, ...] = ("objective", "pending", "done")
-            running = space.marked([p for kind in kinds for p in self.places(kind, names)])
-            entry = space.after(before - inside - running, self.everything)
-        return space.reached(entry & inside, transitions=self.failing | self.dying)
+            running = running | space.marked([p for kind in kinds for p in self.places(kind, names)])
+        entry = (space.after(before - running, self.everything) | again) & inside
+        return space.reached(entry, transitions=self.failing | self.dying)
 
     # --- losing regions ------------------------------------------------------------------------------------
 
@@ -181,8 +179,7 @@ class Prospects(Generic[S]):
     def forced(self) -> Mapping[int, S]:
         """By transition with which an objective fails, the states in which it cannot succeed any more.
 
-        As guards they leave runs in which objectives fail only where they must; what happens in them is what
-        the lost hardware makes happen.
+        As guards they leave runs in which objectives fail only where the lost hardware makes them fail.
         """
         return {
             t: self.losing(goal, repairs=False)
@@ -193,15 +190,7 @@ class Prospects(Generic[S]):
     # --- critical events -----------------------------------------------------------------------------------
 
     def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
-        """Edges from a chance to reach a goal to none, by event, running objectives and functioning mode.
-
-        Args:
-            goal: What is lost.
-            repairs: Whether hardware may be repaired.
-
-        Returns:
-            In the order of the net's transitions.
-        """
+        """Edges from a chance to reach a goal to none, in the order of the net's transitions."""
         losing, allowed = self.losing(goal, repairs=repairs), self.allowed(goal, repairs=repairs)
         found: Counter[tuple[Event, tuple[str, ...], tuple[tuple[str, str], ...]]] = Counter()
         for t, states in self.space.crossing(goal.running - losing, losing) if losing else ():
@@ -237,23 +226,22 @@ class Prospects(Generic[S]):
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
 
     @remembered
-    def _concerned(self, event: Event) -> frozenset[str]:
+    def _concerned(self, event: Event) -> set[str]:
         """Activities whose choice of alternative matters to an event.
 
         Those of the objective that ends; or those with an alternative that stands on the hardware, directly
         or through others, and another that does not.
         """
         usage, choosing = self.mission_net.usage, set[str]()
-        if event.what in (What.SUCCESS, What.FAILURE):
-            section = self.sections.get(event.element)
-            return frozenset(section.activities if section else ())
-        # A declared event may bear the name of hardware.
-        for name in usage.started if event.what is not What.DECLARED else ():
-            ways = usage.activities[name].alternatives
-            standing = [any(event.element in usage.hardware_under(k) for k in way.consumes) for way in ways]
-            if any(standing) and not all(standing):
-                choosing.add(name)
-        return frozenset(choosing)
+        if event.what in (What.SUCCESS, What.FAILURE) and event.element in self.sections:
+            choosing.update(self.sections[event.element].activities)
+        if event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
+            for name in usage.started:
+                ways = [way.consumes for way in usage.activities[name].alternatives]
+                standing = {any(event.element in usage.hardware_under(k) for k in way) for way in ways}
+                if standing == {False, True}:
+                    choosing.add(name)
+        return choosing
 
     # --- runs ----------------------------------------------------------------------------------------------
     # Nothing is repaired in them, and objectives fail only where they cannot succeed any more.
@@ -261,13 +249,8 @@ class Prospects(Generic[S]):
     def to_failure(self, goal: Goal[S], cut_set: Iterable[str]) -> Run | None:
         """A short run in which a goal fails because of a cut set, and no other hardware fails.
 
-        Args:
-            goal: The mission, or an objective.
-            cut_set: Names of hardware; all of it is out of service at the end.
-
-        Returns:
-            Up to the mission's failure or the objective's failure; where the mission need not end, up to
-            where it can no longer succeed. ``None`` where no run without repairs leads there.
+        It leads to the failure of the mission or the objective, with all of the cut set out of service; where
+        the mission need not end, to where it can no longer succeed. ``None`` where no run leads there.
         """
         space, names = self.space, list(cut_set)
         mine = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
@@ -286,13 +269,9 @@ class Prospects(Generic[S]):
         return None
 
     def most_failures(self, section: Section | None = None) -> Run | None:
-        """A run to success in which, from one moment on, as many resources fail as in any.
+        """A short run to success in which, from the start on, as many resources fail as in any.
 
-        Args:
-            section: The run enters this section with all hardware in service; ``None`` for any run.
-
-        Returns:
-            A short such run, or ``None`` where no run leads to success.
+        With a section: from its entry on, with all hardware in service there. ``None`` where there is none.
         """
         space, goal, oos = self.space, self.mission, self.places("oos", self.hardware)
         begin, prefix = space.initial.pick(), list[Edge]()

@@ -8,10 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.causes import cutsets
-from mcpn.check.causes.cutsets import minimal_formula
 from mcpn.errors import LimitError
-from mcpn.report.causes import condition
+from mcpn.report import causes
+from mcpn.report.causes import condition, minimal_formula
 
 NAMES = ["GPS", "IMU", "_odd", "camera", "thruster"]
 
@@ -43,7 +42,7 @@ def test_without_pyeda_the_error_says_what_to_install(monkeypatch: pytest.Monkey
 
 
 def test_formulas_of_any_size_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cutsets, "MAX_TERMS", 2)
+    monkeypatch.setattr(causes, "MAX_TERMS", 2)
     assert minimal_formula([("A",), ("B",)]) == "A | B"
     with pytest.raises(LimitError, match="3 products: more than 2, the limit on products"):
         minimal_formula([("A",), ("B",), ("C",)])
