@@ -66,23 +66,12 @@ class SymbolicSpace:
         """Number of reachable markings."""
         return self.reachable.count()
 
-    @cached_property
-    def fired(self) -> dict[int, int]:
-        """In how many markings each transition fires, priorities respected."""
-        encoding = self.encoding
-        internal = [t for t in encoding.transitions if encoding.net.transitions[t].internal]
-        events = [t for t in encoding.transitions if not encoding.net.transitions[t].internal]
-        counts = dict.fromkeys(range(len(encoding.net.transitions)), 0)
-        where = self.reachable if self.stable is None else self.stable
-        for chosen, markings in ((internal, self.reachable), (events, where)):
-            wanted = [(t, c) for t in chosen if (c := encoding.enabling[t]) is not None]
-            counts.update(zip([t for t, _ in wanted], markings.counts([c for _, c in wanted]), strict=True))
-        return counts
-
     @property
     def edges(self) -> int:
-        """Number of firings."""
-        return sum(self.fired.values())
+        """Number of firings, priorities respected."""
+        from mcpn.space.diagrams.spaces import DiagramMarkings
+
+        return sum(DiagramMarkings(self).firings(self.reachable).values())
 
     @cached_property
     def dead(self) -> Zdd:
