@@ -18,17 +18,7 @@ from typing import Generic
 
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.space.algebra import S, Space
-from mcpn.space.search.goal import (
-    TRUE,
-    And,
-    AtMost,
-    Deadlock,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    Stable,
-)
+from mcpn.space.search.goal import TRUE, And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 
 
 class Evaluation(Generic[S]):

@@ -9,18 +9,7 @@ from collections.abc import Callable, Sequence
 
 from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import (
-    DEADLOCK,
-    FALSE,
-    TRUE,
-    And,
-    AtMost,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    needs,
-)
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, needs
 
 
 def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:
