@@ -138,7 +138,7 @@ class _Parser:
             while operator in "&|" and operators and operators[-1] == operator:
                 operators.pop()
                 count += 1
-            self._apply(operator, 1 if _BINDING[operator] == _TIGHT else count)
+            self._apply(operator, count if operator in _BINARY else 1)
 
     def _apply(self, operator: str, count: int) -> None:
         formulas, depths = zip(*self._operands[-count:], strict=True)

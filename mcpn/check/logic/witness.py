@@ -202,9 +202,8 @@ class _Explanation(Generic[S]):
         seen: dict[Marking, int] = {}
         while (here := self.space.marking(self.witness.end)) not in seen:
             if len(seen) > MAX_WALK:
-                self.witness.shown.append(
-                    f"no state has come back within {MAX_WALK} steps: the run is cut here"
-                )
+                cut = f"no state has come back within {MAX_WALK} steps: the run is cut here"
+                self.witness.shown.append(cut)
                 return
             seen[here] = len(self.witness.steps)
             if not self.go(inside):
