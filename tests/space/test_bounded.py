@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 from dataclasses import asdict
 from functools import partial
-from math import comb
+from math import comb, inf
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from mcpn.space.diagrams.counters import TokenEncoding
 from mcpn.space.diagrams.order import candidates
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, closure
+from mcpn.space.markings import widths
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.summary import summarise
 from tests.check.formulas import formulas, read, satisfying
@@ -140,6 +141,25 @@ def high_first(net: PetriNet, wider: int = 0) -> SymbolicSpace:
     encode = partial(TokenEncoding, widths=widths, low_first=False)
     order = tuple(range(len(net.places)))
     return closure(net, encode, order=order, seed=None, memory_limit=1 << 28)
+
+
+@fewer(0.5)
+@given(token_nets())
+def test_no_place_holds_more_than_linear_programs_say(net: PetriNet) -> None:
+    if (graph := graph_of(net, 500)) is None:
+        return
+    places = range(len(net.places))
+    bounds = widths.by_programs(net, places)
+    for place in places:
+        assert max(marking[place] for marking in graph) <= bounds.get(place, inf)
+
+
+def test_linear_programs_know_the_tokens_of_a_ring() -> None:
+    builder = NetBuilder("ring")
+    for i in range(4):
+        builder.place(f"p{i}", initial=0 if i else 5)
+        builder.transition(f"t{i}", consume=[f"p{i}"], produce=[f"p{(i + 1) % 4}"])
+    assert widths.by_programs(builder.build(), range(4)) == dict.fromkeys(range(4), 5.0)
 
 
 @fewer(0.5)
