@@ -8,7 +8,7 @@ from typing import Any, get_args
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.prospects import Goal, Prospects
-from mcpn.check.spaces import Choice, Engine, mortal_space, space_of
+from mcpn.check.spaces import Engine, space_of
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 
@@ -31,7 +31,9 @@ class Asked:
 
     @cached_property
     def cuts(self) -> CutSets[Any]:
-        return CutSets(Prospects(mortal(self.found), mortal_space(self.found, Choice(self.engine))))
+        return CutSets(
+            Prospects(mortal(self.found), space_of(self.found, self.engine, "alternatives", may_die=True))
+        )
 
     @cached_property
     def all(self) -> Causes:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain, islice, repeat
+from itertools import chain, islice
 from typing import Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
@@ -203,10 +203,7 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
         return None
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    first, _, grouped = islice(
-        chain(candidates(net, None), repeat(None)), 3
-    )  # the second is the first reversed
-    for candidate in filter(None, (first, grouped)):
+    for candidate in islice(candidates(net, None), 0, 3, 2):  # the second is the first reversed
         try:
             space = _close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
             refuse_unsafe(space)
