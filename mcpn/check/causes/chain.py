@@ -73,7 +73,7 @@ class Listed:
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)
         self.failing = self._hardware_of(What.OUT_OF_SERVICE, hardware)
         self.repaired = self._hardware_of(What.REPAIRED, hardware)
-        entering = self._fired(prospects.carrying(What.START))
+        entering = self.carrying(What.START)
         outside = self.ended.copy()
         outside[sources[entering]] = True
         self.inside: Mask = np.asarray(~outside[sources], np.bool_)
@@ -91,28 +91,15 @@ class Listed:
             number[list(self.prospects.carrying(what, name))] = i
         return number[self.graph.labels]
 
-    def _fired(self, transitions: Collection[int]) -> Mask:
-        return np.isin(self.graph.labels, list(transitions))
+    def carrying(self, what: What, element: str = "") -> Mask:
+        """Edges of an event."""
+        return np.isin(self.graph.labels, list(self.prospects.carrying(what, element)))
 
     def at_entries(self, states: npt.NDArray[T]) -> npt.NDArray[T]:
         """What is said of states, of the first one by status; zero where it is never entered so."""
         found = states[self.entries]
         found[self.entries < 0] = 0
         return found
-
-    @cached_property
-    def objectives(self) -> list[tuple[Mask, Mask, Mask, Mask]]:
-        """By objective: states in which it runs, and may succeed at once; edges of success and of failure."""
-        prospects = self.prospects
-        return [
-            (
-                goal.running.mask,
-                goal.won.mask,
-                self._fired(prospects.carrying(What.SUCCESS, name)),
-                self._fired(prospects.carrying(What.FAILURE, name)),
-            )
-            for name, goal in prospects.objectives.items()
-        ]
 
     @cached_property
     def degraded(self) -> Mask:
@@ -123,14 +110,14 @@ class Listed:
         return self.prospects.space.marked(others).mask & ~self.ended
 
     @cached_property
-    def into_degraded(self) -> Mask:
-        """Edges into another functioning mode, that of a state that :attr:`degraded` holds."""
+    def changing(self) -> Mask:
+        """Edges into another functioning mode: other objectives run, or other alternatives."""
         found, graph = self.prospects.mission_net, self.graph
         changed = np.zeros(graph.edges, np.bool_)
         for place in (*found.saying("active"), *found.saying("objective")):
             marked = graph.marked(place)
             changed |= marked[graph.sources] != marked[graph.targets]
-        return changed & self.degraded[graph.targets]
+        return changed
 
 
 class Chain:
@@ -170,15 +157,18 @@ class Chain:
 
     def _run_objectives(self, ending: Sequence[tuple[float, float]]) -> Mask:
         """Gives rates to edges that end objectives; those of objectives that fail at once are returned."""
-        listed, graph = self.listed, self.graph
+        listed, sources, targets = self.listed, self.graph.sources, self.graph.targets
         may_happen = (self.rates > 0) | ((listed.failing < 0) & (listed.repaired < 0))
-        failed = np.zeros(graph.edges, np.bool_)
-        for (running, won, well, badly), (rate, failure) in zip(listed.objectives, ending, strict=True):
-            if running.any():
+        failed = np.zeros(self.graph.edges, np.bool_)
+        objectives = listed.prospects.objectives.items()
+        for (name, goal), (rate, failure) in zip(objectives, ending, strict=True):
+            if goal.running:
+                well, badly = listed.carrying(What.SUCCESS, name), listed.carrying(What.FAILURE, name)
+                running, won = goal.running.mask, goal.won.mask
                 self.rates[well] = rate * (1.0 - failure)
-                self.rates[badly & won[graph.sources]] = rate * failure
-                going_on = running[graph.sources] & running[graph.targets] & ~well & ~badly & may_happen
-                failed |= badly & (running & ~graph.reaching(won, going_on))[graph.sources]
+                self.rates[badly & won[sources]] = rate * failure
+                going_on = running[sources] & running[targets] & ~well & ~badly & may_happen
+                failed |= badly & (running & ~self.graph.reaching(won, going_on))[sources]
         return failed
 
     # --- what is possible ---
@@ -277,36 +267,41 @@ class Chain:
         return found
 
     @cached_property
-    def degraded(self) -> Mask:
-        """By status, whether the first state is of a degraded mode, and is not left at once."""
-        return self.listed.at_entries(self.listed.degraded & ~self.hasty)
-
-    @cached_property
     def modes(self) -> Floats:
-        """The expected number of jumps into another, degraded mode, by status at the entry; may be infinite.
+        """How often it is expected to come into another, degraded mode, by status at the entry, or infinite.
 
-        The entry is not counted, and no mode that is left at once.
+        That of the first state counts, and none that is left at once.
         """
-        graph = self.graph
-        counted = self.listed.into_degraded & ~self.hasty[graph.targets]
-        gained = np.bincount(graph.sources, np.where(counted, self.rates, 0.0), graph.states).astype(float)
-        finite, endless = sums(gained, lambda goal: graph.reaching(goal, self.moving))
-        found = np.where(endless, np.inf, 0.0)
-        inner = np.flatnonzero(finite)
-        if len(inner):
-            found[inner] = self._solver(inner, np.zeros(1))(gained[inner, None])[0, :, 0]
-        return self.listed.at_entries(found)
+        graph, listed = self.graph, self.listed
+        degraded = listed.degraded & ~self.hasty
+        changed = np.where(listed.changing & degraded[graph.targets], self.rates, 0.0)
+        gained = np.bincount(graph.sources, changed, graph.states).astype(float)
+        after = totals(gained, lambda goal: graph.reaching(goal, self.moving), self._solved)
+        return listed.at_entries(degraded + after)
+
+    def _solved(self, inner: Mask, gained: Floats) -> Floats:
+        """What is gained in some states; in all others nothing."""
+        found, states = np.zeros(self.graph.states), np.flatnonzero(inner)
+        if len(states):
+            found[states] = self._solver(states, np.zeros(1))(gained[states, None])[0, :, 0]
+        return found
 
 
-def sums(gained: Floats, reaching: Callable[[Mask], Mask], resting: Mask | bool = False) -> tuple[Mask, Mask]:
-    """From which states of a chain something is gained on the way: finitely, and infinitely much.
+def totals(
+    gained: Floats,
+    reaching: Callable[[Mask], Mask],
+    solved: Callable[[Mask, Floats], Floats],
+    resting: Mask | bool = False,
+) -> Floats:
+    """What is expected to be gained on the way through a chain, by state; infinite where it never ends.
 
     Args:
-        gained: What is expected to be gained in one step, by state.
+        gained: What is expected to be gained in a state, or by the jump out of it.
         reaching: Finds the states from which some of given states are reached with some probability.
+        solved: Solves the linear system of some states in which what is gained is finite.
         resting: States that may turn out to be the last.
     """
     gaining = reaching(np.asarray(gained > 0, np.bool_))
     # It goes on for ever where no state is reached after which nothing is gained.
     endless = reaching(np.isinf(gained) | ~reaching(~gaining | resting))
-    return gaining & ~endless, endless
+    return np.where(endless, np.inf, solved(gaining & ~endless, gained))

@@ -15,18 +15,16 @@ lead back to earlier ones, the values at those entries are the unknowns of a lin
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import accumulate
 from typing import Any
 
 import networkx as nx
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from mcpn.check.causes.chain import CHUNK, Chain, Floats, Listed, sums
+from mcpn.check.causes.chain import CHUNK, Chain, Floats, Listed, totals
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import FAIL, SUCCEED
@@ -37,9 +35,6 @@ MOST_HARDWARE = 16
 
 MOST_DENSE = 1024
 """Unknowns of a system that is solved directly; a larger one by iteration."""
-
-PRODUCTS = 1024
-"""Products of functions whose kernels are multiplied at a time."""
 
 PRECISION = 1e-13
 """Of the iteration, relative to the values at the exits."""
@@ -65,8 +60,8 @@ class Section:
 class Sections:
     """The sections of a mission, whose entries are numbered.
 
-    An *entry* is a section with a status of the hardware that it and later ones use, its own in the highest
-    bits; the two ends of the mission are numbered last.
+    An *entry* is a section with a status of the hardware that it and later ones use, its own in the lowest
+    bits; the two ends of the mission are numbered first.
 
     Args:
         sections: The sections by name, in the mission's order.
@@ -74,7 +69,8 @@ class Sections:
         hardware: The mission's hardware that can fail.
 
     Attributes:
-        used: By section and end of the mission, the hardware that it and later ones use, its own first.
+        sections: The sections, in the order of their entries: later ones first.
+        used: By section and end of the mission, the hardware that it and later ones use, its own last.
         first: By section and end, the number of its first entry.
         entries: The number of all.
         loops: Sections that lead to each other, each time those that come last first, and the entries of
@@ -85,21 +81,20 @@ class Sections:
     """
 
     def __init__(self, sections: Mapping[str, Section], entry: str, hardware: Sequence[str]) -> None:
-        self.sections = sections
         self.entry = entry
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(sections)
         graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
         order = {name: number for number, name in enumerate(sections)}
         condensed = nx.condensation(graph)
-        components = [
-            sorted(condensed.nodes[number]["members"], key=order.__getitem__, reverse=True)
-            for number in reversed(list(nx.topological_sort(condensed)))
-        ]
-        known: dict[str, tuple[str, ...]] = {}
-        for members in components:
+        self.used: dict[str, tuple[str, ...]] = {SUCCEED: (), FAIL: ()}
+        self.first = {SUCCEED: 0, FAIL: 1}
+        self.entries = 2
+        self.loops: list[tuple[list[str], Ints]] = []
+        for number in reversed(list(nx.topological_sort(condensed))):
+            members = sorted(condensed.nodes[number]["members"], key=order.__getitem__, reverse=True)
             used = {h for n in members for h in sections[n].hardware}
-            used |= {h for n in members for r in graph[n] for h in known.get(r, ())}
+            used |= {h for n in members for r in graph[n] for h in self.used.get(r, ())}
             if len(used) > MOST_HARDWARE and len(sections) > 1:
                 raise LimitError(
                     f"section {members[-1]} and those after it use {len(used)} hardware resources that may "
@@ -108,15 +103,13 @@ class Sections:
                 )
             for name in members:
                 own = sections[name].hardware
-                known[name] = (*own, *(h for h in hardware if h in used.difference(own)))
-        self.used = {**{name: known[name] for name in sections}, SUCCEED: (), FAIL: ()}
-        *firsts, self.entries = accumulate((1 << len(used) for used in self.used.values()), initial=0)
-        self.first = dict(zip(self.used, firsts, strict=True))
-        self.loops: list[tuple[list[str], Ints]] = []
-        for members in components:
+                self.used[name] = (*(h for h in hardware if h in used.difference(own)), *own)
+                self.first[name] = self.entries
+                self.entries += 1 << len(used)
             back = {r for n in members for r in graph[n] if r in members and order[r] < order[n]}
-            numbers = [np.arange(self.entries)[self.here(name)] for name in back]
-            self.loops.append((members, np.concatenate([np.arange(0), *numbers])))
+            heads = [self.first[name] + np.arange(1 << len(used)) for name in back]
+            self.loops.append((members, np.concatenate([np.arange(0), *heads])))
+        self.sections = {name: sections[name] for members, _ in self.loops for name in members}
         self._projected = cache(_projected)
 
     def here(self, name: str) -> slice:
@@ -124,20 +117,24 @@ class Sections:
         return slice(self.first[name], self.first[name] + (1 << len(self.used[name])))
 
     def after(self, name: str) -> Ints:
-        """The entries behind a section: by exit and status there of its own hardware, and by other status."""
+        """The entries behind a section: by status of other hardware, and exit and status of its own."""
         section, used = self.sections[name], self.used[name]
         routes = [section.routes[exit_] for exit_ in section.listed.exits]
         found = [self.first[r] + self._projected(used, self.used[r]) for r in routes]
-        return np.concatenate(found).reshape(section.listed.columns, -1)
+        return np.concatenate([numbers.reshape(-1, section.listed.statuses) for numbers in found], axis=1)
 
 
 def _projected(hardware: Sequence[str], of: Sequence[str]) -> Ints:
     """By status of some hardware, the status of some of it; bits of what is not among it are 0."""
     found = np.zeros(1, np.int64)
     for name in hardware:
-        bit = 1 << (len(of) - 1 - of.index(name)) if name in of else 0
-        found = np.add.outer(found, (0, bit)).reshape(-1)
+        found = np.add.outer(found, (0, _bit(name, of))).reshape(-1)
     return found
+
+
+def _bit(name: str, of: Sequence[str]) -> int:
+    """The status of some hardware in which one resource is out of service, if it is among it."""
+    return 1 << len(of) >> of.index(name) + 1 if name in of else 0
 
 
 class Outlook:
@@ -157,50 +154,37 @@ class Outlook:
         self._passages: dict[str, _Passage] = {}
         passage = cache(_Passage)
         for name, section in model.sections.items():
-            of = [rates[h] for h in model.used[name]]
-            own = len(section.hardware)
+            own = tuple(rates[h] for h in section.hardware)
+            used = tuple(rates[h] for h in model.used[name])
             ending = tuple(
                 (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
             )
-            key = section.listed, tuple(of[:own]), ending
+            key = section.listed, own, ending
             if key not in self._chains:
                 self._chains[key] = Chain(*key)
-            self._passages[name] = passage(self._chains[key], tuple(of[own:]))
+            self._passages[name] = passage(self._chains[key], used[: len(used) - len(own)])
 
-    def ends(self, lost: str | None = None) -> tuple[float, float]:
+    def ends(self, lost: str = "") -> tuple[float, float]:
         """Probabilities of success and failure, if one resource is out of service at the start."""
-        entry, used = self.model.entry, self.model.used[self.model.entry]
-        status = 1 << (len(used) - 1 - used.index(lost)) if lost in used else 0
-        success, failure = self._ends[self.model.first[entry] + status].tolist()
+        entry = self.model.entry
+        success, failure = self._ends[self.model.first[entry] + _bit(lost, self.model.used[entry])].tolist()
         return success, failure
 
     @cached_property
     def _ends(self) -> Floats:
-        ends = np.zeros((self.model.entries, 2))
-        ends[-2:] = np.eye(2)
-        return self._solved(
-            self._reaching(ends[:, 0] + ends[:, 1] > 0), np.zeros((self.model.entries, 1)), ends
-        )
+        ends = np.eye(self.model.entries, 2)
+        return self._solved(self._reaching(ends[:, 0] + ends[:, 1] > 0), ends)
 
     def degraded_modes(self) -> float:
         """The expected number of jumps into another, degraded mode; infinite where it may go on for ever."""
-        model = self.model
-        entered = self._by_entry(lambda chain: chain.degraded)
-        gained = self._by_entry(lambda chain: chain.modes)
-        for name, passage in self._passages.items():
-            gained[model.here(name)] += passage.back(entered[model.after(name), None])[:, 0]
-        stays = self._by_entry(lambda chain: chain.stays)
-        finite, endless = sums(gained, self._reaching, stays > 0)
-        start = model.first[model.entry]
-        if endless[start]:
-            return math.inf
-        values = self._solved(finite, gained[:, None], np.zeros((model.entries, 1)))
-        return float(values[start, 0] + entered[start])
+        gained, stays = self._by_entry(lambda chain: chain.modes), self._by_entry(lambda chain: chain.stays)
+        found = totals(gained, self._reaching, lambda *of: self._solved(*of)[:, 0], stays > 0)
+        return float(found[self.model.first[self.model.entry]])
 
     def _by_entry(self, said: Callable[[Chain], Floats | Mask]) -> Floats:
         """What is said of the chains by status of a section's own hardware, by entry; 0 at the ends."""
-        parts = [np.repeat(said(p.chain), 1 << len(p.beside)) for p in self._passages.values()]
-        return np.concatenate([*parts, np.zeros(2)])
+        parts = [np.tile(said(p.chain), 1 << len(p.beside)) for p in self._passages.values()]
+        return np.concatenate([np.zeros(2), *parts])
 
     def _reaching(self, goal: Mask) -> Mask:
         """The entries and ends from which some of given ones are reached with some probability."""
@@ -214,29 +198,34 @@ class Outlook:
                     found[self.model.here(name)] |= coming
         return found
 
-    def _solved(self, inner: Mask, gained: Floats, ends: Floats) -> Floats:
-        """What is gained and then expected, by entry, 0 outside ``inner``; at the ends as given."""
-        values, nothing = ends.copy(), np.zeros(gained.shape)
+    def _solved(self, inner: Mask, gained: Floats) -> Floats:
+        """What is gained at entries and ends, and then expected; 0 at entries outside ``inner``."""
+        gained = gained.reshape(len(gained), -1)
+        values = np.zeros(gained.shape)
+        values[:2] = gained[:2]
         for members, heads in self.model.loops:
-            self._sweep(members, inner, gained, values)
+            self._sweep(members, inner, values, gained)
             if len(heads):
 
-                def less(matrix: Floats, members: Sequence[str] = members, heads: Ints = heads) -> Floats:
+                def less(matrix: Floats, members: list[str] = members, heads: Ints = heads) -> Floats:
                     found = np.zeros((len(values), matrix.shape[1]))
                     found[heads] = matrix
-                    self._sweep(members, inner, nothing, found)
+                    self._sweep(members, inner, found)
                     return matrix - found[heads]
 
                 values[heads] = _linear(less, values[heads])
-                self._sweep(members, inner, gained, values)
+                self._sweep(members, inner, values, gained)
         return values
 
-    def _sweep(self, members: Sequence[str], inner: Mask, gained: Floats, values: Floats) -> None:
+    def _sweep(
+        self, members: Sequence[str], inner: Mask, values: Floats, gained: Floats | None = None
+    ) -> None:
         """Sets the values of sections from those of later ones, and of those they lead back to."""
         for name in members:
             # What leads back to this section came before it here, and has seen the value that was known.
             here = self.model.here(name)
-            value = self._passages[name].back(values[self.model.after(name)]) + gained[here]
+            value = self._passages[name].back(values[self.model.after(name)])
+            value = value if gained is None else value + gained[here]
             values[here] = np.where(inner[here, None], value, 0.0)
 
 
@@ -255,6 +244,7 @@ def _linear(system: Callable[[Floats], Floats], right: Floats) -> Floats:
     return found
 
 
+@dataclass(frozen=True, eq=False)
 class _Passage:
     """The way through one section, from values at its exits to values at its entry.
 
@@ -263,16 +253,15 @@ class _Passage:
         beside: Failures and repairs per hour of other hardware that it or later ones use.
     """
 
-    def __init__(self, chain: Chain, beside: Sequence[tuple[float, float]]) -> None:
-        self.chain = chain
-        self.beside = beside
+    chain: Chain
+    beside: Sequence[tuple[float, float]]
 
-    def _each_beside(self, matrix: Floats, maps: Iterable[Sequence[Sequence[float]]]) -> Floats:
+    def _each_beside(self, values: Floats, maps: Iterable[Sequence[Sequence[float]]]) -> Floats:
         """Values after a map of two states to two for each resource beside the section."""
-        found = matrix
+        found = values
         for number, of in enumerate(maps):
-            found = np.asarray(of) @ found.reshape(len(matrix) << number, 2, -1)
-        return found.reshape(matrix.shape)
+            found = np.asarray(of) @ found.reshape(1 << number, 2, -1)
+        return found.reshape(values.shape)
 
     @cached_property
     def _kernels(self) -> tuple[Floats, Ints]:
@@ -291,35 +280,26 @@ class _Passage:
         """Expected values.
 
         Args:
-            values: By exit and status there, status beside, and a free axis.
+            values: By status beside, exit and own status there, and a free axis.
 
         Returns:
             By entry, and the free axis.
         """
         if not self.beside:
-            return self.chain.expected(values[:, 0])
+            return self.chain.expected(values[0])
         kernels, numbers = self._kernels
-        # The share of time out of service, and the difference that the status makes, or the status as it is.
-        shares = [(fails / (fails + back) if fails + back else None) for fails, back in self.beside]
-        as_it_is = (1.0, 0.0), (0.0, 1.0)
-        values = self._each_beside(
-            values, (as_it_is if out is None else ((1.0 - out, out), (1.0, -1.0)) for out in shares)
-        )
-        found = np.empty((self.chain.listed.statuses, *values.shape[1:]))
-        for begin in range(0, len(numbers), PRODUCTS):
-            chosen = slice(begin, begin + PRODUCTS)
-            products = kernels[numbers[chosen]] @ values[:, chosen].transpose(1, 0, 2)
-            found[:, chosen] = products.transpose(1, 0, 2)
-        found = self._each_beside(
-            found, (as_it_is if out is None else ((1.0, out), (1.0, out - 1.0)) for out in shares)
-        )
+        # The share of time out of service, and the difference that the status makes.
+        shares = [fails / ((fails + back) or 1.0) for fails, back in self.beside]
+        products = self._each_beside(values, (((1.0 - out, out), (1.0, -1.0)) for out in shares))
+        after = (((1.0, out), (1.0, out - 1.0)) for out in shares)
+        found = self._each_beside(kernels[numbers] @ products, after)
         return found.reshape(-1, values.shape[-1])
 
     def may_come_to(self, flags: Mask) -> Mask:
-        """By entry, whether what is flagged, by exit and status there, and status beside, is possible."""
+        """By entry, whether what is flagged, by status beside, exit and own status there, is possible."""
         if not self.beside:
-            return self.chain.may_come_to(flags[:, 0])
+            return self.chain.may_come_to(flags[0])
+        at_once, later = (pairs.T.astype(np.float64) for pairs in self.chain.possible)
         before = flags.astype(np.float64)
         after = self._each_beside(before, (((1, fails > 0), (back > 0, 1)) for fails, back in self.beside))
-        at_once, later = (pairs.astype(np.float64) for pairs in self.chain.possible)
-        return np.asarray(at_once @ before + later @ after > 0, np.bool_).reshape(-1)
+        return np.asarray(before @ at_once + after @ later > 0, np.bool_).reshape(-1)

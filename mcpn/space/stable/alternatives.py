@@ -8,9 +8,8 @@ every transient marking behind an event is explored once, and its one stable end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,20 +27,6 @@ DEFAULT_MAX_TRANSIENT = 20_000_000
 """Transient markings that are explored one by one; each takes some 300 bytes."""
 
 
-class Torn(NamedTuple):
-    """An event after which internal evolution has no one stable end.
-
-    Attributes:
-        state: The stable state before it.
-        transition: Its transition.
-        error: What is wrong, with the runs that show it.
-    """
-
-    state: int
-    transition: int
-    error: SemanticsError
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class AlternativesGraph(StateGraph):
     """Stable markings and the event transitions between them, in breadth-first order.
@@ -49,12 +34,10 @@ class AlternativesGraph(StateGraph):
     Args:
         method: ``reduction`` or ``direct``.
         proof: How confluence and termination were established, in words; ``None`` where they were not.
-        torn: Events that have no edge, because their outcome depends on interleaving (only where asked for).
     """
 
     method: str
     proof: str | None
-    torn: tuple[Torn, ...] = ()
 
     def event(self, edge: int) -> Event:
         """The event of an edge."""
@@ -176,7 +159,6 @@ class _Proving:
         self.max_transient = max_transient
         self.masked = MaskedNet(net)
         self.ends: dict[int, int] = {}
-        self.torn: dict[int, SemanticsError] = {}  # transient markings that lead to no one end
         self.parents: dict[int, tuple[int, int] | None] = {}
 
     def stabilise(self, marking: int, covered: int, origin: tuple[int, int] | None) -> int:
@@ -196,26 +178,11 @@ class _Proving:
         masked, ends = self.masked, self.ends
         if start in ends:
             return ends[start]
-        if start in self.torn:
-            raise self.torn[start].with_traceback(None)
         if not covered & masked.internal:
             ends[start] = start
             return start
-        path = [(start, covered, masked.allowed(covered & masked.internal))]
-        try:
-            self.walk(path)
-        except SemanticsError as error:
-            for marking, _, _ in path:  # each of them leads to where it is wrong
-                ends.pop(marking, None)
-                self.torn[marking] = error
-            raise
-        return ends[start]
-
-    def walk(self, path: list[tuple[int, int, Iterator[int]]]) -> None:
-        """Goes on depth first from the last marking of a path, until all of the path have their end."""
-        masked, ends = self.masked, self.ends
-        on_path = {marking for marking, _, _ in path}
-        while path:
+        path, on_path = [(start, covered, masked.allowed(covered & masked.internal))], {start}
+        while path:  # depth first
             marking, covered, left = path[-1]
             t = next(left, None)
             if t is None:
@@ -233,8 +200,6 @@ class _Proving:
                 )
             if after in on_path:
                 raise divergence_error([*self.run(marking), self.net.transitions[t].name])
-            if after in self.torn:
-                raise self.torn[after].with_traceback(None)
             if after not in ends:
                 next_covered = masked.covered_after(covered, after, t)
                 if next_covered & masked.internal:
@@ -243,6 +208,7 @@ class _Proving:
                     continue
                 ends[after] = after
             self.agree(marking, after)
+        return ends[start]
 
     def agree(self, marking: int, after: int) -> None:
         end = self.ends[after]
@@ -301,7 +267,6 @@ def direct(
     net: PetriNet,
     *,
     proof: bool = True,
-    tear: bool = False,
     max_states: int = DEFAULT_MAX_STATES,
     progress: Callable[[int, int], None] | None = None,
 ) -> AlternativesGraph:
@@ -311,8 +276,6 @@ def direct(
         net: A net with priorities.
         proof: Whether to explore every transient marking behind each event, which proves that internal
             evolution is confluent and ends. Without it the graph rests on that premise.
-        tear: Whether events that break it are left out and told of, instead of raised: what only they lead
-            to is not in the graph.
         max_states: How many stable states it may have; the proof may explore a hundred times as many markings
             between them (100,000 at least, 20 million at most).
         progress: Called for each thousand stable states with their number and that of the edges.
@@ -333,18 +296,11 @@ def direct(
     begin = masked.initial()
     start = walk.stabilise(begin, masked.covered(begin), None)
     numbers, queue, covers = {start: 0}, [start], [masked.covered(start)]
-    offsets, targets, labels, torn = [0], list[int](), list[int](), list[Torn]()
+    offsets, targets, labels = [0], list[int](), list[int]()
     for state, marking in enumerate(queue):  # grows while it is walked
         for t in masked.allowed(covers[state]):
-            try:
-                after = walk.step(marking, t)
-                covered = masked.covered_after(covers[state], after, t)
-                end = walk.stabilise(after, covered, (marking, t))
-            except SemanticsError as error:
-                if not tear:
-                    raise
-                torn.append(Torn(state, t, error))
-                continue
+            after = walk.step(marking, t)
+            end = walk.stabilise(after, masked.covered_after(covers[state], after, t), (marking, t))
             if numbers.setdefault(end, len(queue)) == len(queue):
                 queue.append(end)
                 covers.append(masked.covered(end))
@@ -357,8 +313,7 @@ def direct(
             progress(len(queue), len(targets))
     words = pack(queue, len(net.places))
     how = "every transient marking behind each event explored once, its stable end unique"
-    found = _graph(net, words, offsets, targets, labels, "direct", how)
-    return replace(found, proof=None, torn=tuple(torn)) if torn else found
+    return _graph(net, words, offsets, targets, labels, "direct", how)
 
 
 def _settled(
