@@ -131,7 +131,7 @@ EXAMINATIONS: Mapping[str, Callable[[Behaviour[Any]], bool]] = {
 
 @dataclass(frozen=True)
 class NetCheck:
-    """The behaviour of a net; ``None`` where it is not known.
+    """The behaviour of a net, by names; ``None`` where it is not known.
 
     Args:
         net: The net.
@@ -139,12 +139,12 @@ class NetCheck:
         bounded: Whether it is bounded, with runs that show that it is not.
         bound: Most tokens that a place holds.
         states: Reachable markings.
-        deadlock: A run to a dead marking, a shortest one where the net is bounded; empty where the initial
-            one is dead.
-        dead_transitions: Names of transitions that never fire.
-        not_live: Names of those that some day fire no more.
-        reversible: Whether every marking leads back to the initial one.
-        home_markings: Number of markings that every marking leads to.
+        deadlock: A run to a dead marking, a shortest one where the net is bounded.
+        deadlock_free: Whether there is none.
+        dead_transitions: Transitions that never fire.
+        not_live: Those that some day fire no more.
+        reversible: See :class:`Behaviour`.
+        home_markings: The same.
     """
 
     net: PetriNet
@@ -161,15 +161,12 @@ class NetCheck:
 
 
 def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
-    """Decides the behavioural properties of a net.
+    """Decides the behavioural properties of a net; those that need all of infinitely many markings stay open.
 
     Args:
         net: Any net. Its markings are reached as a diagram; those of a net with priorities that is not 1-safe
             are listed one by one, up to the limit.
         max_states: Limit for those, and for the coverability tree.
-
-    Returns:
-        The properties; those that need every marking of an unbounded net are left open.
 
     Raises:
         LimitError: A limit was hit.

@@ -39,14 +39,7 @@ class Property:
 
 
 def read_properties(path: Path, names: Names) -> list[Property]:
-    """Reads a property file.
-
-    Args:
-        path: The file.
-        names: Look up places and transitions.
-
-    Returns:
-        Its properties, in its order.
+    """The properties of a file, in its order.
 
     Raises:
         InputError: The file is no property file, or a name is unknown, with the line of what was found.
@@ -81,9 +74,8 @@ class _Reader:
     def source(self, element: etree._Element) -> Source:
         return Source(self.file, cast(int, element.sourceline))
 
-    def wrong(self, element: etree._Element, expected: str) -> InputError:
-        found = etree.QName(element).localname
-        return InputError.at(self.source(element), f"found <{found}>, expected {expected}")
+    def error(self, element: etree._Element, before: str, after: str) -> InputError:
+        return InputError.at(self.source(element), f"{before}<{etree.QName(element).localname}>{after}")
 
     def tag(self, element: etree._Element) -> str:
         name = str(element.tag)
@@ -91,15 +83,12 @@ class _Reader:
 
     def expect(self, element: etree._Element, tag: str) -> None:
         if self.tag(element) != tag:
-            raise self.wrong(element, f"<{tag}> of the namespace {_NAMESPACE[1:-1]}")
+            raise self.error(element, "found ", f", expected <{tag}> of the namespace {_NAMESPACE[1:-1]}")
 
     def only(self, element: etree._Element, count: int | None = 1) -> list[etree._Element]:
-        children = list(element)
-        if len(children) != count and count is not None:
-            found = etree.QName(element).localname
-            message = f"<{found}> holds {len(children)} elements, expected {count}"
-            raise InputError.at(self.source(element), message)
-        return children
+        if count not in (None, len(element)):
+            raise self.error(element, "", f" holds {len(element)} elements, expected {count}")
+        return list(element)
 
     def property(self, element: etree._Element) -> Property:
         self.expect(element, "property")
@@ -127,14 +116,14 @@ class _Reader:
             case "integer-le":
                 small, large = map(self.sum, self.only(element, 2))
                 return compare(small, "<=", large)
-        raise self.wrong(element, "a formula on states")
+        raise self.error(element, "found ", ", expected a formula on states")
 
     def path(self, quantifier: str, element: etree._Element) -> Formula:
         tag = self.tag(element)
         if tag in _PATHS:
             return OPERATORS[quantifier + _PATHS[tag]](self.formula(*self.only(element)))
         if tag != "until":
-            raise self.wrong(element, "<finally>, <globally>, <next> or <until>")
+            raise self.error(element, "found ", ", expected <finally>, <globally>, <next> or <until>")
         parts = self.only(element, 2)
         for part, expected in zip(parts, ("before", "reach"), strict=True):
             self.expect(part, expected)
@@ -153,7 +142,8 @@ class _Reader:
             case "integer-sum":
                 parts = [self.sum(child) for child in element]
                 return sum(constant for constant, _ in parts), tuple(p for _, places in parts for p in places)
-        raise self.wrong(element, "<tokens-count>, <integer-constant> or <integer-sum>")
+        expected = "<tokens-count>, <integer-constant> or <integer-sum>"
+        raise self.error(element, "found ", f", expected {expected}")
 
     def named(self, element: etree._Element, tag: str, lookup: Callable[[str], int]) -> tuple[int, ...]:
         for child in element:

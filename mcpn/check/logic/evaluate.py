@@ -18,17 +18,7 @@ from typing import Generic
 
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.space.algebra import S, Space
-from mcpn.space.search.goal import (
-    TRUE,
-    And,
-    AtMost,
-    Deadlock,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    Stable,
-)
+from mcpn.space.search.goal import TRUE, And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 
 
 class Evaluation(Generic[S]):
@@ -54,10 +44,9 @@ class Evaluation(Generic[S]):
         match formula:
             case Not((operand,)):
                 return not self.holds(operand)
-            case And(operands):
-                return all(self.holds(operand) for operand in sorted(operands, key=_effort))
-            case Or(operands):
-                return any(self.holds(operand) for operand in sorted(operands, key=_effort))
+            case And(operands) | Or(operands):
+                values = map(self.holds, sorted(operands, key=_effort))
+                return all(values) if isinstance(formula, And) else any(values)
             case EU((And(()), right)):  # every state is reachable
                 return bool(self.states(right) & self.fair_states)
             case EG((operand,)) if not self.fair and formula not in self._known:

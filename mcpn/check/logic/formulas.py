@@ -17,18 +17,7 @@ from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import (
-    FALSE,
-    TRUE,
-    And,
-    AtMost,
-    Formula,
-    Goal,
-    Not,
-    Operator,
-    Or,
-    as_goal,
-)
+from mcpn.space.search.goal import FALSE, TRUE, And, AtMost, Formula, Goal, Not, Operator, Or, as_goal
 
 MAX_SIZE = 50_000
 
@@ -83,13 +72,7 @@ Sum: TypeAlias = tuple[int, tuple[int, ...]]
 
 
 def compare(left: Sum, relation: str, right: Sum) -> Formula:
-    """A comparison of two sums of tokens.
-
-    Args:
-        left: The sum on the left.
-        relation: ``<``, ``<=``, ``=``, ``!=``, ``>=`` or ``>``.
-        right: The sum on the right.
-    """
+    """A comparison of two sums of tokens, by ``<``, ``<=``, ``=``, ``!=``, ``>=`` or ``>``."""
     if relation in ("=", "!="):
         equal = And(compare(left, "<=", right), compare(right, "<=", left))
         return equal if relation == "=" else Not(equal)

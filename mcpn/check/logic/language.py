@@ -112,7 +112,7 @@ class _Parser:
                 self._take(_CLOSING[opening], "&")
                 self._longer = ()
                 if not opening:
-                    return self._whole()
+                    return self._checked(*self._operands.pop())
                 if sign == "U":
                     self._operators.append(f"{opening}U")
                     break
@@ -123,8 +123,7 @@ class _Parser:
                 self._reduce(_BINDING[sign] + (sign != "<->"))
                 self._operators.append(sign)
 
-    def _whole(self) -> Formula:
-        formula, depth = self._operands.pop()
+    def _checked(self, formula: Formula, depth: int) -> Formula:
         if depth > MAX_DEPTH:
             raise InputError.at(None, f"formula more than {MAX_DEPTH} operators deep: the limit was hit")
         if self._unknown:
@@ -139,7 +138,7 @@ class _Parser:
             while operator in "&|" and operators and operators[-1] == operator:
                 operators.pop()
                 count += 1
-            self._apply(operator, 1 if _BINDING[operator] == _TIGHT else count)
+            self._apply(operator, count if operator in _BINARY else 1)
 
     def _apply(self, operator: str, count: int) -> None:
         formulas, depths = zip(*self._operands[-count:], strict=True)
@@ -201,9 +200,8 @@ class _Parser:
         while True:
             if token.kind == "integer":
                 if len(token.text) > MAX_DIGITS:
-                    raise self._error(
-                        token.at, f"a number of more than {MAX_DIGITS} digits: the limit was hit"
-                    )
+                    message = f"a number of more than {MAX_DIGITS} digits: the limit was hit"
+                    raise self._error(token.at, message)
                 constant += int(token.text)
             elif token.text == "tokens" and self._next.text == "(":
                 places += self._listed(self._lookup.place)
@@ -289,7 +287,7 @@ def show(formula: Formula, names: Names, around: int = 0) -> str:
 
     Args:
         formula: The formula.
-        names: Name places and transitions, and know which words about the mission people have used.
+        names: Know which words about the mission people have used.
         around: How tight the operator around it binds.
     """
 

@@ -85,12 +85,7 @@ class Questions:
         )
 
     def formula(self, text: str) -> Formula:
-        """The formula of a text.
-
-        Raises:
-            InputError: It is none, or a name is unknown.
-            LimitError: It is too large.
-        """
+        """The formula of a text; it raises what :func:`mcpn.check.logic.language.parse` does."""
         return parse(text, self.names)
 
     @property

@@ -6,21 +6,11 @@ The rules are those of CTL on maximal paths, all of which count: not for use wit
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import (
-    DEADLOCK,
-    FALSE,
-    TRUE,
-    And,
-    AtMost,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    needs,
-)
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, needs
 
 
 def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:
@@ -100,12 +90,9 @@ def at_first(formula: Formula, known: Callable[[Formula], bool | None]) -> Formu
     Returns:
         A constant where the initial state decides; else what is left to ask there.
     """
-
-    def left(part: Formula) -> Formula:
-        return at_first(part, known)
-
+    left = partial(at_first, known=known)
     if isinstance(formula, Not):
-        return formula.mapped(left)
+        return ~left(formula.operands[0])
     if isinstance(formula, And | Or):
         return joined(type(formula)(*map(left, formula.operands)))
     value = known(formula)

@@ -24,6 +24,7 @@ from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first, simplified
 from mcpn.check.nets import EXAMINATIONS, Behaviour
+from mcpn.check.spaces import Asked
 from mcpn.errors import InputError, McpnError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
@@ -137,7 +138,7 @@ class _Answers:
                 with _limited(store, FIRST_SLICE * GROWTH**number):
                     value = _value(questions, self.waiting[name])
                 if value is not None:
-                    yield self.answer(name, value, self.engine())
+                    yield self.answer(name, value, _technique(questions.choice.engine))
             if not self.waiting:
                 return
             yield from self.by_need(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)])
@@ -149,21 +150,19 @@ class _Answers:
         del self.waiting[name]
         return Verdict(name, str(value).upper(), tuple({**self.ways[name], **dict.fromkeys(ways)}))
 
-    def formulas(self) -> dict[str, Formula]:
-        """The formulas that wait."""
-        return {name: formula for name, formula in self.waiting.items() if isinstance(formula, Formula)}
-
     def parts(self) -> list[Formula]:
         """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
-        parts = chain.from_iterable(map(parts_at_first, self.formulas().values()))
-        return sorted(dict.fromkeys(parts), key=_effort)
+        formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
+        return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
-    def learn(self, part: Formula, value: bool, *ways: str) -> Iterator[Verdict]:
-        """Puts the value of a part where it is asked for, and yields what that answers."""
-        for name, formula in self.formulas().items():
-            if part in parts_at_first(formula):
+    def learn(self, part: Meaning, value: bool, *ways: str) -> Iterator[Verdict]:
+        """Puts a value where it is asked for, and yields what that answers."""
+        for name, asked in list(self.waiting.items()):
+            if asked == part:
+                yield self.answer(name, value, *ways)
+            elif isinstance(asked, Formula) and part in parts_at_first(asked):
                 self.ways[name].update(dict.fromkeys(ways))
-                yield from self.left(name, at_first(formula, lambda at: value if at == part else None))
+                yield from self.left(name, at_first(asked, lambda at: value if at == part else None))
 
     def left(self, name: str, rest: Formula, *ways: str) -> Iterator[Verdict]:
         """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
@@ -173,25 +172,22 @@ class _Answers:
 
     # --- ways ---
 
-    def engine(self) -> str:
-        """The technique of the space."""
-        return EXPLICIT if self.questions.choice.engine == "explicit" else DIAGRAMS
-
     def one_safe_at_sight(self) -> Iterator[Verdict]:
         """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
         searches = Searches(self.net)
-        for name in [name for name, asked in self.waiting.items() if asked == ONE_SAFE]:
-            if max(self.net.initial, default=0) > 1:
-                yield self.answer(name, False, INITIAL_STATE)
-            elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
-                yield self.answer(name, False, RANDOM_WALK)
+        if ONE_SAFE not in self.waiting.values():
+            return
+        if max(self.net.initial, default=0) > 1:
+            yield from self.learn(ONE_SAFE, False, INITIAL_STATE)
+        elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+            yield from self.learn(ONE_SAFE, False, RANDOM_WALK)
 
     def one_safe(self) -> Iterator[Verdict]:
         """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
-        for name in [name for name, asked in self.waiting.items() if asked == ONE_SAFE]:
+        if ONE_SAFE in self.waiting.values():
             safe = self.questions.one_safe()
-            explicit = (self.questions.choice.engine if safe else self.questions.engine) == "explicit"
-            yield self.answer(name, safe, EXPLICIT if explicit else DIAGRAMS)
+            engine = self.questions.choice.engine if safe else self.questions.engine
+            yield from self.learn(ONE_SAFE, safe, _technique(engine))
 
     def rewritten(self) -> Iterator[Verdict]:
         """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
@@ -201,8 +197,8 @@ class _Answers:
             goal = as_goal(part, self.net)
             return None if goal is None else holds(goal, self.net, self.net.initial)
 
-        for name, formula in self.formulas().items():
-            if formula != SOME_DEADLOCK:
+        for name, formula in list(self.waiting.items()):
+            if isinstance(formula, Formula) and formula != SOME_DEADLOCK:
                 bounds = bounds or place_bounds(self.net)
                 smaller = simplified(formula, self.net, bounds)
                 how = REWRITING if smaller in (TRUE, FALSE) else INITIAL_STATE
@@ -216,12 +212,7 @@ class _Answers:
             yield from self.learn(parts[index], found.reachable, *found.techniques)
 
     def by_need(self, steps: int, *, searched: bool = True) -> Iterator[Verdict]:
-        """Asks markings as they are needed, in so many steps for each part of a formula.
-
-        Args:
-            steps: See :meth:`mcpn.check.logic.local.LocalCheck.decide`.
-            searched: Whether to ask as well what a search for a reachable marking is asked anyway.
-        """
+        """Asks markings as they are needed, so many steps for each part; with or without what is searched."""
         if self.local is None:
             return
         for part in self.parts():
@@ -230,6 +221,10 @@ class _Answers:
                 if value is not None:
                     yield from self.learn(part, value, EXPLICIT)
         self.rounds += 1
+
+
+def _technique(engine: Asked) -> str:
+    return EXPLICIT if engine == "explicit" else DIAGRAMS
 
 
 @contextmanager

@@ -9,6 +9,7 @@ Veith, *Counterexamples revisited*, 2003).
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
@@ -80,10 +81,9 @@ class Witness:
         """The moment after some steps: by events, as runs are shown, where the net has events."""
         if not self.space.net.priorities:
             return f"after step {step}"
-        internal = [self.space.net.transitions[edge.transition].event is None for edge in self.steps[:step]]
-        events = internal.count(False)
-        later = list(reversed(internal)).index(False) if events else len(internal)
-        moment = f"after event {events}" if events else "at the start"
+        events = [self.space.net.transitions[edge.transition].event is not None for edge in self.steps[:step]]
+        later = next((back for back, event in enumerate(reversed(events)) if event), step)
+        moment = f"after event {sum(events)}" if any(events) else "at the start"
         return f"{moment} and {later} internal firing{'s' * (later != 1)}" if later else moment
 
     @property
@@ -115,12 +115,9 @@ def explain(evaluation: Evaluation[S], formula: Formula, names: Names | None = N
     """Shows by a run why a formula holds, or fails, in the initial state.
 
     Args:
-        evaluation: Of the formula on a space.
+        evaluation: Of the formula on a space. Runs to an ``EF`` are as short as the space's are.
         formula: The formula.
         names: Those that it was read with; the net's alone by default.
-
-    Returns:
-        A witness or a counterexample. Runs to an ``EF`` are as short as the space's are.
     """
     space = evaluation.space
     witness = Witness(space, space.initial.pick(), names or Names(space.net))
@@ -175,15 +172,13 @@ class _Explanation(Generic[S]):
 
     def at_end(self, states: S) -> bool:
         """Whether the run has come to one of some states."""
-        return self.is_in(self.witness.end, states)
+        return bool(self.space.single(self.witness.end) & states)
 
-    def is_in(self, state: Any, states: S) -> bool:
-        return bool(self.space.single(state) & states)
-
-    def go(self, allowed: S) -> bool:
-        """Appends the first edge into a set, if there is one."""
+    def go(self, allowed: S, transitions: Collection[int] | None = None) -> bool:
+        """Appends the first edge into a set, of some transitions where they are given, if there is one."""
         for edge in self.space.edges(self.witness.end):
-            if self.is_in(edge.target, allowed):
+            asked = transitions is None or edge.transition in transitions
+            if asked and self.space.single(edge.target) & allowed:
                 self.witness.steps.append(edge)
                 return True
         return False
@@ -207,9 +202,8 @@ class _Explanation(Generic[S]):
         seen: dict[Marking, int] = {}
         while (here := self.space.marking(self.witness.end)) not in seen:
             if len(seen) > MAX_WALK:
-                self.witness.shown.append(
-                    f"no state has come back within {MAX_WALK} steps: the run is cut here"
-                )
+                cut = f"no state has come back within {MAX_WALK} steps: the run is cut here"
+                self.witness.shown.append(cut)
                 return
             seen[here] = len(self.witness.steps)
             if not self.go(inside):
@@ -235,24 +229,18 @@ class _Explanation(Generic[S]):
         """Appends a path inside the hull to where a constraint is met."""
         self.follow(hull, self.evaluation.met(constraint, hull))
         if not self.at_end(self.evaluation.plain.states(constraint.states)):
-            fires = (e for e in self.space.edges(self.witness.end) if e.transition in constraint.transitions)
-            self.witness.steps.append(next(edge for edge in fires if self.is_in(edge.target, hull)))
-
-    # --- words ---
+            self.go(hull, constraint.transitions)
 
     def note(self, where: str, formula: Formula, reason: str = "") -> None:
         self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
 
 def scenario(witness: Witness) -> str:
-    """A witness as a firing sequence: names of transitions, as TINA's stepper writes them in ``.scn`` files.
-
-    Args:
-        witness: The run.
+    """A witness as a firing sequence, as TINA's stepper writes them in ``.scn`` files.
 
     Returns:
-        A name a line, in braces where it holds anything but letters, digits, ``_`` and ``'``; comments after
-        ``#`` say where a cycle begins.
+        The name of a transition a line, in braces where it holds anything but letters, digits, ``_`` and
+        ``'``; a comment after ``#`` says where a cycle begins.
     """
     lines = [quote(witness.space.net.transitions[t].name) for t in witness.firings]
     if witness.cycle_firing is not None:

@@ -13,7 +13,7 @@ from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.space.search.searches import Searches, replay, shortened
-from tests.net.nets import nets, state_machines
+from tests.net.nets import counter, nets, state_machines
 from tests.space.search.goals import all_markings, goals, is_goal
 
 ANY_NETS = nets(max_weight=1) | nets(max_weight=2) | state_machines().map(lambda pair: pair[0])
@@ -94,22 +94,6 @@ def test_a_shortened_run_ends_in_the_same_marking(net: PetriNet, choices: list[i
     short = shortened(net, run)
     assert replay(net, short) == marking
     assert len(short) < len(passed)
-
-
-def counter(bits: int) -> PetriNet:
-    """A binary counter: 2 ** bits markings, one after the other."""
-    builder = NetBuilder("counter")
-    for bit in range(bits):
-        builder.place(f"zero{bit}", initial=1)
-        builder.place(f"one{bit}")
-    for bit in range(bits):
-        ones = [f"one{b}" for b in range(bit)]
-        builder.transition(
-            f"count{bit}",
-            consume=[f"zero{bit}", *ones],
-            produce=[f"one{bit}", *(f"zero{b}" for b in range(bit))],
-        )
-    return builder.build()
 
 
 def test_limits_are_told() -> None:
