@@ -23,7 +23,7 @@ from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
 from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
-from mcpn.space.stable.joining import EndlessRun, parting_behind
+from mcpn.space.stable.joining import EndlessRun, parting_among
 from mcpn.space.stable.nearest import fault_by
 from mcpn.steps import step
 
@@ -47,7 +47,7 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
             begun |= _begun(composite, stage)
         transient = begun.saturate(encoding.internal)
         try:
-            found = parting_behind(encoding, begun, conflicts)
+            found = parting_among(encoding, begun, conflicts)
             marking, endless = (None, bool(space.endless)) if found is None else (found[0], False)
         except EndlessRun:
             endless = True
