@@ -18,7 +18,6 @@ from typing import Any
 
 import plots
 
-from mcpn.check.causes.conditions import enumeration
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.logic.evaluate import Evaluation
@@ -32,6 +31,7 @@ from mcpn.report.causes import fmeca_rows
 from mcpn.report.pictures.plots import Curves
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.stable.clash import enumeration
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 

@@ -89,6 +89,7 @@ HEAVY = {
     "numpy.ma",
     "networkx",
     "scipy",
+    "highspy",
     "lark",
     "rich",
     "hypothesis",

@@ -16,7 +16,7 @@ from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
 from mcpn.check.logic.questions import Questions
-from mcpn.check.nets.behaviour import behaviour
+from mcpn.check.nets import Behaviour
 from mcpn.check.spaces import Engine, On, space_of
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.controller.generate import generate
@@ -69,7 +69,7 @@ def answers(engine: Engine, on: On, formula: str, *fair: str) -> bool:
 
 def behaves(engine: Engine) -> bool:
     net = replace(mission(contention=False).net, priorities=False)
-    return behaviour(space_of(net, engine)).home_markings >= 0
+    return Behaviour(space_of(net, engine)).home_markings >= 0
 
 
 CHECKED: dict[Engine, MissionCheck] = {}

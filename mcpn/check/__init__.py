@@ -22,7 +22,7 @@ class Check(ModuleType):
     def __call__(
         self, of: Mission | MissionNet, *, engine: Asked = "auto", max_states: int | None = None
     ) -> MissionCheck:
-        """Checks a mission: its verdicts, each with a run where there is one, and the sizes of its graphs.
+        """Checks a mission or its net: verdicts, each with a run where there is one, and sizes of graphs.
 
         Args:
             of: The mission, or its net.

@@ -2,14 +2,14 @@
 
 Where nobody names an engine, static facts choose first, then who gives an answer. A small markings graph is
 listed: that is quick, people see its size, and its runs are shortest. A larger one is held by sections; where
-composition refuses a mission or hits a limit, diagrams hold the whole. Questions about all markings go to
-diagrams, beside which markings are listed as long as there are few.
+composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all markings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 from mcpn.errors import InputError, LimitError, PremiseError
@@ -46,7 +46,7 @@ class Choice:
 
     Args:
         engine: The engine.
-        why: Why this one; ``None`` where it was named, or only others have refused so far.
+        why: Why this one; ``None`` where it was named.
         max_states: Its limit on states that are listed; ``None`` for its own.
         brief: Whether it ends soon, whatever the mission is: it lists the markings, of which there are few.
     """
@@ -73,12 +73,12 @@ def answered(
     on: On,
     max_states: int | None = None,
 ) -> tuple[Found, Choice]:
-    """The first answer to a question, and whose it is.
+    """The first answer to a question, and whose it is: of one engine after the other for ``auto``.
 
     Args:
         ask: Asks one engine.
         mission_net: The mission that is asked about; ``None`` for a net of no mission.
-        engine: Who is asked; ``auto``: one after the other, until one answers.
+        engine: Who is asked.
         on: The graph that the question speaks of.
         max_states: The user's limit on states that are listed one by one.
 
@@ -86,23 +86,25 @@ def answered(
         LimitError: No engine stays within its limits; the error is that of the last.
         PremiseError: The same, where only composition was asked.
     """
-    if engine != "auto":
-        choice = Choice(engine, max_states=max_states)
-        return ask(choice), choice
-    refusal: LimitError | PremiseError | None = None
-    refused = ""
-    for choice in _choices(mission_net, on, max_states):
+    choices = _choices(mission_net, engine, on, max_states)
+    choice = next(choices)
+    while True:
         try:
-            why = choice.why or f"{refused} gives no answer: {refusal}"
-            return ask(choice), replace(choice, why=why)
+            return ask(choice), choice
         except (LimitError, PremiseError) as error:
-            refusal, refused = error, choice.engine
-    assert refusal is not None, "some engine is asked"
-    raise refusal
+            other = next(choices, None)
+            if other is None:
+                raise
+            choice = replace(other, why=other.why or f"{choice.engine} gives no answer: {error}")
 
 
-def _choices(mission_net: MissionNet | None, on: On, max_states: int | None) -> Iterator[Choice]:
+def _choices(
+    mission_net: MissionNet | None, engine: Asked, on: On, max_states: int | None
+) -> Iterator[Choice]:
     """The engines to ask, the one that promises most first."""
+    if engine != "auto":
+        yield Choice(engine, max_states=max_states)
+        return
     if mission_net is None or on == "markings":
         yield Choice("symbolic", "a diagram holds all markings, however many they are", max_states)
         yield Choice("explicit", max_states=max_states)
@@ -134,24 +136,24 @@ def space_of(
     *,
     progress: Progress | None = None,
     tokens: bool = True,
+    may_die: bool = False,
 ) -> Space[Any]:
     """The space of a net or of a mission, on one of its graphs, by one of the engines.
 
     Args:
         of: The net, or the mission's.
-        by: The engine, with or without a limit. Arrays of a mission go from one stable state to the next, and
-            through all markings where that is brief.
+        by: The engine. Arrays of a mission go from one stable state to the next, and through all markings
+            where that is brief.
         on: The graph; the alternatives graph is of nets with priorities.
-        progress: Called now and then with states and edges that are listed, or with local spaces done and to
-            do.
+        progress: Called now and then with states and edges, or with local spaces done and to do.
         tokens: Whether the places of a net without priorities may hold several tokens.
+        may_die: Whether the hardware of the mission may die (:mod:`mcpn.net.mortal`). Internal evolution is
+            then known to be confluent, for dying changes nothing but what may be repaired.
 
     Raises:
         InputError: The net has no such graph, or composition is asked of a net of no mission.
-        UnsafeError: The net is not 1-safe, and has priorities or may hold no more than one token in a place.
-        UnboundedError: The net is unbounded.
-        ConfluenceError: The alternatives graph is asked for, and internal evolution is not confluent.
-        DivergenceError: The same, and internal evolution need not end.
+        SemanticsError: The net is unbounded, or not 1-safe though it has priorities or may hold no more than
+            one token in a place; of the alternatives graph, internal evolution is not confluent or divergent.
         LimitError: A limit was hit.
     """
     net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
@@ -159,53 +161,33 @@ def space_of(
     if on == "alternatives" and not net.priorities:
         raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
     if by.engine == "local" and (mission_net is None or on == "markings"):
-        raise InputError.at(
-            None,
-            "composition makes the alternatives graph of a mission: sections hand on stable states only",
-        )
+        message = "composition makes the alternatives graph of a mission: sections hand on stable states only"
+        raise InputError.at(None, message)
     if on == "markings":
         return markings_by(net, by, progress, tokens=tokens)
     from mcpn.space.stable.clash import in_mission_words
 
     with in_mission_words(mission_net):
-        if mission_net is None or by.engine == "symbolic" or by.brief:
-            return alternatives_by(markings_by(net, by, progress, tokens=tokens), by.limit)[0]
+        if mission_net is None:
+            return alternatives_by(markings_by(net, by, progress), by.limit)[0]
         if by.engine == "local":
             from mcpn.space.local.composing import composite_space
 
-            return composite_space(mission_net, progress=progress)
-        if found := _too_much_hardware(mission_net, by.limit):
+            return composite_space(mission_net, progress=progress, may_die=may_die)
+        if may_die:
+            from mcpn.net.mortal import mortal
+
+            net = mortal(mission_net).net
+        if by.engine == "symbolic" or (by.brief and not may_die):
+            return alternatives_by(markings_by(net, by, progress), by.limit, proof=not may_die)[0]
+        if not may_die and (found := _too_much_hardware(mission_net, by.limit)):
             raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
         from mcpn.space.arrays import ArraySpace
+        from mcpn.space.stable.alternatives import direct
         from mcpn.space.stable.confluence import direct_with_proof
 
-        return ArraySpace(direct_with_proof(net, max_states=by.limit, progress=progress))
-
-
-def mortal_space(mission_net: MissionNet, by: Choice) -> Space[Any]:
-    """The alternatives graph of a mission whose hardware may die (:mod:`mcpn.net.mortal`).
-
-    Args:
-        mission_net: The mission's net, whose internal evolution is confluent and ends.
-        by: The engine and its limit.
-
-    Raises:
-        LimitError: A limit was hit.
-    """
-    if by.engine == "local":
-        from mcpn.space.local.composing import composite_space
-
-        return composite_space(mission_net, may_die=True)
-    from mcpn.net.mortal import mortal
-
-    net = mortal(mission_net).net
-    # Dying changes nothing but what may be repaired: what was confluent still is.
-    if by.engine == "explicit":
-        from mcpn.space.arrays import ArraySpace
-        from mcpn.space.stable.alternatives import direct
-
-        return ArraySpace(direct(net, proof=False, max_states=by.limit))
-    return DiagramAlternatives(reach(net))
+        listed = partial(direct, proof=False) if may_die else direct_with_proof
+        return ArraySpace(listed(net, max_states=by.limit, progress=progress))
 
 
 def markings_by(
@@ -221,7 +203,9 @@ def markings_by(
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 
-def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> tuple[Space[Any], str]:
+def alternatives_by(
+    markings: ArraySpace | DiagramMarkings, max_states: int, *, proof: bool = True
+) -> tuple[Space[Any], str]:
     """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
     step("proving that each event has one outcome")
     if not isinstance(markings, DiagramMarkings):
@@ -231,5 +215,6 @@ def alternatives_by(markings: ArraySpace | DiagramMarkings, max_states: int) -> 
         return type(markings)(graph), graph.proof or ""
     from mcpn.space.stable.confluence import prove_confluent
 
-    proof = prove_confluent(markings.net, max_states=max_states, space=markings.space)
-    return DiagramAlternatives(markings.space), proof
+    net, space = markings.net, markings.space
+    proved = prove_confluent(net, max_states=max_states, space=space) if proof else ""
+    return DiagramAlternatives(space), proved

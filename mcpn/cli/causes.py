@@ -75,7 +75,6 @@ def causes(
     """
     from dataclasses import asdict
 
-    from mcpn.check.causes.conditions import minimal_formula
     from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
@@ -98,7 +97,9 @@ def causes(
         wanted = None if fmeca is not None else list(found.objectives)
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
     goals = {found.mission.name: found.mission, **found.objectives}
-    formulas = {name: minimal_formula(goal.cut_sets) for name, goal in goals.items()} if formula else {}
+    formulas = (
+        {name: report.minimal_formula(goal.cut_sets) for name, goal in goals.items()} if formula else {}
+    )
     numbers = None
     if rates:
         from mcpn.check.causes.risk import risk

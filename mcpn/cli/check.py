@@ -91,11 +91,11 @@ def check(
 
 
 def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
-    from mcpn.check.nets.properties import check_net, examine_structure
+    from mcpn.check.nets import Structure, check_net
     from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
     if structure:
-        examined = examine_structure(net)
+        examined = Structure(net)
         emit_json(structure_object(examined)) if as_json else print_structure(examined)
         return
     found = check_net(net) if max_states is None else check_net(net, max_states=max_states)

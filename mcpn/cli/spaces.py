@@ -126,17 +126,17 @@ def _listed(
     mission_net: MissionNet, method: str, proof: bool, choice: Choice, progress: Progress | None
 ) -> Space[Any]:
     """The alternatives graph as the user wants it listed."""
-    from mcpn.check.spaces import Choice, space_of
+    from mcpn.check.spaces import space_of
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.markings.explicit import explore
-    from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, by_reduction, direct
+    from mcpn.space.stable.alternatives import by_reduction, direct
 
-    limit = DEFAULT_MAX_STATES if choice.max_states is None else choice.max_states
+    net, limit = mission_net.net, choice.limit
     if method == "reduction":
-        return ArraySpace(by_reduction(explore(mission_net.net, progress=progress, max_states=limit)))
+        return ArraySpace(by_reduction(explore(net, progress=progress, max_states=limit)))
     if not proof:
-        return ArraySpace(direct(mission_net.net, proof=False, progress=progress, max_states=limit))
-    return space_of(mission_net, Choice("explicit", max_states=limit), "alternatives", progress=progress)
+        return ArraySpace(direct(net, proof=False, progress=progress, max_states=limit))
+    return space_of(mission_net, choice, "alternatives", progress=progress)
 
 
 @click.command()

@@ -9,8 +9,10 @@ transitions as there are (Farkas' lemma: each transition of no T-semiflow has so
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from math import inf
 
 from mcpn.net.petri import PetriNet
+from mcpn.net.programs import minimise
 from mcpn.net.structure import Sparse, incidence
 
 LARGEST = 10_000
@@ -51,23 +53,11 @@ def repeatable(net: PetriNet, transitions: Collection[int]) -> frozenset[int]:
 
 def _weights(changes: Sequence[Sparse], places: int) -> list[float]:
     """Weights of places that no change raises and as many as may be lower by 1; zeros where none is found."""
-    import numpy as np
-    from scipy.optimize import Bounds, LinearConstraint, milp
-    from scipy.sparse import csr_array
-
-    count = places + len(changes)  # variables: the weights, and by how much each change lowers the sum
-    cells = [(row, place, change) for row, of in enumerate(changes) for place, change in of.items()]
-    cells += [(row, places + row, 1) for row in range(len(changes))]
-    # 32 bits: HiGHS in older releases of SciPy takes no others.
-    rows = np.array([row for row, _, _ in cells], dtype=np.int32)
-    columns = np.array([column for _, column, _ in cells], dtype=np.int32)
-    values = np.array([float(value) for _, _, value in cells])
-    lowered = np.arange(count) >= places
-    found = milp(
-        np.where(lowered, -1.0, 0.0),
-        bounds=Bounds(np.where(lowered, 0.0, -np.inf), np.where(lowered, 1.0, np.inf)),
-        constraints=LinearConstraint(
-            csr_array((values, (rows, columns)), shape=(len(changes), count)), -np.inf, 0.0
-        ),
+    # Variables: the weights, and by how much each change lowers the sum.
+    found = minimise(
+        [0.0] * places + [-1.0] * len(changes),
+        [({**of, places + row: 1.0}, -inf, 0.0) for row, of in enumerate(changes)],
+        [-inf] * places + [0.0] * len(changes),
+        [inf] * places + [1.0] * len(changes),
     )
-    return [0.0] * places if found.x is None else [float(weight) for weight in found.x[:places]]
+    return list(found.values[:places]) if found.kind == "solved" else [0.0] * places

@@ -10,13 +10,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.causes.conditions import enumeration, sentence
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes, GoalCauses, Survival
 from mcpn.check.causes.fmeca import Row
 from mcpn.check.causes.prospects import CriticalEvent
-from mcpn.errors import InputError, Source
+from mcpn.errors import InputError, LimitError, SemanticsError, Source
 from mcpn.files import write_atomically
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
@@ -24,6 +23,7 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import in_words, what_happens
 from mcpn.space.run import Run
+from mcpn.space.stable.clash import enumeration
 
 if TYPE_CHECKING:
     from mcpn.check.causes.risk import Risk
@@ -32,6 +32,9 @@ Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
 
 STANDARD: Classes = {severity: severity.words for severity in Severity}
+
+MAX_TERMS = 2000
+"""The most products of which a minimal formula is looked for."""
 
 COLUMNS = (
     "hardware",
@@ -46,6 +49,56 @@ COLUMNS = (
     "severity",
     "with_others",
 )
+
+
+def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
+    """When something fails, by its minimal cut sets.
+
+    >>> condition("going_up", [("thruster_actuator",), ("GPS_sensor", "IMU_sensor")])
+    'going_up fails if thruster_actuator, or if GPS_sensor and IMU_sensor'
+    >>> condition("filming", [])
+    'filming can succeed whatever hardware fails'
+    """
+    if not cut_sets:
+        return f"{name} can succeed whatever hardware fails"
+    if () in cut_sets:
+        return f"{name} can never succeed"
+    return f"{name} fails if " + ", or if ".join(map(enumeration, cut_sets))
+
+
+def minimal_formula(losing: Sequence[CutSet]) -> str:
+    """The minimal sum of products of a function, found by espresso and proved equivalent to it by a solver.
+
+    A monotone function has just one, the sum of its minimal solutions.
+
+    Args:
+        losing: Products whose sum is the function, each of names of hardware; they need not be minimal.
+
+    Returns:
+        For example ``thruster_actuator | GPS_sensor & IMU_sensor``, smaller products first, then in
+        alphabetical order; ``0`` never, ``1`` always.
+
+    Raises:
+        LimitError: pyeda is not installed, or the function has more than :data:`MAX_TERMS` products.
+        SemanticsError: The solver finds the formula and the function to differ.
+    """
+    if not losing or () in losing:
+        return "1" if losing else "0"
+    if len(losing) > MAX_TERMS:
+        raise LimitError(f"{len(losing)} products: more than {MAX_TERMS}, the limit on products of a formula")
+    try:
+        from pyeda.boolalg.expr import And, Or, Xor, exprvar
+        from pyeda.boolalg.minimization import espresso_exprs
+    except ImportError as error:
+        raise LimitError('minimal formulas need pyeda: pip install "mcpn[pyeda]"') from error
+    names = sorted({name for product in losing for name in product})
+    variables = {name: exprvar("hardware", number) for number, name in enumerate(names)}
+    function = Or(*(And(*(variables[name] for name in product)) for product in losing))
+    (minimised,) = espresso_exprs(function.to_dnf())
+    if Xor(function, minimised).satisfy_one() is not None:
+        raise SemanticsError("espresso's formula differs from the function that it minimises")
+    products = [sorted(names[variable.indices[0]] for variable in cube) for cube in minimised.cover]
+    return " | ".join(" & ".join(product) for product in sorted(products, key=lambda p: (len(p), p)))
 
 
 # --- objects -------------------------------------------------------------------------------------------
@@ -87,7 +140,7 @@ def _goal(goal: GoalCauses, runs: bool) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
-        "condition": sentence(goal.name, goal.cut_sets),
+        "condition": condition(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
             "without_repairs": _all_critical(goal.critical),
@@ -185,15 +238,15 @@ def save_fmeca(rows: Sequence[Row], path: Path, classes: Classes = STANDARD) -> 
 def print_causes(causes: Causes) -> None:
     """Prints conditions of failure, what is survived, runs to failure, and critical events."""
     terminal = Terminal()
-    terminal.print(sentence(causes.mission.name, causes.mission.cut_sets), style="bold")
+    terminal.print(condition(causes.mission.name, causes.mission.cut_sets), style="bold")
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)
     for cut_sets, names in shared.items():
-        condition = sentence(", ".join(names), cut_sets)
+        told = condition(", ".join(names), cut_sets)
         if len(names) > 1:
-            condition = condition.replace(" fails if ", " fail if ")
-        terminal.print(condition, indent=2)
+            told = told.replace(" fails if ", " fail if ")
+        terminal.print(told, indent=2)
     terminal.print()
     _print_survival(terminal, causes.survival)
     for lost, run in causes.mission.runs.items():

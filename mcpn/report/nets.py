@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
+from typing import Any
 
-from mcpn.check.nets.properties import NetCheck, Structure, marking_after
+from mcpn.check.nets import NetCheck, Structure
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
 from mcpn.report.terminal import Terminal
 from mcpn.space.markings.tokens import OMEGA
 
 SHOWN = 20
-
-T = TypeVar("T")
 
 
 def net_object(check: NetCheck) -> dict[str, Any]:
@@ -42,28 +40,36 @@ def net_object(check: NetCheck) -> dict[str, Any]:
 
 def structure_object(structure: Structure) -> dict[str, Any]:
     """The structure of a net as one JSON object, places and transitions by name."""
-    net = structure.net
+    net, parts = structure.net, structure.parts
     places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
 
-    def sets(found: Iterable[tuple[int, ...]] | None) -> list[list[str]] | None:
-        return None if found is None else [[places[p] for p in members] for members in found]
+    def sets(part: str) -> list[list[str]] | None:
+        return [[places[p] for p in members] for members in parts[part]] if part in parts else None
 
-    def flows(found: Iterable[Sparse] | None, names: list[str]) -> list[dict[str, int]] | None:
-        return None if found is None else [{names[i]: w for i, w in flow.items()} for flow in found]
+    def flows(part: str, names: list[str]) -> list[dict[str, int]] | None:
+        return [{names[i]: w for i, w in flow.items()} for flow in parts[part]] if part in parts else None
 
     return {
         "net": net.name,
         "classes": sorted(structure.classes),
-        "p_semiflows": flows(structure.p_semiflows, places),
-        "t_semiflows": flows(structure.t_semiflows, transitions),
-        "siphons": sets(structure.siphons),
-        "traps": sets(structure.traps),
-        "state_machine_components": sets(structure.components),
+        "p_semiflows": flows("p_semiflows", places),
+        "t_semiflows": flows("t_semiflows", transitions),
+        "siphons": sets("siphons"),
+        "traps": sets("traps"),
+        "state_machine_components": sets("components"),
         "conservative": structure.conservative,
         "covered_by_state_machines": structure.covered,
         "proves": structure.proves,
         "left_out": structure.left_out,
     }
+
+
+def marking_after(net: PetriNet, run: tuple[str, ...]) -> dict[str, int]:
+    """The tokens of each marked place after a run."""
+    marking = net.initial
+    for name in run:
+        marking = net.fire(marking, net.transition_index[name])
+    return {place.name: tokens for place, tokens in zip(net.places, marking, strict=True) if tokens}
 
 
 def print_net(check: NetCheck) -> None:
@@ -99,15 +105,24 @@ def print_structure(structure: Structure) -> None:
     terminal = Terminal()
     net = structure.net
     terminal.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}")
-    transitions = [t.name for t in net.transitions]
-    _list(terminal, "P-semiflows", _told(structure.p_semiflows, lambda flow: _invariant(net, flow)))
-    _list(terminal, "T-semiflows", _told(structure.t_semiflows, lambda flow: _combined(flow, transitions)))
-    for title, found in (
-        ("minimal siphons", structure.siphons),
-        ("minimal traps", structure.traps),
-        ("state machine components", structure.components),
-    ):
-        _list(terminal, title, _told(found, lambda members: ", ".join(net.places[p].name for p in members)))
+    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+
+    def flow(weights: Sparse) -> str:
+        return f"{_combined(weights, places)} = {sum(w * net.initial[p] for p, w in weights.items())}"
+
+    def members(of: Iterable[int]) -> str:
+        return ", ".join(places[p] for p in of)
+
+    told: dict[str, tuple[str, Callable[[Any], str]]] = {
+        "p_semiflows": ("P-semiflows", flow),
+        "t_semiflows": ("T-semiflows", lambda weights: _combined(weights, transitions)),
+        "siphons": ("minimal siphons", members),
+        "traps": ("minimal traps", members),
+        "components": ("state machine components", members),
+    }
+    for part, (title, tell) in told.items():
+        if part in structure.parts:
+            _list(terminal, title, list(map(tell, structure.parts[part])))
     for sentence in structure.proves:
         terminal.print(f"proved: {sentence}")
     for part, reason in structure.left_out.items():
@@ -122,17 +137,8 @@ def _bounds(check: NetCheck) -> dict[str, int | None] | None:
     return {p.name: None if b == OMEGA else b for p, b in zip(check.net.places, bounds, strict=True)}
 
 
-def _invariant(net: PetriNet, flow: Sparse) -> str:
-    total = sum(weight * net.initial[p] for p, weight in flow.items())
-    return f"{_combined(flow, [p.name for p in net.places])} = {total}"
-
-
 def _combined(flow: Sparse, names: list[str]) -> str:
     return " + ".join(_term(weight, names[i]) for i, weight in flow.items())
-
-
-def _told(found: Iterable[T] | None, tell: Callable[[T], str]) -> list[str] | None:
-    return None if found is None else [tell(each) for each in found]
 
 
 def _term(weight: int, name: str) -> str:
@@ -145,9 +151,7 @@ def _some(names: Iterable[str]) -> str:
     return ", ".join(listed[:SHOWN]) + more
 
 
-def _list(terminal: Terminal, title: str, lines: list[str] | None) -> None:
-    if lines is None:
-        return  # told among what is left out
+def _list(terminal: Terminal, title: str, lines: list[str]) -> None:
     terminal.print(f"{title}: {len(lines)}")
     for line in lines[:SHOWN]:
         terminal.print(line, indent=4)

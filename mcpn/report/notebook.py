@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 
 from markupsafe import Markup
 
-from mcpn.check.causes.conditions import enumeration
 from mcpn.check.causes.find import Causes
 from mcpn.check.verdicts.mission import MissionCheck
 from mcpn.controller.hierarchy import Controller
@@ -23,6 +22,7 @@ from mcpn.report.pictures.nets import net_drawing, units_drawing
 from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.report.text import SENTENCES
 from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.space.stable.clash import enumeration
 
 
 def show(what: object, kind: str) -> str | None:

@@ -15,14 +15,26 @@ Source: Epstein, Rauzy, *Open-PSA Model Exchange Format*, version 2.0d, sections
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property, reduce
+from operator import and_, or_
+from typing import Literal, TypeAlias
 
 from lxml import etree
 
 from mcpn._kernel import Zdd
-from mcpn.check.causes.availability import Availability, Losses
 from mcpn.check.causes.cutsets import CutSet
+from mcpn.errors import LimitError
 from mcpn.mission.facts.usage import Usage
-from mcpn.mission.model import Hardware
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.model import FAIL, SUCCEED, Hardware
+from mcpn.space.images import ImageStore
+
+Reference: TypeAlias = tuple[Literal["gate", "basic-event"], str]
+Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]]
+"""A reference, or a connective of formulas."""
+
+NEVER: Formula = ("or", ())
+MISSION = "mission-lost"
 
 MAX_OBJECTIVES = 500
 """Objectives of a mission whose tree follows its text; that of a longer one is flat."""
@@ -40,135 +52,196 @@ def open_psa(usage: Usage, mission: Sequence[CutSet], objectives: Mapping[str, S
         UTF-8 XML: gates ``mission-lost`` and ``objective-NAME``, a basic event for each faulty hardware
         resource.
     """
-    text = Availability(usage)
-    if len(objectives) <= MAX_OBJECTIVES and _says(text, mission, objectives):
-        return _Structured(usage, text).document()
-    return _Flat(usage, mission, objectives).document()
+    tops = {MISSION: mission} | {_objective(name): cut_sets for name, cut_sets in objectives.items()}
+    flat = _flat(usage, tops)
+    if len(objectives) > MAX_OBJECTIVES:
+        return flat.document()
+    try:
+        tree = structured(usage)
+        same = all(tree.cut_sets(top) == set(map(frozenset, found)) for top, found in tops.items())
+    except LimitError:  # a sum of so many products is read by nobody
+        same = False
+    return (tree if same else flat).document()
 
 
-def _says(text: Availability, mission: Sequence[CutSet], objectives: Mapping[str, Sequence[CutSet]]) -> bool:
-    """Whether the text of the mission has just these cut sets."""
-
-    def same(function: Zdd, cut_sets: Sequence[CutSet]) -> bool:
-        return set(map(frozenset, text.minimal(function))) == set(map(frozenset, cut_sets))
-
-    return same(text.mission, mission) and all(
-        same(text.objective(section), objectives[section.name]) for section in text.usage.graph.walk()
-    )
-
-
-class _Tree:
-    """A fault tree under construction.
+class FaultTree:
+    """A fault tree.
 
     Args:
         usage: The mission's static facts.
+
+    Attributes:
+        gates: By name, formulas of other gates and of basic events.
     """
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
-        self.root = etree.Element("opsa-mef")
-        self.tree = etree.SubElement(self.root, "define-fault-tree", name=_identifier(usage.mission.name))
+        self.hardware = [hardware for hardware in usage.mission.hardware if hardware.faulty]
+        self.gates: dict[str, Formula] = {}
+        self.images = ImageStore(len(self.hardware))
+        self._functions: dict[Reference, Zdd] = {
+            ("basic-event", hardware.name): self.images.upward(self.images.store.singleton([number]))
+            for number, hardware in enumerate(self.hardware)
+        }
+
+    def function(self, formula: Formula) -> Zdd:
+        """The sets of hardware whose loss makes a formula true."""
+        if formula[0] == "and":
+            return reduce(and_, map(self.function, formula[1]), self.images.everything)
+        if formula[0] == "or":
+            return reduce(or_, map(self.function, formula[1]), self.images.nothing)
+        if formula not in self._functions:
+            inside = self.gates.get(formula[1], NEVER)  # some hardware never fails
+            self._functions[formula] = self.function(inside)
+        return self._functions[formula]
+
+    def cut_sets(self, gate: str) -> set[frozenset[str]]:
+        """The minimal sets of hardware whose loss makes a gate true."""
+        found = self.images.minimal(self.function(("gate", gate)))
+        return {frozenset(self.hardware[member].name for member in members) for members in found}
 
     def document(self) -> bytes:
         """The whole tree with its basic events."""
-        self.draw()
-        data = etree.SubElement(self.root, "model-data")
-        faulty = [hardware for hardware in self.usage.mission.hardware if hardware.faulty]
-        quantitative = any(hardware.failure_rate is not None for hardware in faulty)
-        for hardware in faulty:
+        root = etree.Element("opsa-mef")
+        tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.mission.name))
+        labels = {MISSION: f"mission {self.usage.mission.name} cannot succeed"}
+        labels |= {_objective(o.name): f"{o.name} cannot succeed" for o in self.usage.graph.walk()}
+        labels |= {_activity(name): f"{name} has no possible alternative" for name in self.usage.started}
+        for name in filter(self.gates.__contains__, labels):
+            gate = etree.SubElement(tree, "define-gate", name=name)
+            etree.SubElement(gate, "label").text = labels[name]
+            _write(gate, self.gates[name])
+        data = etree.SubElement(root, "model-data")
+        quantitative = any(hardware.failure_rate is not None for hardware in self.hardware)
+        for hardware in self.hardware:
             _basic_event(data, hardware, quantitative=quantitative)
-        return etree.tostring(self.root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
-
-    def draw(self) -> None:
-        """Draws every gate."""
-        raise NotImplementedError
-
-    def gate(self, name: str, label: str) -> etree._Element:
-        """Begins the definition of a gate, whose formula is to follow."""
-        element = etree.SubElement(self.tree, "define-gate", name=name)
-        etree.SubElement(element, "label").text = label
-        return element
+        return etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="UTF-8")
 
 
-class _Structured(_Tree):
+def structured(usage: Usage) -> FaultTree:
     """The tree that follows the mission."""
+    tree = FaultTree(usage)
 
-    def __init__(self, usage: Usage, text: Availability) -> None:
-        super().__init__(usage)
-        self.text = text
+    def reference(resource: str) -> Reference:
+        producer = usage.producer.get(resource)
+        return ("basic-event", resource) if producer is None else ("gate", _activity(producer))
 
-    def draw(self) -> None:
-        losses = Losses(self.usage, (section.name for section in self.usage.graph.walk()))
-        minimal = losses.minimal(losses.mission)
-        products = ([("gate", f"objective-{_identifier(name)}") for name in m] for m in minimal)
-        _sum(self.gate("mission-lost", f"mission {self.usage.mission.name} cannot succeed"), products)
-        for section in self.usage.graph.walk():
-            gate = self.gate(f"objective-{_identifier(section.name)}", f"{section.name} cannot succeed")
-            _sum(gate, ([("gate", f"activity-{a}")] for a in section.activities))
-        for name in self.usage.started:
-            gate = self.gate(f"activity-{name}", f"{name} has no possible alternative")
-            self.alternatives(gate, name)
-
-    def alternatives(self, gate: etree._Element, activity: str) -> None:
-        """All alternatives are lost, each by one of its resources."""
-        ways = self.usage.activities[activity].alternatives
-        if not self.text.activities[activity] or not ways:
-            etree.SubElement(gate, "constant", value="false")
-            return
+    for name in usage.suppliers_first():
+        ways = (map(reference, way.consumes) for way in usage.activities[name].alternatives)
         # Alternatives that the same resources defeat are one factor: a formula names each argument once.
-        factors = dict.fromkeys(
-            tuple(dict.fromkeys(self.resource(k) for k in way.consumes if self.may_fail(k))) for way in ways
-        )
-        holder = etree.SubElement(gate, "and") if len(factors) > 1 else gate
-        for factor in factors:
-            _sum(holder, ([reference] for reference in factor))
-
-    def may_fail(self, resource: str) -> bool:
-        return bool(self.text.resources[resource])
-
-    def resource(self, name: str) -> tuple[str, str]:
-        if name in self.usage.hardware:
-            return "basic-event", name
-        return "gate", f"activity-{self.usage.producer[name]}"
+        factors = dict.fromkeys(tuple(dict.fromkeys(filter(tree.function, way))) for way in ways)
+        lost: Formula = "and", [("or", factor) for factor in factors]
+        tree.gates[_activity(name)] = lost if tree.function(lost) else NEVER
+    for section in usage.graph.walk():
+        tree.gates[_objective(section.name)] = "or", [("gate", _activity(a)) for a in section.activities]
+    minimal = Losses(usage.graph).mission_from(usage.graph.entry)
+    tree.gates[MISSION] = _sum([("gate", _objective(name)) for name in names] for names in minimal)
+    return tree
 
 
-class _Flat(_Tree):
+class Losses:
+    """Sets of elementary objectives whose loss loses the mission, with all sets that contain them.
+
+    It is a greatest fixpoint on the objectives graph, section by section; no state is explored.
+
+    Args:
+        graph: The mission's objectives graph.
+    """
+
+    def __init__(self, graph: ObjectivesGraph) -> None:
+        self.graph = graph
+        self.objectives = [section.name for section in graph.walk()]
+        self.images = images = ImageStore(len(self.objectives))
+        self.never, self.always = images.nothing, images.everything
+        single = map(images.store.singleton, ([number] for number in range(images.levels)))
+        self._lost = dict(zip(self.objectives, map(images.upward, single), strict=True))
+
+    def mission_from(self, entry: str) -> list[tuple[str, ...]]:
+        """The minimal losses after which no run from the entry of a section of the graph succeeds.
+
+        Raises:
+            LimitError: There are too many.
+        """
+        minimal = sorted(self.images.minimal(self._mission[entry]), key=lambda lost: (len(lost), lost))
+        return [tuple(self.objectives[number] for number in lost) for lost in minimal]
+
+    @cached_property
+    def _mission(self) -> Mapping[str, Zdd]:
+        return self._sections(self.graph, SUCCEED)
+
+    def _sections(self, graph: ObjectivesGraph, *wanted: str) -> Mapping[str, Zdd]:
+        """When no run from the entry of each section of a graph leads to an exit that is wanted.
+
+        It is the greatest solution of *lost here = (success is impossible, or lost behind it) and (failure is
+        impossible, or lost behind it)*.
+        """
+        ways = {s.name: (self._succeeding(s), self._failing(s)) for s in graph.sections}
+        lost = dict.fromkeys((*ways, SUCCEED, FAIL), self.always) | dict.fromkeys(wanted, self.never)
+        changed = True
+        while changed:
+            changed = False
+            for section in reversed(graph.sections):
+                well, badly = ways[section.name]
+                now = (well | lost[section.success]) & (badly | lost[section.failure])
+                changed |= now != lost[section.name]
+                lost[section.name] = now
+        return lost
+
+    def _succeeding(self, section: Section) -> Zdd:
+        """When a section cannot be left by its success."""
+        if isinstance(section, ElementarySection):
+            return self._lost[section.name]
+        ways = ((SUCCEED,) if branch.mandatory else (SUCCEED, FAIL) for branch in section.branches)
+        return reduce(or_, map(self._ending, section.branches, ways), self.never)
+
+    def _failing(self, section: Section) -> Zdd:
+        """When a section cannot be left by its failure; an elementary objective always can."""
+        if isinstance(section, ElementarySection):
+            return self.never
+        unended = reduce(or_, (self._ending(b, (SUCCEED, FAIL)) for b in section.branches), self.never)
+        failing = (self._ending(b, (FAIL,)) for b in section.branches if b.mandatory)
+        return unended | reduce(and_, failing, self.always)
+
+    def _ending(self, branch: Branch, wanted: tuple[str, ...]) -> Zdd:
+        """When a branch cannot end as wanted."""
+        return self._sections(branch.graph, *wanted)[branch.graph.entry]
+
+
+def _flat(usage: Usage, tops: Mapping[str, Sequence[CutSet]]) -> FaultTree:
     """Each top gate as the sum of its minimal cut sets."""
+    tree = FaultTree(usage)
+    for top, cut_sets in tops.items():
+        tree.gates[top] = _sum([("basic-event", h) for h in names] for names in cut_sets)
+    return tree
 
-    def __init__(
-        self, usage: Usage, mission: Sequence[CutSet], objectives: Mapping[str, Sequence[CutSet]]
-    ) -> None:
-        super().__init__(usage)
-        name = usage.mission.name
-        self.tops = [("mission-lost", f"mission {name} cannot succeed", mission)]
-        self.tops += [
-            (f"objective-{_identifier(o)}", f"{o} cannot succeed", cut_sets)
-            for o, cut_sets in objectives.items()
-        ]
 
-    def draw(self) -> None:
-        for name, label, cut_sets in self.tops:
-            _sum(self.gate(name, label), ([("basic-event", h) for h in names] for names in cut_sets))
+def _sum(products: Iterable[Sequence[Reference]]) -> Formula:
+    return "or", [("and", product) for product in products]
+
+
+def _write(parent: etree._Element, formula: Formula) -> None:
+    """Writes a formula; a connective of nothing is a constant, of one argument this argument."""
+    kind, of = formula
+    if isinstance(of, str):
+        etree.SubElement(parent, kind, name=of)
+    elif not of:
+        etree.SubElement(parent, "constant", value="true" if kind == "and" else "false")
+    else:
+        holder = etree.SubElement(parent, kind) if len(of) > 1 else parent
+        for inner in of:
+            _write(holder, inner)
+
+
+def _objective(name: str) -> str:
+    return f"objective-{_identifier(name)}"
+
+
+def _activity(name: str) -> str:
+    return f"activity-{name}"
 
 
 def _identifier(name: str) -> str:
     return name.replace(".", "-")
-
-
-def _sum(parent: etree._Element, products: Iterable[Sequence[tuple[str, str]]]) -> None:
-    """A sum of products of references, constants where there is nothing to sum or to multiply."""
-    listed = list(products)
-    if not listed:
-        etree.SubElement(parent, "constant", value="false")
-        return
-    holder = etree.SubElement(parent, "or") if len(listed) > 1 else parent
-    for product in listed:
-        if not product:
-            etree.SubElement(holder, "constant", value="true")
-            continue
-        inner = etree.SubElement(holder, "and") if len(product) > 1 else holder
-        for kind, name in product:
-            etree.SubElement(inner, kind, name=name)
 
 
 def _basic_event(parent: etree._Element, hardware: Hardware, *, quantitative: bool) -> None:

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from mcpn import __version__
-from mcpn.check.causes.conditions import enumeration
 from mcpn.net.events import Event
 from mcpn.report.causes import COLUMNS, fmeca_rows
 from mcpn.report.pictures.boxes import boxes
@@ -26,6 +25,7 @@ from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
 from mcpn.report.words import in_words, modes_in_words, what_happens
+from mcpn.space.stable.clash import enumeration
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes

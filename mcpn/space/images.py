@@ -28,8 +28,7 @@ class ImageStore:
     def __init__(self, levels: int) -> None:
         self.levels = levels
         self.store = Store(max(levels, 1))
-        self.known: dict[Hashable, Zdd] = {}
-        """Images of diagrams, for those who ask for the same again."""
+        self._known: dict[Hashable, Zdd] = {}  # images of diagrams
         self._puts = [self.store.event([], [level]) for level in range(levels)]
 
     @property
@@ -68,13 +67,18 @@ class ImageStore:
         Returns:
             The family; linear in the size of the diagram's projection on the levels named.
         """
-        told: dict[int, tuple[list[int], list[int]]] = {}
+        levels = sorted({bit[0] for bit in bits if not isinstance(bit, bool)})
+        key = states.onto(levels), tuple(bits)
+        if key not in self._known:
+            self._known[key] = self._built(key[0], store, levels, bits)
+        return self._known[key]
+
+    def _built(self, states: Zdd, store: Store, levels: Sequence[int], bits: Sequence[Bit]) -> Zdd:
+        told = {level: (list[int](), list[int]()) for level in levels}
         for number, bit in enumerate(bits):
             if not isinstance(bit, bool):
-                level, reverse = bit
-                told.setdefault(level, ([], []))[not reverse].append(number)
+                told[bit[0]][not bit[1]].append(number)
         always = self.store.event([], [number for number, bit in enumerate(bits) if bit is True])
-        levels = sorted(told)
         ways = [
             (level, store.event([level], []), *(self.store.event([], numbers) for numbers in told[level]))
             for level in levels
@@ -92,7 +96,7 @@ class ImageStore:
                 ).images([where_marked])
             return memo[part, at]
 
-        return built(states.onto(levels), 0).images([always])
+        return built(states, 0).images([always])
 
     def sized(self, family: Zdd) -> int:
         """The size of the largest member of a family that is not empty."""

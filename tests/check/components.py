@@ -13,22 +13,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from mcpn.check.logic.formulas import (
-    EG,
-    EU,
-    EX,
-    And,
-    Const,
-    Deadlock,
-    Fires,
-    Formula,
-    Justice,
-    Not,
-    Or,
-    Stable,
-)
+from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.space.markings.graph import Mask, StateGraph
-from mcpn.space.search.goal import AtMost
+from mcpn.space.search.goal import And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 
@@ -59,9 +46,7 @@ class ByComponents:
     def _evaluate(self, formula: Formula) -> Mask:
         graph = self.graph
         match formula:
-            case Const(value):
-                return np.full(graph.states, value)
-            case Not(operand):
+            case Not((operand,)):
                 return ~self.states(operand)
             case And(operands):
                 return _every([self._all, *map(self.states, operands)])
@@ -81,13 +66,13 @@ class ByComponents:
                     return self._all
                 internal = [i for i, t in enumerate(graph.net.transitions) if t.internal]
                 return ~self.states(Fires(tuple(internal)))
-            case EX(operand):
+            case EX((operand,)):
                 goal = self.states(operand) & self.fair_states
                 return self._sources(goal[graph.targets])
-            case EU(left, right):
+            case EU((left, right)):
                 along = self.states(left)[graph.sources]
                 return graph.reaching(self.states(right) & self.fair_states, along)
-            case EG(operand):
+            case EG((operand,)):
                 return self._always(self.states(operand))
         raise TypeError(f"no formula of the core: {formula!r}")
 

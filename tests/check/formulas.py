@@ -11,11 +11,11 @@ from typing import Any, TypeAlias
 
 from hypothesis import strategies as st
 
-from mcpn.check.logic.formulas import Formula
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.search.goal import Formula
 
 Edges = dict[Marking, list[tuple[int, Marking]]]
 Written: TypeAlias = tuple[Any, ...]

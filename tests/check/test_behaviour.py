@@ -6,8 +6,7 @@ from typing import Any
 
 from hypothesis import assume, given
 
-from mcpn.check.nets.behaviour import behaviour
-from mcpn.check.nets.properties import check_net
+from mcpn.check.nets import Behaviour, check_net
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space
@@ -37,7 +36,7 @@ def test_behaviour_by_its_definitions(net: PetriNet) -> None:
     fired = {marking: {t for at in found for t, _ in edges[at]} for marking, found in from_each.items()}
     spaces: tuple[Space[Any], ...] = ArraySpace(explore(net)), DiagramMarkings(reach(net))
     for space in spaces:
-        found = behaviour(space)
+        found = Behaviour(space)
         everything = range(len(net.transitions))
         assert found.deadlock == any(not after for after in edges.values())
         assert found.quasi_live == fired[net.initial]

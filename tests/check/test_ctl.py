@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import Formula, Justice
+from mcpn.check.logic.formulas import Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.questions import Questions
@@ -32,6 +32,7 @@ from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
 from mcpn.space.markings.graph import StateGraph
+from mcpn.space.search.goal import Formula
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.testing import missions
 from tests.check.components import ByComponents

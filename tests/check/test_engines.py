@@ -14,6 +14,7 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.run import Run
 from mcpn.testing import missions
 from tests.draws import fewer
+from tests.net.settling import stabilise
 from tests.shares import returns_early
 
 MOST_STATES = 200_000
@@ -89,23 +90,16 @@ def runs_of_faults(mission_net: MissionNet) -> set[int]:
 def replayed(mission_net: MissionNet, run: Run, name: str) -> None:
     """A run through the sections is one of the whole net, and shows what it is said to show."""
     net = mission_net.net
-    marking = settled(mission_net, net.initial)
+    marking = stabilise(net, net.initial)
     for event in run.events:
         (t,) = [t for t in net.enabled(marking) if net.transitions[t].event == event]
-        marking = settled(mission_net, net.fire(marking, t))
+        marking = stabilise(net, net.fire(marking, t))
     if name == "success_reachable":
         assert marking[mission_net.success]
     if name == "failure_reachable":
         assert marking[mission_net.failure]
     if name == "deadlock_free":
         assert not net.enabled(marking)
-
-
-def settled(mission_net: MissionNet, marking: tuple[int, ...]) -> tuple[int, ...]:
-    net = mission_net.net
-    while (enabled := net.enabled(marking)) and net.transitions[enabled[0]].internal:
-        marking = net.fire(marking, enabled[0])
-    return marking
 
 
 @fewer(0.3)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
-from mcpn.check.nets.behaviour import EXAMINATIONS
+from mcpn.check.nets import EXAMINATIONS
 from mcpn.check.spaces import Asked, space_of
 from mcpn.errors import Source
 from mcpn.net.petri import PetriNet
@@ -77,7 +77,9 @@ def test_all_are_answered_as_the_definitions_say_on_one_space(
         patch(f"{Questions.__module__}.space_of", counted(space_of)),
         patch(f"{Questions.__module__}.reach_briefly", counted(reach_briefly)),
     ):
-        answers = [(found.name, found.value) for found in answer_all(questions, asked, EXAMINATIONS)]
+        answers = [
+            (found.name, found.value) for found in answer_all(questions, asked, (*EXAMINATIONS, "OneSafe"))
+        ]
     assert len(answers) == len(expected)
     assert dict(answers) == expected
     assert sum(space is not None for space in made) == 1

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 
-from mcpn.check.logic.formulas import EU, And, Fires, Formula, Not, Or, negation
+from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.language import MAX_DEPTH, MAX_LENGTH, parse, show
-from mcpn.check.logic.names import Names, marked
+from mcpn.check.logic.names import Names
 from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import NetBuilder
-from mcpn.space.search.goal import AtMost
+from mcpn.space.search.goal import And, AtMost, Fires, Formula, Not, Or, marked
 from tests.check.formulas import Written, formulas
 from tests.check.formulas import text as text_of
 
@@ -37,7 +37,7 @@ def read(text: str) -> Formula:
 
 
 def place(name: str) -> Formula:
-    return marked([PLACES.index(name)])
+    return marked(PLACES.index(name))
 
 
 @given(formulas(PLACES, TRANSITIONS))
@@ -49,11 +49,11 @@ def test_what_is_shown_reads_back(formula: Written) -> None:
 
 
 def implied(left: Formula, right: Formula) -> Formula:
-    return Or((negation(left), right))
+    return Or(~left, right)
 
 
 def same(left: Formula, right: Formula) -> Formula:
-    return Or((And((left, right)), And((negation(left), negation(right)))))
+    return Or(And(left, right), And(~left, ~right))
 
 
 A, B, C, P, Q = map(PLACES.index, "abcpq")
@@ -62,22 +62,22 @@ A, B, C, P, Q = map(PLACES.index, "abcpq")
 @pytest.mark.parametrize(
     ("text", "formula"),
     [
-        ("a & b | c", Or((And((place("a"), place("b"))), place("c")))),
-        ("a | b & !c | p", Or((place("a"), And((place("b"), Not(place("c")))), place("p")))),
-        ("a & b & c", And((place("a"), place("b"), place("c")))),
-        ("a & (b & c)", And((place("a"), And((place("b"), place("c")))))),
-        ("not a and b", And((Not(place("a")), place("b")))),
+        ("a & b | c", Or(And(place("a"), place("b")), place("c"))),
+        ("a | b & !c | p", Or(place("a"), And(place("b"), Not(place("c"))), place("p"))),
+        ("a & b & c", And(place("a"), place("b"), place("c"))),
+        ("a & (b & c)", And(place("a"), And(place("b"), place("c")))),
+        ("not a and b", And(Not(place("a")), place("b"))),
         ("a -> b -> c", implied(place("a"), implied(place("b"), place("c")))),
         ("a <-> b <-> c", same(same(place("a"), place("b")), place("c"))),
-        ("a -> b <-> c | p", same(implied(place("a"), place("b")), Or((place("c"), place("p"))))),
+        ("a -> b <-> c | p", same(implied(place("a"), place("b")), Or(place("c"), place("p")))),
         ("E [ a U b ]", EU(place("a"), place("b"))),
-        ("E[a U b] & c", And((EU(place("a"), place("b")), place("c")))),
+        ("E[a U b] & c", And(EU(place("a"), place("b")), place("c"))),
         ("E[a -> b U (c)]", EU(implied(place("a"), place("b")), place("c"))),
         ("E[U U U]", EU(place("U"), place("U"))),
         ("2 + tokens(p, q) + p < 3", AtMost(((P, 2), (Q, 1)), 0)),
         ("a + 1 <= tokens(b, c)", AtMost(((A, 1), (B, -1), (C, -1)), -1)),
         ("a > b", AtMost(((A, -1), (B, 1)), -1)),
-        ("a != b", Not(And((AtMost(((A, 1), (B, -1)), 0), AtMost(((A, -1), (B, 1)), 0))))),
+        ("a != b", Not(And(AtMost(((A, 1), (B, -1)), 0), AtMost(((A, -1), (B, 1)), 0)))),
         ("( ( p ) )", place("p")),
         ('"success"', place("success")),
         ("success_p", place("success_p")),

@@ -7,10 +7,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn._kernel import Checker, Goals, TokenNet
-from mcpn.check.logic.formulas import EG, EU, EX, Const, walk
+from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.check.logic.local import LocalCheck
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.search.goal import AtMost
+from mcpn.space.search.goal import TRUE, AtMost
 from tests.check.formulas import edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import graph_of, nets, state_machines, token_nets
@@ -40,7 +40,7 @@ def test_it_agrees_with_the_definitions(net: PetriNet, data: st.DataObject) -> N
             assert found is not None or steps < 10**6
     assert check.markings <= len(edges)
     for formula, core in zip(drawn, cores, strict=True):
-        for inside in walk(core):
+        for inside in core.walk():
             if isinstance(inside, EX | EU | EG):
                 assert check.decide(inside, 10**6) is not None
         assert check.decide(core, 10**6) == (net.initial in satisfying(formula, net, edges))
@@ -59,7 +59,7 @@ def _counter(limit: int) -> PetriNet:
 def test_endless_nets_are_answered_where_few_markings_decide() -> None:
     net = _counter(3)
     many, none = AtMost(((0, -1),), -40), AtMost(((0, 1),), 0)
-    reached, never = EU(Const(True), many), EG(none)
+    reached, never = EU(TRUE, many), EG(none)
     check = LocalCheck(net, [reached, never])
     assert check.decide(reached, 10**5) is True  # places get wider twice on the way
     assert check.decide(never, 10**5) is False
@@ -70,7 +70,7 @@ def test_endless_nets_are_answered_where_few_markings_decide() -> None:
 
 def test_memory_is_a_limit() -> None:
     net = _counter(0)
-    far = EU(Const(True), AtMost(((0, -1),), -(10**6)))
+    far = EU(TRUE, AtMost(((0, -1),), -(10**6)))
     check = LocalCheck(net, [far], max_bytes=1 << 20)
     assert check.decide(far, 10**7) is None
     assert check.markings < 10**5

@@ -6,9 +6,10 @@ from collections import deque
 
 from hypothesis import assume, given
 
-from mcpn.check.nets.properties import NetCheck, check_net, examine_structure, marking_after
+from mcpn.check.nets import NetCheck, Structure, check_net
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
+from mcpn.report.nets import marking_after
 from tests.net.nets import graph_of, nets, pt_nets, state_machines, token_nets
 
 Graph = dict[Marking, list[tuple[int, Marking]]]
@@ -127,14 +128,14 @@ def test_a_net_with_priorities_that_grows() -> None:
 
 @given(token_nets() | nets(max_places=5, max_transitions=5) | state_machines().map(lambda drawn: drawn[0]))
 def test_what_the_arcs_prove_is_so(net: PetriNet) -> None:
-    found = examine_structure(net)
+    found = Structure(net)
     graph = graph_of(net)
     words = " ".join(found.proves)
     if found.conservative:
         assert "bounded" in words
         for marking, after in (graph or {}).items():
             for _, target in after:
-                for flow in found.p_semiflows or ():
+                for flow in found.parts.get("p_semiflows", ()):
                     assert sum(w * (target[p] - marking[p]) for p, w in flow.items()) == 0
     assume(graph is not None)
     assert graph is not None
@@ -160,7 +161,7 @@ def ring(*tokens: int, shared: bool = False) -> PetriNet:
 
 
 def test_a_free_choice_net_is_live_exactly_if_its_siphons_hold_marked_traps() -> None:
-    live, dead = examine_structure(ring(0, 1, 0)), examine_structure(ring(0, 0, 0))
+    live, dead = Structure(ring(0, 1, 0)), Structure(ring(0, 0, 0))
     assert live.covered is dead.covered is True
     assert live.proves == [
         "bounded, whatever the initial marking: every place is in a P-semiflow",
@@ -172,8 +173,8 @@ def test_a_free_choice_net_is_live_exactly_if_its_siphons_hold_marked_traps() ->
         "not live: free choice, and a minimal siphon does not contain a marked trap",
     ]
     # Two tokens are not 1-safe; a choice that is not free says nothing of liveness.
-    assert not any(text.startswith("1-safe") for text in examine_structure(ring(1, 1)).proves)
-    assert not any("live" in text for text in examine_structure(ring(0, 1, shared=True)).proves)
+    assert not any(text.startswith("1-safe") for text in Structure(ring(1, 1)).proves)
+    assert not any("live" in text for text in Structure(ring(0, 1, shared=True)).proves)
 
 
 def test_a_part_of_the_structure_whose_limit_is_hit_is_left_out_and_named() -> None:
@@ -185,11 +186,11 @@ def test_a_part_of_the_structure_whose_limit_is_hit_is_left_out_and_named() -> N
     for i in range(pairs):
         after = [f"{side}{(i + 1) % pairs}" for side in "ab"]
         builder.transition(f"t{i}", consume=[f"a{i}", f"b{i}"], produce=after)
-    found = examine_structure(builder.build())
+    found = Structure(builder.build())
     # A place of each pair is a siphon, and a ring of tokens: too many rings, but not too many siphons.
-    assert found.siphons is not None
-    assert len(found.siphons) == 2**pairs
+    assert len(found.parts["siphons"]) == 2**pairs
     assert found.left_out.keys() == {"p_semiflows", "components"}
     assert all("limit on P-semiflows was hit" in text for text in found.left_out.values())
-    assert (found.p_semiflows, found.conservative, found.components, found.covered) == (None,) * 4
+    assert not {"p_semiflows", "components"} & found.parts.keys()
+    assert (found.conservative, found.covered) == (None, None)
     assert not any("bounded" in text or "safe" in text for text in found.proves)

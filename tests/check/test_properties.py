@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.check.logic.formulas import EU, Const
+from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
 from mcpn.check.modes import functioning_modes
@@ -34,6 +34,7 @@ from mcpn.net.events import Event
 from mcpn.net.petri import Marking
 from mcpn.report.words import in_words
 from mcpn.space.arrays import ArraySpace
+from mcpn.space.search.goal import FALSE, TRUE
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.net.settling import stabilise
@@ -272,7 +273,7 @@ def test_what_no_route_reaches_is_told_with_its_line(tmp_path: Path) -> None:
         (3, "activity surface is never started"),
         (7, "objective backup can never be entered: no route reaches it"),
     ]
-    assert parse("EF objective(backup)", Names(found.net, found)) == EU(Const(True), Const(False))
+    assert parse("EF objective(backup)", Names(found.net, found)) == EU(TRUE, FALSE)
 
 
 def test_only_what_is_held_above_explains_what_is_never_selected() -> None:

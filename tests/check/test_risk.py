@@ -247,9 +247,9 @@ def test_three_hundred_sections_are_those_of_a_recursion() -> None:
     assert found.importance["H2"] == pytest.approx(without[0] - without[1 << 2], rel=1e-9)
 
 
-@pytest.mark.parametrize("dense", [100, 0], ids=["dense", "sparse"])
-def test_a_few_sections_are_those_of_the_whole(dense: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chain, "MOST_DENSE", dense)
+@pytest.mark.parametrize("unknowns", [4096, 0], ids=["together", "one by one"])
+def test_a_few_sections_are_those_of_the_whole(unknowns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chain, "UNKNOWNS", unknowns)
     of = row_of_sections(9)
     assert_same(numbers(compose(of)), sections_numbers(compose(of)))
     assert numbers(compose(of)).success == pytest.approx(recursion(of)[0][0], rel=1e-9)

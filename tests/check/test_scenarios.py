@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.cutsets import Moment
-from mcpn.check.causes.scenarios import most_failures, to_failure
 from mcpn.check.spaces import Engine
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
@@ -28,7 +27,7 @@ def events(run: Run) -> list[str]:
 @pytest.mark.parametrize("engine", ENGINES)
 def test_ulysse_runs_to_failure(ulysse_net: MissionNet, engine: Engine) -> None:
     asked = Asked(ulysse_net, engine)
-    run = to_failure(asked.prospects, asked.goal("transect.going_up"), ["thruster_actuator"])
+    run = asked.prospects.to_failure(asked.goal("transect.going_up"), ["thruster_actuator"])
     assert run is not None
     # The way through the failures of moving and of diving is the shortest, and the lost thruster forces both.
     assert sorted(events(run)) == [
@@ -44,7 +43,7 @@ def test_ulysse_runs_to_failure(ulysse_net: MissionNet, engine: Engine) -> None:
 def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Engine) -> None:
     asked = Asked(ulysse_net, engine)
     for section in (None, "coral_head.manual_moving", "transect.census", "transect.going_up"):
-        run = most_failures(asked.prospects, None if section is None else asked.sections[section])
+        run = asked.prospects.most_failures(None if section is None else asked.sections[section])
         assert run is not None
         # The thruster is in use to the end; of the two sensors one may be lost.
         (failure,) = [e for e in events(run) if e.endswith("_EV_OOS")]
@@ -73,7 +72,7 @@ def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:
 
     def shown(name: str | None, last: str | None) -> None:
         for names in asked.cut_sets(name, Moment.SOMETIME):
-            run = to_failure(asked.prospects, asked.goal(name), names)
+            run = asked.prospects.to_failure(asked.goal(name), names)
             assert run is not None
             told = replayed(run)
             assert {e for e in told if e.endswith("_EV_OOS")} == {f"{h}_EV_OOS" for h in names}
@@ -87,7 +86,7 @@ def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:
     for name in asked.prospects.objectives:
         shown(name, f"OBJ_{name}_EV_FAIL")
     success = play.marks("MISSION_success")
-    robust = most_failures(asked.prospects)
+    robust = asked.prospects.most_failures()
     # The most failures before success, by plain search.
     ends = [m for m in play.forced(stop=success) if success(m)]
     if robust is None:

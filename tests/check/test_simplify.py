@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Deadlock, Not, Or, walk
+from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import simplified
 from mcpn.check.logic.verdicts import answer_all
@@ -16,6 +16,7 @@ from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.markings.explicit import explore
 from mcpn.space.search.equation import place_bounds
+from mcpn.space.search.goal import FALSE, TRUE, And, Deadlock, Not, Or
 from tests.check.formulas import Written, edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
@@ -39,7 +40,7 @@ def test_simplified_formulas_hold_in_the_same_states(net: PetriNet, data: st.Dat
         formula = drawn(data, net, leaves=8)
         core = read(formula, net)
         smaller = simplified(core, net, place_bounds(net))
-        assert sum(1 for _ in walk(smaller)) <= sum(1 for _ in walk(core))
+        assert sum(1 for _ in smaller.walk()) <= sum(1 for _ in core.walk())
         found: set[Marking] = set()
         left = evaluation.states(smaller)
         while left:
@@ -63,18 +64,17 @@ def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataO
 
 def test_idempotent_and_dual_operators() -> None:
     f, g = Deadlock(), EX(Deadlock())
-    true = Const(True)
     for written, wanted in (
-        (EU(true, EU(true, f)), EU(true, f)),
-        (EU(true, EU(g, f)), EU(true, f)),
+        (EU(TRUE, EU(TRUE, f)), EU(TRUE, f)),
+        (EU(TRUE, EU(g, f)), EU(TRUE, f)),
         (EU(g, EU(g, f)), EU(g, f)),
-        (EU(g, Or((f, EU(g, f)))), EU(g, f)),
+        (EU(g, Or(f, EU(g, f))), EU(g, f)),
         (EG(EG(f)), EG(f)),
-        (EG(Not(EU(true, f))), Not(EU(true, f))),
+        (EG(Not(EU(TRUE, f))), Not(EU(TRUE, f))),
         (Not(Not(f)), f),
-        (And((f, f, Const(True))), f),
-        (Or((f, Not(f))), true),
-        (EG(true), true),
-        (EX(Const(False)), Const(False)),
+        (And(f, f, TRUE), f),
+        (Or(f, Not(f)), TRUE),
+        (EG(TRUE), TRUE),
+        (EX(FALSE), FALSE),
     ):
         assert simplified(written, NetBuilder("empty").build(), []) == wanted

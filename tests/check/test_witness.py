@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, Const, Justice, walk
+from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.witness import Witness, explain, scenario
 from mcpn.check.spaces import Engine
@@ -22,6 +22,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import explore
+from mcpn.space.search.goal import FALSE, TRUE
 from tests.check.formulas import edges_of, formulas, read, satisfying
 from tests.net.nets import nets, reachable, state_machines
 from tests.shares import returns_early
@@ -56,13 +57,13 @@ def test_runs_show_what_they_say(net: PetriNet, data: st.DataObject) -> None:
     inner = data.draw(formulas(places, [t.name for t in net.transitions], leaves=2))
     core = read(inner, net)
     satisfied = satisfying(inner, net, edges)
-    every = [EU(Const(True), core), EG(core), EX(core)]
+    every = [EU(TRUE, core), EG(core), EX(core)]
     for evaluation, formula in product(map(Evaluation, spaces(net)), every):
         witness = explain(evaluation, formula)
         passed = replayed(net, witness)
         if not evaluation.holds(formula):
             continue
-        temporal = any(isinstance(inside, EX | EU | EG) for inside in walk(core))
+        temporal = any(isinstance(inside, EX | EU | EG) for inside in core.walk())
         if isinstance(formula, EU) and not temporal:
             assert passed[-1] in satisfied
             assert len(witness.steps) == min(distance[m] for m in satisfied)
@@ -87,7 +88,7 @@ def test_a_run_until_something_stays_where_it_may(net: PetriNet, data: st.DataOb
         seen |= layers[-1]
     shortest = len(layers) - 1 if layers[-1] else None
     formula = EU(read(along, net), read(goal, net))
-    goes_on = any(isinstance(part, EX | EU | EG) for part in walk(formula.right))
+    goes_on = any(isinstance(part, EX | EU | EG) for part in formula.operands[1].walk())
     for evaluation in map(Evaluation, spaces(net)):
         assert evaluation.holds(formula) == (shortest is not None)
         passed = replayed(net, explain(evaluation, formula))
@@ -105,10 +106,10 @@ def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -
     places = [p.name for p in net.places]
     drawn = data.draw(st.lists(formulas(places, [], leaves=1), min_size=1, max_size=2))
     fires = tuple(data.draw(st.lists(st.integers(0, len(net.transitions) - 1), max_size=2)))
-    fair = [Justice(read(formula, net)) for formula in drawn] + [Justice(Const(False), fires)] * bool(fires)
+    fair = [Justice(read(formula, net)) for formula in drawn] + [Justice(FALSE, fires)] * bool(fires)
     for space in spaces(net):
         evaluation = Evaluation(space, fair)
-        everything = EG(Const(True))
+        everything = EG(TRUE)
         if not evaluation.holds(everything):
             returns_early("no fair path")
             return

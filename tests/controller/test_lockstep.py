@@ -20,7 +20,7 @@ from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.oracle import NetRobot
-from tests.draws import fewer
+from tests.draws import composed, fewer
 from tests.small import activity, hw, mission, robot
 
 
@@ -90,16 +90,9 @@ def test_ulysse(ulysse_net: MissionNet, both: list[Controller]) -> None:
         walk(ulysse_net, both, random.Random(seed), 200)
 
 
-MOST_TRANSITIONS = 2_000
-"""Larger nets are drawn now and then; the proof on their diagrams takes minutes."""
-
-
 def either(mission_net: MissionNet) -> list[Controller]:
-    """The controllers that a mission has, none for a large net."""
+    """The controllers that a mission has."""
     found: list[Controller] = []
-    if len(mission_net.net.transitions) > MOST_TRANSITIONS:
-        event("too large")
-        return found
     for form in ("flat", "hierarchical"):
         try:
             found.append(generate(mission_net, form, max_states=3000))
@@ -111,7 +104,7 @@ def either(mission_net: MissionNet) -> list[Controller]:
 @fewer(0.5)
 @given(missions(max_objectives=3, max_depth=2), st.integers(0, 2**32))
 def test_any_mission(mission: Mission, seed: int) -> None:
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")
     if controllers:
@@ -162,7 +155,7 @@ def test_a_section_need_not_be_confluent_where_the_mission_never_comes() -> None
 @fewer(0.5)
 @given(stacked_missions(), st.integers(0, 2**32))
 def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")
     if controllers:
@@ -173,7 +166,7 @@ def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:
     missions(max_objectives=3, max_depth=2, allow_disjoint_branches=True, outputs=3), st.integers(0, 2**32)
 )
 def test_missions_without_contention(mission: Mission, seed: int) -> None:
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")
     if controllers:
@@ -184,7 +177,7 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
 @given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
     """An interruption is an event like any other; of a section's machine it is an exit."""
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")
     if controllers:

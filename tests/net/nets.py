@@ -18,6 +18,21 @@ ODD_NAMES = st.text(
 )
 
 
+def counter(bits: int) -> PetriNet:
+    """A binary counter from 0 to 2^bits - 1, where it stops: 2^bits markings, one after the other."""
+    builder = NetBuilder("counter")
+    for bit in range(bits):
+        builder.place(f"zero{bit}", initial=1)
+        builder.place(f"one{bit}")
+    for bit in range(bits):
+        builder.transition(
+            f"up{bit}",
+            consume=[f"zero{bit}", *(f"one{lower}" for lower in range(bit))],
+            produce=[f"one{bit}", *(f"zero{lower}" for lower in range(bit))],
+        )
+    return builder.build()
+
+
 @st.composite
 def nets(
     draw: st.DrawFn,

@@ -7,23 +7,7 @@ from hypothesis import strategies as st
 
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.net.repeatable import repeatable
-from tests.net.nets import graph_of, nets, token_nets
-
-
-def counter(bits: int) -> PetriNet:
-    """A binary counter that goes from 0 to 2^bits - 1 and stops there."""
-    builder = NetBuilder("counter")
-    for bit in range(bits):
-        builder.place(f"zero{bit}", initial=1)
-        builder.place(f"one{bit}")
-    for bit in range(bits):
-        lower = range(bit)
-        builder.transition(
-            f"up{bit}",
-            consume=[f"zero{bit}", *(f"one{i}" for i in lower)],
-            produce=[f"one{bit}", *(f"zero{i}" for i in lower)],
-        )
-    return builder.build()
+from tests.net.nets import counter, graph_of, nets, token_nets
 
 
 def test_a_counter_never_comes_back() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, SemanticsError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet, compose
+from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import Marking, PetriNet
@@ -25,7 +25,7 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.space.stable.confluence import prove_confluent
 from mcpn.testing import missions
-from tests.draws import fewer
+from tests.draws import composed, fewer
 from tests.turns import ByTurns
 
 Graph = dict[Marking, list[tuple[int, Marking]]]
@@ -276,7 +276,7 @@ def s_all(space: Space[Any]) -> list[int]:
 @fewer(0.4)
 @given(missions(max_hardware=2, max_producers=1, max_sections=4), st.data())
 def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
-    net = compose(mission).net
+    net = composed(mission).net
     start, graph = plain_graph(net, stable=False)
     assume(len(graph) < 2000)
     Questions(data.draw, start, graph, markings_spaces(net)).ask()
@@ -285,7 +285,7 @@ def test_spaces_of_markings_agree_with_plain_search(mission: Mission, data: st.D
 @fewer(0.4)
 @given(missions(max_hardware=3, max_producers=2), st.data())
 def test_spaces_of_alternatives_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     try:
         spaces = alternatives_spaces(mission_net)
     except SemanticsError:
@@ -306,7 +306,7 @@ def test_spaces_of_ulysse_have_its_sizes(ulysse_net: MissionNet, kind: str) -> N
 @fewer(0.4)
 @given(missions(max_hardware=2, max_producers=2, max_sections=4), st.data())
 def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, data: st.DataObject) -> None:
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     try:
         prove_confluent(mission_net.net)
     except SemanticsError:
@@ -324,7 +324,7 @@ def test_spaces_of_mortal_hardware_agree_with_plain_search(mission: Mission, dat
 @fewer(0.4)
 @given(missions(max_hardware=3, max_producers=2))
 def test_the_composite_refuses_what_is_not_confluent(mission: Mission) -> None:
-    mission_net = compose(mission)
+    mission_net = composed(mission)
     net = mission_net.net
     try:
         prove_confluent(net)

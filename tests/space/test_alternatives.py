@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import event, given
-from hypothesis import strategies as st
+from hypothesis import given
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.xml import read_mission
@@ -18,7 +16,7 @@ from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.markings.explicit import explore
 from mcpn.space.markings.graph import StateGraph
 from mcpn.space.stable.alternatives import by_reduction, direct
-from tests.net.nets import nets, reachable, state_machines
+from tests.net.nets import nets, reachable
 from tests.shares import returns_early
 
 
@@ -121,35 +119,6 @@ def play(net: PetriNet, run: tuple[str, ...]) -> list[Marking]:
         assert number in net.enabled(markings[-1])
         markings.append(net.fire(markings[-1], number))
     return markings
-
-
-@given(state_machines(), st.data())
-def test_a_torn_graph_leaves_out_the_events_without_one_end_and_no_others(
-    machines: tuple[PetriNet, int], data: st.DataObject
-) -> None:
-    drawn, _ = machines
-    kinds = data.draw(st.lists(st.sampled_from([True, True, False]), min_size=len(drawn.transitions)))
-    marked = zip(drawn.transitions, kinds, strict=False)
-    transitions = tuple(replace(t, event=Event.parse(t.name) if is_event else None) for t, is_event in marked)
-    net = PetriNet(drawn.name, drawn.places, transitions, priorities=True)
-    first = ends(net, net.initial)
-    if first is None or len(first) > 1:
-        returns_early("not confluent at first")
-        return
-    graph = direct(net, tear=True)
-    torn = {(t.state, t.transition) for t in graph.torn}
-    found = set()
-    for state in range(graph.states):
-        edges = dict(graph.successors(state))
-        for t in net.enabled(graph.marking(state)):
-            after = ends(net, net.fire(graph.marking(state), t))
-            if after is not None and len(after) == 1:
-                assert after == {graph.marking(edges.pop(t))}
-            else:
-                found.add((state, t))
-        assert not edges
-    assert torn == found
-    event(f"torn: {bool(torn)}")
 
 
 def check_divergence(net: PetriNet, error: DivergenceError) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 from dataclasses import asdict
 from functools import partial
-from math import comb
+from math import comb, inf
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.nets.behaviour import behaviour
-from mcpn.check.nets.properties import check_net
+from mcpn.check.nets import Behaviour, check_net
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.formats import read_net
@@ -27,6 +26,7 @@ from mcpn.space.diagrams.counters import TokenEncoding
 from mcpn.space.diagrams.order import candidates
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, closure
+from mcpn.space.markings import widths
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.summary import summarise
 from tests.check.formulas import formulas, read, satisfying
@@ -75,8 +75,9 @@ def test_markings_are_those_of_the_plain_rule(net: PetriNet, rank: int) -> None:
     )
     bounds = [max(marking[p] for marking in graph) for p in range(len(net.places))]
     assert space.encoding.most(space.reachable) == bounds
+    fired = DiagramMarkings(space).firings(space.reachable)
     for t in range(len(net.transitions)):
-        assert space.fired[t] == sum(any(u == t for u, _ in firings) for firings in graph.values())
+        assert fired.get(t, 0) == sum(any(u == t for u, _ in firings) for firings in graph.values())
     assert sizes(reach_markings(net)) == sizes(space)
     assert sizes(high_first(net, wider=rank)) == sizes(space)
     assert sizes(pickle.loads(pickle.dumps(space))) == sizes(space)
@@ -145,6 +146,25 @@ def high_first(net: PetriNet, wider: int = 0) -> SymbolicSpace:
 
 @fewer(0.5)
 @given(token_nets())
+def test_no_place_holds_more_than_linear_programs_say(net: PetriNet) -> None:
+    if (graph := graph_of(net, 500)) is None:
+        return
+    places = range(len(net.places))
+    bounds = widths.by_programs(net, places)
+    for place in places:
+        assert max(marking[place] for marking in graph) <= bounds.get(place, inf)
+
+
+def test_linear_programs_know_the_tokens_of_a_ring() -> None:
+    builder = NetBuilder("ring")
+    for i in range(4):
+        builder.place(f"p{i}", initial=0 if i else 5)
+        builder.transition(f"t{i}", consume=[f"p{i}"], produce=[f"p{(i + 1) % 4}"])
+    assert widths.by_programs(builder.build(), range(4)) == dict.fromkeys(range(4), 5.0)
+
+
+@fewer(0.5)
+@given(token_nets())
 def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
     graph = graph_of(net, 100)
     if graph is None:
@@ -153,7 +173,7 @@ def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
     from_each = {marking: ahead(graph, marking) for marking in graph}
     fired = {marking: {t for at in found for t, _ in graph[at]} for marking, found in from_each.items()}
     for space in spaces(net):
-        found = behaviour(space)
+        found = Behaviour(space)
         assert found.quasi_live == fired[net.initial]
         assert found.live == {
             t for t in range(len(net.transitions)) if all(t in later for later in fired.values())
@@ -282,7 +302,7 @@ def test_the_contest_s_nets_that_are_not_safe(
         counted = count_tokens(space.encoding.net)
         assert (counted.states, counted.edges) == (space.states, space.edges)
         assert list(counted.bounds) == space.encoding.most(space.reachable)
-    found = behaviour(DiagramMarkings(space))
+    found = Behaviour(DiagramMarkings(space))
     everything = frozenset(range(len(space.encoding.net.transitions)))
     assert (found.live == everything) == (row["live"] == "TRUE")
     assert (found.quasi_live == everything) == (row["quasi_live"] == "TRUE")

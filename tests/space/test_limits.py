@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.check.spaces import Choice, mortal_space, space_of
+from mcpn.check.spaces import Choice, space_of
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
@@ -29,7 +29,7 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.markings.explicit import count, explore
 from mcpn.space.markings.tokens import boundedness
-from mcpn.space.search.goal import AnyOf
+from mcpn.space.search.goal import FALSE
 from mcpn.space.search.searches import Searches
 from mcpn.space.stable.alternatives import direct
 from mcpn.space.stable.confluence import direct_with_proof
@@ -116,7 +116,7 @@ def test_search(net: PetriNet) -> None:
     for limit, outcome in ((len(markings), "unreachable"), (len(markings) - 1, "states")):
         if limit == 0:
             continue
-        found = Searches(net).seek(AnyOf(()), max_states=limit, stubborn=False)
+        found = Searches(net).seek(FALSE, max_states=limit, stubborn=False)
         assert found.outcome == outcome, (limit, len(markings))
 
 
@@ -137,7 +137,11 @@ def test_stable_markings(mission: Mission) -> None:
 
     assert_exact(lambda max_states: space_of(found, by(max_states), "alternatives"), size, "limit on states")
     dying = DiagramAlternatives(reach(mortal(found).net)).everything.count()
-    assert_exact(lambda max_states: mortal_space(found, by(max_states)), dying, "more than {limit} stable")
+    assert_exact(
+        lambda max_states: space_of(found, by(max_states), "alternatives", may_die=True),
+        dying,
+        "more than {limit} stable",
+    )
 
 
 @fewer(0.05)

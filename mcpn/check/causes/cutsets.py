@@ -10,16 +10,18 @@ diagram, the minimal ones by their size, and no set is tried on its own.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import Generic
+from typing import NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.mission.flatten import Section
-from mcpn.space.algebra import S
+from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
+from mcpn.space.algebra import S, Space
 from mcpn.space.images import ImageStore
+from mcpn.space.local.layout import remembered
 
 CutSet = tuple[str, ...]
 """Names of hardware, in alphabetical order."""
@@ -43,102 +45,79 @@ class Moment(Enum):
     where they could not succeed any more: at the worst moment."""
 
 
-@dataclass(frozen=True)
-class Nonmonotone:
-    """A set that is lost while a larger one is not: only hardware that cannot always fail does so.
-
-    Args:
-        lost: A set of hardware that loses the goal at some moment.
-        larger: The same and one resource more, which does not.
-    """
+class Nonmonotone(NamedTuple):
+    """A set whose loss loses a goal at some moment, and the same with one resource more, which does not."""
 
     lost: CutSet
     larger: CutSet
 
 
-class CutSets(Generic[S]):
-    """The cut sets of a mission and its objectives.
+class CutSets(Prospects[S]):
+    """What a mission whose hardware may die may still reach, and the cut sets that this tells.
 
     Args:
-        mortal: The mission in a space of its net whose hardware may die.
+        mission_net: The mission's net.
+        space: The alternatives graph of :func:`mcpn.net.mortal.mortal` of it.
     """
 
-    def __init__(self, mortal: Prospects[S]) -> None:
-        self.mortal = mortal
-        self.space = mortal.space
-        self.hardware = mortal.hardware
+    def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
+        super().__init__(mortal(mission_net), space)
         self.images = ImageStore(len(self.hardware))
-        self._minimal: dict[Zdd, list[CutSet]] = {}
-        self._dead = mortal.places("dead", self.hardware)
 
     @cached_property
     def _from_start(self) -> S:
         """States to which runs lead along which nothing dies after the mission has begun."""
-        before = self.space.marked([self.mortal.mission_net.beginning])
-        return self.space.reached(before, transitions=self.mortal.everything)
+        before = self.space.marked([self.mission_net.beginning])
+        return self.space.reached(before, transitions=self.everything)
 
     @cached_property
     def _at_worst(self) -> S:
         """States after runs without repairs and without avoidable failures, with all that is out dead."""
-        mortal, space = self.mortal, self.space
-        transitions = mortal.unrepaired | mortal.dying
-        found = space.reached(space.initial, transitions=transitions, guards=mortal.forced)
-        return (found & mortal.begun) - space.enabling(mortal.dying)
+        space, transitions = self.space, self.unrepaired | self.dying
+        found = space.reached(space.initial, transitions=transitions, guards=self.forced)
+        return (found & self.begun) - space.enabling(self.dying)
 
-    def states(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> S:
-        """The states at a moment: those that have reached the goal for ``START``, else those that may."""
-        if moment is Moment.START:
-            return self._from_start & goal.won
-        if moment is Moment.ENTRY:
-            assert section is not None, "an entry is that of a section"
-            return self.mortal.entered(section) & goal.running
-        return goal.running & (self.mortal.begun if moment is Moment.WHENEVER else self._at_worst)
+    def defeating(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
+        """The sets of hardware whose loss at a moment, for ``ENTRY`` that of a section, loses a goal.
 
-    def losing(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
-        """The sets of hardware whose loss loses a goal.
-
-        Args:
-            goal: The goal.
-            moment: When they are lost.
-            section: The section entered, for ``ENTRY``.
-
-        Returns:
-            A family that holds all larger sets too, but for ``SOMETIME`` (:meth:`nonmonotone`).
+        The family holds all larger sets too, but for ``SOMETIME`` (:meth:`nonmonotone`).
         """
-        states = self.states(goal, moment, section)
+        hopeful = self.hopeful(goal, repairs=True)
         if moment is Moment.SOMETIME:
-            return self.space.image(states - self.mortal.hopeful(goal), self._dead, self.images)
-        if moment is not Moment.START:
-            states = states & self.mortal.hopeful(goal)
-        return self.images.everything - self.space.image(states, self._dead, self.images)
+            return self._dead((goal.running & self._at_worst) - hopeful)
+        if moment is Moment.START:
+            survived = self._from_start & goal.won
+        elif moment is Moment.ENTRY:
+            assert section is not None, "an entry is that of a section"
+            survived = self.entered(section) & goal.running & hopeful
+        else:
+            survived = goal.running & self.begun & hopeful
+        return self.images.everything - self._dead(survived)
 
+    def _dead(self, states: S) -> Zdd:
+        """The sets of hardware that is dead in some states."""
+        return self.space.image(states, self.places("dead", self.hardware), self.images)
+
+    @remembered
     def minimal(self, family: Zdd) -> list[CutSet]:
-        """The minimal members of a family: of :meth:`losing`, the minimal cut sets.
+        """The minimal members of a family, by size, then in alphabetical order: minimal cut sets.
 
-        Returns:
-            Smaller sets first, then in alphabetical order; the empty set alone where the goal can never be
-            reached.
+        It is the empty set alone where the goal can never be reached.
 
         Raises:
             LimitError: There are too many.
         """
-        if family not in self._minimal:
-            names = map(self._names, self.images.minimal(family))
-            self._minimal[family] = sorted(names, key=lambda members: (len(members), members))
-        return self._minimal[family]
+        names = map(self._names, self.images.minimal(family))
+        return sorted(names, key=lambda members: (len(members), members))
 
     def _names(self, members: Iterable[int]) -> CutSet:
         return tuple(sorted(self.hardware[member] for member in members))
 
     def nonmonotone(self, lost: Zdd) -> Nonmonotone | None:
-        """A loss at the worst moment that one failure more would undo, where there is one.
+        """A loss at the worst moment (``SOMETIME``) that one failure more would undo, where there is one.
 
-        The functions of the other moments are monotone as they stand. That of ``SOMETIME`` is where hardware
-        in service can always fail, which the templates of the paper allow. Where it is not, the minimal cut
-        sets are those of the least monotone function above it: their supersets may survive.
-
-        Args:
-            lost: What :meth:`losing` says of a goal ``SOMETIME``.
+        There is none where hardware in service can always fail, as the templates of the paper have it. Where
+        there is one, the minimal cut sets are those of the least monotone function above.
         """
         for number, name in enumerate(self.hardware):
             larger = (self.images.with_member(lost, number) - lost).pick()

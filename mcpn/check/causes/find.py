@@ -1,8 +1,7 @@
 """Failure causes of a mission, all together: what a report shows and the command line prints.
 
 Which hardware must be lost for the mission and each objective to fail, when; which events decide it, in which
-functioning mode; the shortest runs that show it; how much the mission survives from each section on. Every
-question is asked of a space of states, whichever engine has made it.
+functioning mode; the shortest runs that show it; how much the mission survives from each section on.
 """
 
 from __future__ import annotations
@@ -14,13 +13,11 @@ from typing import Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
-from mcpn.check.causes.scenarios import most_failures, to_failure
-from mcpn.check.spaces import Asked, Choice, answered, mortal_space, space_of
+from mcpn.check.spaces import Asked, Choice, answered, space_of
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
-from mcpn.net.mortal import mortal
 from mcpn.notebook import Told
 from mcpn.space.algebra import Space
 from mcpn.space.markings.explicit import Progress
@@ -113,17 +110,12 @@ class Causes(Told):
         return f"<causes of the mission {self.mission.name}: fails without {lost}>"
 
     def of(self, objectives: Iterable[str]) -> Causes:
-        """The same with some elementary objectives alone.
-
-        Raises:
-            InputError: The mission has no such objective.
-        """
+        """The same with some elementary objectives alone; an unknown one is an InputError."""
         chosen = list(objectives)
         for name in chosen:
             if name not in self.objectives:
-                expected = f"expected one of {', '.join(self.objectives)}"
-                source = self.mission_net.mission.source
-                raise InputError.at(source, f"no objective {name}; {expected}")
+                message = f"no objective {name}; expected one of {', '.join(self.objectives)}"
+                raise InputError.at(self.mission_net.mission.source, message)
         return replace(self, objectives={name: self.objectives[name] for name in chosen})
 
 
@@ -134,19 +126,10 @@ def find_causes(
     max_states: int | None = None,
     progress: Progress | None = None,
 ) -> Causes:
-    """The failure causes of a mission.
+    """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
-    Args:
-        mission_net: The mission's net.
-        engine: Who makes the spaces: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.spaces`. All give the same answers; runs are shortest but for composition, where
-            they pass as few sections as can be.
-        max_states: Limit on states that are listed one by one.
-        progress: Called now and then with states and edges that are listed.
-
-    Returns:
-        Everything but the tables and numbers of :mod:`mcpn.check.causes.fmeca` and
-        :mod:`mcpn.check.causes.risk`.
+    All engines give the same answers; runs are shortest but for composition, where they pass as few sections
+    as can be. The arguments are those of :func:`mcpn.check.verdicts.mission.check`.
 
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
@@ -155,53 +138,46 @@ def find_causes(
 
     def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
         stable = space_of(mission_net, by, "alternatives", progress=None if by.brief else progress)
-        return stable, mortal_space(mission_net, by)
+        return stable, space_of(mission_net, by, "alternatives", may_die=True)
 
-    (stable, dying_space), choice = answered(
+    (stable, dying), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
     step("finding what hardware the mission needs")
-    finding = _Finding(Prospects(mission_net, stable), CutSets(Prospects(mortal(mission_net), dying_space)))
-    alive, dying = finding.prospects, finding.cuts.mortal
-    return Causes(
-        mission_net,
-        alive,
-        finding.goal(alive.mission, dying.mission),
-        {
-            name: finding.goal(alive.objectives[name], dying.objectives[name], section)
-            for name, section in alive.sections.items()
-        },
-        [finding.survival(section) for section in (None, *mission_net.graph.sections)],
-        choice,
-    )
+    prospects, cuts = Prospects(mission_net, stable), CutSets(mission_net, dying)
 
-
-class _Finding:
-    def __init__(self, prospects: Prospects[Any], cuts: CutSets[Any]) -> None:
-        self.prospects = prospects
-        self.cuts = cuts
-
-    def goal(self, goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
+    def causes(goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
         step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
         wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
-        losing = {moment: self.cuts.losing(dying, moment, section) for moment in wanted}
+        losing = {moment: cuts.defeating(dying, moment, section) for moment in wanted}
         return GoalCauses(
             goal.name,
-            {moment.value: self.cuts.minimal(lost) for moment, lost in losing.items()},
-            self.prospects.critical(goal, repairs=False),
-            self.prospects.critical(goal, repairs=True),
-            self.cuts.nonmonotone(losing[Moment.SOMETIME]),
-            partial(to_failure, self.prospects, goal),
+            {moment.value: cuts.minimal(lost) for moment, lost in losing.items()},
+            prospects.critical(goal, repairs=False),
+            prospects.critical(goal, repairs=True),
+            cuts.nonmonotone(losing[Moment.SOMETIME]),
+            partial(prospects.to_failure, goal),
         )
 
-    def survival(self, section: Section | None) -> Survival:
+    def survival(section: Section | None) -> Survival:
         name = None if section is None else section.name
         step(f"finding what the mission survives from {f'section {name}' if name else 'the start'} on")
-        cuts, moment = self.cuts, Moment.START if section is None else Moment.ENTRY
-        lost = cuts.losing(cuts.mortal.mission, moment, section)
+        lost = cuts.defeating(cuts.mission, Moment.ENTRY if section else Moment.START, section)
         cut_sets, survived = cuts.minimal(lost), cuts.images.everything - lost
         always = at_most = None
         if survived:
             always = len(cut_sets[0]) - 1 if cut_sets else len(cuts.hardware)
             at_most = cuts.images.sized(survived)
-        return Survival(name, cut_sets, always, at_most, partial(most_failures, self.prospects, section))
+        return Survival(name, cut_sets, always, at_most, partial(prospects.most_failures, section))
+
+    return Causes(
+        mission_net,
+        prospects,
+        causes(prospects.mission, cuts.mission),
+        {
+            name: causes(prospects.objectives[name], cuts.objectives[name], of)
+            for name, of in prospects.sections.items()
+        },
+        [survival(section) for section in (None, *mission_net.graph.sections)],
+        choice,
+    )

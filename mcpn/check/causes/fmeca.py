@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from itertools import compress
 from typing import Generic, TypeAlias
 
-from mcpn.check.causes.effects import Around, Case, Severity, changes, joined, local_effect, worth_telling
+from mcpn.check.causes.effects import Case, Severity, changes, joined, local_effect, worth_telling
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.check.modes import Situation, said_by
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph
+from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.events import What
 from mcpn.net.templates import Role
 from mcpn.space.algebra import S, Space
@@ -89,7 +89,12 @@ class _Table(Generic[S]):
         self.oos = prospects.places("oos", prospects.hardware)
         self.some_out = self.space.marked(self.oos)
         self.images = ImageStore(len(self.oos))
-        self.around = dict(_around(self.net.graph))
+        self.around: dict[str, list[tuple[ParallelSection, Branch]]] = {n: [] for n in prospects.sections}
+        for block in self.net.graph.all_sections():
+            if isinstance(block, ParallelSection):
+                for branch in block.branches:
+                    for inner in branch.graph.walk():
+                        self.around[inner.name].append((block, branch))
         self._modes: dict[str, dict[int, S]] = {}
 
     def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
@@ -133,7 +138,7 @@ class _Table(Generic[S]):
             (Severity.OBJECTIVE_LOST, self.prospects.losing(goal, repairs=False)),
         ):
             if left and region:
-                found[severity] = (self.space.before(region, [transition]) & left) - region
+                found[severity] = (self.leading(region, [transition]) & left) - region
                 left = left - found[severity]
         changed = self.space.nothing
         for states in self.modes(goal).values() if left else ():
@@ -141,9 +146,15 @@ class _Table(Generic[S]):
         found |= {Severity.DEGRADED: changed, Severity.NO_EFFECT: left - changed}
         return {severity: states for severity, states in found.items() if states}
 
+    def leading(self, states: S, *steps: Collection[int]) -> S:
+        """States from which edges of some transitions, one step after another, lead to others."""
+        for transitions in reversed(steps):
+            states = self.space.before(states, transitions) if states else states
+        return states
+
     def changing(self, states: S, transition: int, before: S) -> S:
         """Those of some states from which an edge leads into or out of others."""
-        kept = self.space.before(states, [transition]) if states else states
+        kept = self.leading(states, [transition])
         return ((states - kept) | (kept - states)) & before
 
     def modes(self, goal: Goal[S]) -> dict[int, S]:
@@ -216,24 +227,15 @@ class _Table(Generic[S]):
         self, severity: Severity, states: S, transition: int, hardware: str, goal: Goal[S]
     ) -> Iterator[Case]:
         """Some states before a failure, by what it does to the objective's mode and its prospects."""
-        lost = self.prospects.losing(goal, repairs=False)
-        repairs = self.prospects.carrying(What.REPAIRED, hardware)
-
-        def coming_to(region: S) -> S:
-            return self.space.before(region, [transition]) if region else region
-
-        def coming_back_to(region: S) -> S:
-            return coming_to(self.space.before(region, repairs)) if region else region
-
-        modes = self.modes(goal)
+        lost, modes = self.prospects.losing(goal, repairs=False), self.modes(goal)
+        fails, repairs = [transition], self.prospects.carrying(What.REPAIRED, hardware)
         changed = [p for p, marked in modes.items() if self.changing(marked, transition, states)]
+        ways: tuple[tuple[Collection[int], ...], ...] = (), (fails,), (fails, repairs)
         asked = [
             lost,
-            *(coming_to(region) for region in (lost, self.lost_unrepaired, self.lost)),
-            *(coming_back_to(region) for region in (lost, self.lost_unrepaired)),
-            *(modes[p] for p in changed),
-            *(coming_to(modes[p]) for p in changed),
-            *(coming_back_to(modes[p]) for p in changed),
+            *(self.leading(region, fails) for region in (lost, self.lost_unrepaired, self.lost)),
+            *(self.leading(region, fails, repairs) for region in (lost, self.lost_unrepaired)),
+            *(self.leading(modes[p], *steps) for steps in ways for p in changed),
         ]
         n = len(changed)
         for answers, those in _atoms(states, asked):
@@ -256,7 +258,7 @@ class _Table(Generic[S]):
             modes = self.modes(goal) if there else {}
             changed = [p for p, marked in modes.items() if self.changing(marked, transition, there)]
             asked = [modes[p] for p in changed]
-            asked += [self.space.before(modes[p], [transition]) for p in changed]
+            asked += [self.leading(modes[p], [transition]) for p in changed]
             told = dict.fromkeys(
                 changes(
                     said_by(self.net, compress(changed, answers)), said_by(self.net, compress(changed, after))
@@ -267,16 +269,6 @@ class _Table(Generic[S]):
             if told:
                 found.append(f"in {other}, {' or '.join(told)}")
         return "; ".join(found)
-
-
-def _around(graph: ObjectivesGraph, blocks: Around = ()) -> Iterator[tuple[str, Around]]:
-    """Each elementary objective with the parallel blocks around it."""
-    for section in graph.sections:
-        if isinstance(section, ElementarySection):
-            yield section.name, blocks
-        else:
-            for branch in section.branches:
-                yield from _around(branch.graph, (*blocks, (section, branch)))
 
 
 def _atoms(states: S, asked: Sequence[S]) -> Iterator[tuple[tuple[bool, ...], S]]:

@@ -1,4 +1,4 @@
-"""What a mission may still reach: goals, losing regions, and the events that lead into them.
+"""What a mission may still reach: goals, losing regions, the events that lead into them, runs that show it.
 
 Source: the paper, 7.2 ("studying the resource events that force the mission into a branch leading to
 failure"). A state *loses* a goal where no run reaches it any more; without repairs, where no run without an
@@ -8,10 +8,11 @@ ends in success, so that a later retry is another run, and one after an interrup
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any, Generic, Literal, TypeAlias
 
 from mcpn.check.modes import Mode, said_by
@@ -19,8 +20,10 @@ from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.space.algebra import Alike, Piece, S, Space, partition
+from mcpn.space.algebra import Alike, Edge, Piece, S, Space, partition
 from mcpn.space.images import ImageStore
+from mcpn.space.local.layout import remembered
+from mcpn.space.run import Run, transitions_of
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 
@@ -39,18 +42,17 @@ class Goal(Generic[S]):
     name: str
     running: S
     won: S
-    ends: frozenset[int]
+    ends: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
 class CriticalEvent:
-    """Edges of one event that lead into a losing region, from one functioning mode.
+    """How many edges of one event lead into a losing region from one functioning mode.
 
     Args:
         event: The event.
         objectives: Objectives that run before it, in the mission's order.
-        mode: The alternatives, before it, of the activities that the event concerns: those that may use the
-            hardware, directly or through others, or those of the objective that ends.
+        mode: The alternatives, before it, of the activities that the event concerns.
         edges: How many edges of the alternatives graph.
     """
 
@@ -87,25 +89,21 @@ class Prospects(Generic[S]):
             h.name for h in mission_net.mission.hardware if ("oos", h.name) in mission_net.by_role
         )
         self.sections = {section.name: section for section in mission_net.graph.walk()}
-        self._by_event: dict[Event, set[int]] = {}
-        by_what: dict[What, set[int]] = {what: set() for what in What}
+        self._carrying = defaultdict[Event | What, set[int]](set)
         for t, transition in enumerate(mission_net.net.transitions):
-            if transition.event is not None:
-                self._by_event.setdefault(transition.event, set()).add(t)
-                by_what[transition.event.what].add(t)
-        self.failing = frozenset(by_what[What.OUT_OF_SERVICE])
-        self.dying = frozenset(by_what[What.LOST])
-        self.everything = frozenset[int]().union(*by_what.values()) - self.dying
-        self.unrepaired = self.everything - by_what[What.REPAIRED]
-        self._declared = by_what[What.DECLARED]
+            if (event := transition.event) is not None:
+                self._carrying[event].add(t)
+                self._carrying[event.what].add(t)
+        self.failing = frozenset(self._carrying[What.OUT_OF_SERVICE])
+        self.dying = frozenset(self._carrying[What.LOST])
+        self.everything = frozenset[int]().union(*self._carrying.values()) - self.dying
+        self.unrepaired = self.everything - self._carrying[What.REPAIRED]
         self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
-        self._entered: dict[str, S] = {}
-        self._hopeful: dict[tuple[Goal[S], bool], S] = {}
 
     def carrying(self, what: What, element: str = "") -> frozenset[int]:
         """Transitions that carry an event."""
-        return frozenset(self._by_event.get(Event(what, element), ()))
+        return frozenset(self._carrying.get(Event(what, element), ()))
 
     def places(self, kind: Kind, names: Iterable[str]) -> list[int]:
         """Places that say something of some elements."""
@@ -117,61 +115,50 @@ class Prospects(Generic[S]):
     def mission(self) -> Goal[S]:
         """Success of the mission."""
         won = self.space.marked([self.mission_net.success])
-        return Goal(self.mission_net.mission.name, self.space.everything - won, won, frozenset())
+        return Goal(self.mission_net.mission.name, self.space.everything - won, won)
 
     @cached_property
     def objectives(self) -> Mapping[str, Goal[S]]:
         """Success of each elementary objective in its present run, by its name, in the mission's order."""
-        return {name: self._objective(name) for name in self.sections}
+        # A declared event stops an objective if it takes its place, or that of a block around it.
+        net, taking = self.mission_net.net, defaultdict[str, set[int]](set)
+        for t in self._carrying[What.DECLARED]:
+            origins = (net.places[place].provenance for place, _ in net.transitions[t].consume)
+            for origin in origins:
+                if origin is not None and origin.kind in ("objective", "parallel"):
+                    taking[origin.name].add(t)
+        stopping = {name: set[int]() for name in self.sections}
+        for section in self.mission_net.graph.all_sections() if taking else ():
+            for inner in section.walk():
+                stopping[inner.name] |= taking[section.name]
+        return {name: self._objective(name, interrupting) for name, interrupting in stopping.items()}
 
-    def _objective(self, name: str) -> Goal[S]:
+    def _objective(self, name: str, interrupting: set[int]) -> Goal[S]:
         running = self.space.marked(self.places("objective", [name]))
         succeeds = self.carrying(What.SUCCESS, name)
         won = self.space.enabling(succeeds) & running if running else running
-        ends = succeeds | self.carrying(What.FAILURE, name) | self._interrupting[name]
-        return Goal(name, running, won, ends)
-
-    @cached_property
-    def _interrupting(self) -> Mapping[str, set[int]]:
-        """By objective, declared events that stop it: they take its place, or that of a block around it."""
-        net, taking = self.mission_net.net, dict[tuple[str, str], set[int]]()
-        for t in self._declared:
-            for place, _ in net.transitions[t].consume:
-                if (origin := net.places[place].provenance) is not None:
-                    taking.setdefault((origin.kind, origin.name), set()).add(t)
-        found: dict[str, set[int]] = {name: set() for name in self.sections}
-        for section in self.mission_net.graph.all_sections() if taking else ():
-            kind = "objective" if isinstance(section, ElementarySection) else "parallel"
-            for inner in section.walk():
-                found[inner.name] |= taking.get((kind, section.name), set())
-        return found
+        return Goal(name, running, won, succeeds | self.carrying(What.FAILURE, name) | interrupting)
 
     @cached_property
     def begun(self) -> S:
         """States in which the mission has begun."""
         return self.space.everything - self.space.marked([self.mission_net.beginning])
 
+    @remembered
     def entered(self, section: Section) -> S:
         """States at the entry of a section: just entered, or so but for failures that came at once."""
-        if section.name not in self._entered:
-            self._entered[section.name] = self._entering(section)
-        return self._entered[section.name]
-
-    def _entering(self, section: Section) -> S:
-        space = self.space
-        first = [inner.name for inner in entries(section)]
-        inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
-        before = space.before(inside, self.everything)
+        space, first = self.space, [inner.name for inner in entries(section)]
+        running = inside = space.marked([*self.places("objective", first), *self.places("pending", first)])
+        before, again = space.before(inside, self.everything), space.nothing
         if isinstance(section, ElementarySection):
             # A retry ends one run and begins the next with one event.
             again = space.after(before & inside, self.objectives[section.name].ends)
-            entry = space.after(before - inside, self.everything) | again
         else:
             names = [*(b.name for b in section.branches), *(inner.name for inner in section.walk())]
             kinds: tuple[Kind, ...] = ("objective", "pending", "done")
-            running = space.marked([p for kind in kinds for p in self.places(kind, names)])
-            entry = space.after(before - inside - running, self.everything)
-        return space.reached(entry & inside, transitions=self.failing | self.dying)
+            running = running | space.marked([p for kind in kinds for p in self.places(kind, names)])
+        entry = (space.after(before - running, self.everything) | again) & inside
+        return space.reached(entry, transitions=self.failing | self.dying)
 
     # --- losing regions ------------------------------------------------------------------------------------
 
@@ -179,12 +166,10 @@ class Prospects(Generic[S]):
         """What the edges of a run to a goal may carry."""
         return (self.everything if repairs else self.unrepaired) - goal.ends
 
-    def hopeful(self, goal: Goal[S], *, repairs: bool = True) -> S:
+    @remembered
+    def hopeful(self, goal: Goal[S], *, repairs: bool) -> S:
         """States from which a goal can be reached; where repairs are allowed, of hardware that is alive."""
-        if (goal, repairs) not in self._hopeful:
-            transitions = self.allowed(goal, repairs=repairs)
-            self._hopeful[goal, repairs] = self.space.reaching(goal.won, goal.running, transitions)
-        return self._hopeful[goal, repairs]
+        return self.space.reaching(goal.won, goal.running, self.allowed(goal, repairs=repairs))
 
     def losing(self, goal: Goal[S], *, repairs: bool) -> S:
         """States in which a goal is still open and can no longer be reached."""
@@ -194,8 +179,7 @@ class Prospects(Generic[S]):
     def forced(self) -> Mapping[int, S]:
         """By transition with which an objective fails, the states in which it cannot succeed any more.
 
-        As guards they leave runs in which objectives fail only where they must; what happens in them is what
-        the lost hardware makes happen.
+        As guards they leave runs in which objectives fail only where the lost hardware makes them fail.
         """
         return {
             t: self.losing(goal, repairs=False)
@@ -206,20 +190,10 @@ class Prospects(Generic[S]):
     # --- critical events -----------------------------------------------------------------------------------
 
     def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
-        """Edges from a chance to reach a goal to none, by event, running objectives and functioning mode.
-
-        Args:
-            goal: What is lost.
-            repairs: Whether hardware may be repaired.
-
-        Returns:
-            In the order of the net's transitions.
-        """
+        """Edges from a chance to reach a goal to none, in the order of the net's transitions."""
         losing, allowed = self.losing(goal, repairs=repairs), self.allowed(goal, repairs=repairs)
-        if not losing:
-            return []
         found: Counter[tuple[Event, tuple[str, ...], tuple[tuple[str, str], ...]]] = Counter()
-        for t, states in self.space.crossing(goal.running - losing, losing):
+        for t, states in self.space.crossing(goal.running - losing, losing) if losing else ():
             event = self.mission_net.net.transitions[t].event
             if event is None or t not in allowed:
                 continue
@@ -232,8 +206,13 @@ class Prospects(Generic[S]):
         """States before an event by the objectives that run and the mode; found once for alike pieces."""
 
         def compute() -> Counted:
-            concerned, counts = {"", *self._concerned(event)}, dict[tuple[Any, Any], int]()
-            telling = sorted(p for p in self.space.varying(piece.states) if self._says.get(p) in concerned)
+            concerned, counts = self._concerned(event), dict[tuple[Any, Any], int]()
+            roles = {p: self.mission_net.roles.get(p, ("", "")) for p in self.space.varying(piece.states)}
+            telling = sorted(
+                place
+                for place, (kind, name) in roles.items()
+                if kind == "objective" or (kind == "active" and name.split(".", 1)[0] in concerned)
+            )
             for marked, part in partition(self.space, piece.states, telling, self._images):
                 said = said_by(self.mission_net, sorted(marked))
                 counts[said.objectives, tuple(said.mode.items())] = part.count()
@@ -246,32 +225,74 @@ class Prospects(Generic[S]):
         found, names = self._alike.known((event.what, of, piece.kind), piece.names, compute)
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
 
-    @cached_property
-    def _says(self) -> Mapping[int, str]:
-        """By place of an alternative its activity, by place of an objective nothing."""
-        roles = self.mission_net.roles.items()
-        says = {p: name.split(".", 1)[0] for p, (kind, name) in roles if kind == "active"}
-        return says | {p: "" for p, (kind, _) in roles if kind == "objective"}
-
-    def _concerned(self, event: Event) -> Iterable[str]:
+    @remembered
+    def _concerned(self, event: Event) -> set[str]:
         """Activities whose choice of alternative matters to an event.
 
         Those of the objective that ends; or those with an alternative that stands on the hardware, directly
         or through others, and another that does not.
         """
-        if event.what in (What.SUCCESS, What.FAILURE):
-            return self.sections[event.element].activities if event.element in self.sections else ()
-        # A declared event may bear the name of hardware.
-        return () if event.what is What.DECLARED else self._choosing.get(event.element, ())
+        usage, choosing = self.mission_net.usage, set[str]()
+        if event.what in (What.SUCCESS, What.FAILURE) and event.element in self.sections:
+            choosing.update(self.sections[event.element].activities)
+        if event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
+            for name in usage.started:
+                ways = [way.consumes for way in usage.activities[name].alternatives]
+                standing = {any(event.element in usage.hardware_under(k) for k in way) for way in ways}
+                if standing == {False, True}:
+                    choosing.add(name)
+        return choosing
 
-    @cached_property
-    def _choosing(self) -> Mapping[str, set[str]]:
-        """By hardware, the activities of which some but not all alternatives may stand on it."""
-        usage = self.mission_net.usage
-        found: dict[str, set[str]] = {}
-        for name in usage.started:
-            alternatives = usage.activities[name].alternatives
-            ways = [frozenset().union(*map(usage.hardware_under, a.consumes)) for a in alternatives]
-            for hardware in frozenset().union(*ways) - ways[0].intersection(*ways):
-                found.setdefault(hardware, set()).add(name)
-        return found
+    # --- runs ----------------------------------------------------------------------------------------------
+    # Nothing is repaired in them, and objectives fail only where they cannot succeed any more.
+
+    def to_failure(self, goal: Goal[S], cut_set: Iterable[str]) -> Run | None:
+        """A short run in which a goal fails because of a cut set, and no other hardware fails.
+
+        It leads to the failure of the mission or the objective, with all of the cut set out of service; where
+        the mission need not end, to where it can no longer succeed. ``None`` where no run leads there.
+        """
+        space, names = self.space, list(cut_set)
+        mine = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
+        transitions = (self.unrepaired - self.failing).union(*mine)
+        ends = [self.losing(goal, repairs=False)]
+        if goal is self.mission:
+            ends.insert(0, space.marked([self.mission_net.failure]))
+        oos = self.places("oos", names)
+        for end, guards in product([space.restricted(end, oos, ()) for end in ends], (self.forced, None)):
+            run = space.run(space.initial.pick(), end, None, transitions, guards)
+            if run is not None:
+                if goal is not self.mission:
+                    fails = self.carrying(What.FAILURE, goal.name)
+                    run.append(next(e for e in space.edges(run[-1].target) if e.transition in fails))
+                return self._run(run)
+        return None
+
+    def most_failures(self, section: Section | None = None) -> Run | None:
+        """A short run to success in which, from the start on, as many resources fail as in any.
+
+        With a section: from its entry on, with all hardware in service there. ``None`` where there is none.
+        """
+        space, goal, oos = self.space, self.mission, self.places("oos", self.hardware)
+        begin, prefix = space.initial.pick(), list[Edge]()
+        if section is not None:
+            found = space.run(begin, space.restricted(self.entered(section), (), oos))
+            if found is None:
+                return None
+            begin, prefix = found[-1].target if found else begin, found
+        here, guards, transitions = space.single(begin), self.forced, self.unrepaired
+        if here & goal.won:
+            return self._run(prefix)
+        # Success may be followed by failures that cost nothing any more: only edges before it count.
+        before = space.reached(here, goal.running, transitions, guards)
+        ends = space.after(before, transitions, guards) & goal.won
+        if not ends:
+            return None
+        images = ImageStore(len(oos))
+        most = images.sized(space.image(ends, oos, images))
+        widest = ends & space.at_most(dict.fromkeys(oos, -1), -most)
+        onward = space.run(begin, widest, goal.running, transitions, guards)
+        return None if onward is None else self._run([*prefix, *onward])
+
+    def _run(self, edges: Iterable[Edge]) -> Run:
+        return Run(self.space.net, transitions_of(edges), settles=True)

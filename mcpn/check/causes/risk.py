@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from mcpn.check.causes.chain import Listed
@@ -27,7 +28,7 @@ from mcpn.check.causes.section_chains import Outlook, Section, Sections
 from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.model import FAIL, SUCCEED
-from mcpn.space.arrays import ArraySpace
+from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES
@@ -73,12 +74,11 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
-    failing = {name: hardware[name].failure_rate or 0.0 for name in prospects.hardware}
-    repaired = {name: hardware[name].repair_rate or 0.0 for name in prospects.hardware}
-    expected = Outlook(model, failing, repaired)
+    rates = {h: (hardware[h].failure_rate or 0.0, hardware[h].repair_rate or 0.0) for h in prospects.hardware}
+    expected = Outlook(model, rates)
     importance = {}
-    for name in prospects.hardware:
-        frozen = Outlook(model, {**failing, name: 0.0}, {**repaired, name: 0.0})
+    for name in rates:
+        frozen = Outlook(model, {**rates, name: (0.0, 0.0)}, expected)
         importance[name] = frozen.ends()[0] - frozen.ends(name)[0]
     return Risk(*expected.ends(), expected.degraded_modes(), importance)
 
@@ -101,16 +101,19 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         routes = {"success": SUCCEED, "failure": FAIL}
         whole = Section(Listed(prospects, hardware), hardware, tuple(prospects.sections.values()), routes)
         return Sections({"": whole}, "", hardware)
-    listed: dict[SectionType, Listed] = {}
+    known: dict[SectionType, Prospects[ArraySet]] = {}
+    listed = cache(Listed)
     sections = {}
     for name, placed in space.sections.items():
         if name not in space.everything.parts:
             continue
         kind = placed.type
-        if kind not in listed:
+        if kind not in known:
             kind.refuse_list(name, max_states, "numbers of risk list every state")
-            graph = kind.listed()
-            listed[kind] = Listed(Prospects(kind.net, ArraySpace(graph)), kind.faulty)
+            known[kind] = Prospects(kind.net, ArraySpace(kind.listed()))
+        again = tuple(exit_ for exit_, route in placed.routes.items() if route == name)
         objectives = tuple(placed.part.graph.walk())
-        sections[name] = Section(listed[kind], placed.faulty, objectives, placed.routes)
+        sections[name] = Section(
+            listed(known[kind], kind.faulty, again), placed.faulty, objectives, placed.routes
+        )
     return Sections(sections, net.graph.entry, hardware)

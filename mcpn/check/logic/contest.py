@@ -13,9 +13,10 @@ from typing import cast
 
 from lxml import etree
 
-from mcpn.check.logic.formulas import OPERATORS, Const, Deadlock, Fires, Formula, Sum, compare, within_limit
+from mcpn.check.logic.formulas import OPERATORS, Sum, compare, within_limit
 from mcpn.check.logic.names import Names
 from mcpn.errors import InputError, Source
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula
 from mcpn.xmlio import parse_xml
 
 MAX_BYTES = 100_000_000
@@ -38,14 +39,7 @@ class Property:
 
 
 def read_properties(path: Path, names: Names) -> list[Property]:
-    """Reads a property file.
-
-    Args:
-        path: The file.
-        names: Look up places and transitions.
-
-    Returns:
-        Its properties, in its order.
+    """The properties of a file, in its order.
 
     Raises:
         InputError: The file is no property file, or a name is unknown, with the line of what was found.
@@ -57,15 +51,18 @@ def read_properties(path: Path, names: Names) -> list[Property]:
     return [reader.property(element) for element in root]
 
 
-_OPERATORS = {"finally": "F", "globally": "G", "next": "X"}
+_ATOMS = {"true": TRUE, "false": FALSE, "deadlock": DEADLOCK}
 _CONNECTIVES = {
     "negation": ("!", 1),
     "conjunction": ("&", None),
     "disjunction": ("|", None),
     "implication": ("->", 2),
     "equivalence": ("<->", 2),
+    "exclusive-disjunction": ("xor", 2),
 }
 """By element the operator, and the number of its operands where not any will do."""
+_QUANTIFIERS = {"exists-path": "E", "all-paths": "A"}
+_PATHS = {"finally": "F", "globally": "G", "next": "X"}
 
 
 class _Reader:
@@ -77,9 +74,8 @@ class _Reader:
     def source(self, element: etree._Element) -> Source:
         return Source(self.file, cast(int, element.sourceline))
 
-    def wrong(self, element: etree._Element, expected: str) -> InputError:
-        found = etree.QName(element).localname
-        return InputError.at(self.source(element), f"found <{found}>, expected {expected}")
+    def error(self, element: etree._Element, before: str, after: str) -> InputError:
+        return InputError.at(self.source(element), f"{before}<{etree.QName(element).localname}>{after}")
 
     def tag(self, element: etree._Element) -> str:
         name = str(element.tag)
@@ -87,15 +83,12 @@ class _Reader:
 
     def expect(self, element: etree._Element, tag: str) -> None:
         if self.tag(element) != tag:
-            raise self.wrong(element, f"<{tag}> of the namespace {_NAMESPACE[1:-1]}")
+            raise self.error(element, "found ", f", expected <{tag}> of the namespace {_NAMESPACE[1:-1]}")
 
     def only(self, element: etree._Element, count: int | None = 1) -> list[etree._Element]:
-        children = list(element)
-        if len(children) != count and count is not None:
-            found = etree.QName(element).localname
-            message = f"<{found}> holds {len(children)} elements, expected {count}"
-            raise InputError.at(self.source(element), message)
-        return children
+        if count not in (None, len(element)):
+            raise self.error(element, "", f" holds {len(element)} elements, expected {count}")
+        return list(element)
 
     def property(self, element: etree._Element) -> Property:
         self.expect(element, "property")
@@ -111,51 +104,46 @@ class _Reader:
 
     def formula(self, element: etree._Element) -> Formula:
         match self.tag(element):
-            case "true" | "false" as value:
-                return Const(value == "true")
+            case tag if tag in _ATOMS:
+                return _ATOMS[tag]
             case tag if tag in _CONNECTIVES:
                 operator, count = _CONNECTIVES[tag]
                 return OPERATORS[operator](*map(self.formula, self.only(element, count)))
-            case "exclusive-disjunction":
-                return OPERATORS["!"](OPERATORS["<->"](*map(self.formula, self.only(element, 2))))
-            case "exists-path" | "all-paths" as quantifier:
-                return self.path("E" if quantifier == "exists-path" else "A", *self.only(element))
+            case tag if tag in _QUANTIFIERS:
+                return self.path(_QUANTIFIERS[tag], *self.only(element))
             case "is-fireable":
                 return Fires(tuple(sorted({*self.named(element, "transition", self.lookup.transition)})))
-            case "deadlock":
-                return Deadlock()
             case "integer-le":
                 small, large = map(self.sum, self.only(element, 2))
                 return compare(small, "<=", large)
-        raise self.wrong(element, "a formula on states")
+        raise self.error(element, "found ", ", expected a formula on states")
 
     def path(self, quantifier: str, element: etree._Element) -> Formula:
         tag = self.tag(element)
-        if tag == "until":
-            before, reach = self.only(element, 2)
-            self.expect(before, "before")
-            self.expect(reach, "reach")
-            inside = (self.formula(*self.only(part)) for part in (before, reach))
-            return OPERATORS[f"{quantifier}U"](*inside)
-        if tag in _OPERATORS:
-            return OPERATORS[quantifier + _OPERATORS[tag]](self.formula(*self.only(element)))
-        raise self.wrong(element, "<finally>, <globally>, <next> or <until>")
+        if tag in _PATHS:
+            return OPERATORS[quantifier + _PATHS[tag]](self.formula(*self.only(element)))
+        if tag != "until":
+            raise self.error(element, "found ", ", expected <finally>, <globally>, <next> or <until>")
+        parts = self.only(element, 2)
+        for part, expected in zip(parts, ("before", "reach"), strict=True):
+            self.expect(part, expected)
+        return OPERATORS[f"{quantifier}U"](*(self.formula(*self.only(part)) for part in parts))
 
     def sum(self, element: etree._Element) -> Sum:
         match self.tag(element):
             case "integer-constant":
                 text = (element.text or "").strip()
                 if not re.fullmatch(r"-?[0-9]{1,18}", text):
-                    raise InputError.at(
-                        self.source(element), f"found {text!r}, expected an integer of at most 18 digits"
-                    )
+                    message = f"found {text!r}, expected an integer of at most 18 digits"
+                    raise InputError.at(self.source(element), message)
                 return int(text), ()
             case "tokens-count":
                 return 0, self.named(element, "place", self.lookup.place)
             case "integer-sum":
                 parts = [self.sum(child) for child in element]
                 return sum(constant for constant, _ in parts), tuple(p for _, places in parts for p in places)
-        raise self.wrong(element, "<tokens-count>, <integer-constant> or <integer-sum>")
+        expected = "<tokens-count>, <integer-constant> or <integer-sum>"
+        raise self.error(element, "found ", f", expected {expected}")
 
     def named(self, element: etree._Element, tag: str, lookup: Callable[[str], int]) -> tuple[int, ...]:
         for child in element:

@@ -16,25 +16,9 @@ from itertools import count
 from operator import and_, or_
 from typing import Generic
 
-from mcpn.check.logic.formulas import (
-    EG,
-    EU,
-    EX,
-    TRUE,
-    And,
-    Const,
-    Deadlock,
-    Fires,
-    Formula,
-    Justice,
-    Not,
-    Or,
-    Stable,
-    negation,
-    walk,
-)
+from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.space.algebra import S, Space
-from mcpn.space.search.goal import AtMost
+from mcpn.space.search.goal import TRUE, And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
 
 
 class Evaluation(Generic[S]):
@@ -58,15 +42,14 @@ class Evaluation(Generic[S]):
     def holds(self, formula: Formula) -> bool:
         """Whether the initial state satisfies a formula; evaluates no more than this takes."""
         match formula:
-            case Not(operand):
+            case Not((operand,)):
                 return not self.holds(operand)
-            case And(operands):
-                return all(self.holds(operand) for operand in sorted(operands, key=_effort))
-            case Or(operands):
-                return any(self.holds(operand) for operand in sorted(operands, key=_effort))
-            case EU(Const(True), right):  # every state is reachable
+            case And(operands) | Or(operands):
+                values = map(self.holds, sorted(operands, key=_effort))
+                return all(values) if isinstance(formula, And) else any(values)
+            case EU((And(()), right)):  # every state is reachable
                 return bool(self.states(right) & self.fair_states)
-            case EG(operand) if not self.fair and formula not in self._known:
+            case EG((operand,)) if not self.fair and formula not in self._known:
                 initial = self.space.initial
                 return bool(initial & self.space.staying(self.states(operand), initial))
         return bool(self.space.initial & self.states(formula))
@@ -80,9 +63,7 @@ class Evaluation(Generic[S]):
     def _evaluate(self, formula: Formula) -> S:
         space = self.space
         match formula:
-            case Const(value):
-                return space.everything if value else space.nothing
-            case Not(operand):
+            case Not((operand,)):
                 return space.everything - self.states(operand)
             case And(operands):
                 return reduce(and_, map(self.states, operands), space.everything)
@@ -98,11 +79,11 @@ class Evaluation(Generic[S]):
                 return space.dead
             case Stable():
                 return space.stable
-            case EX(operand):
+            case EX((operand,)):
                 return space.before(self.states(operand) & self.fair_states)
-            case EU(left, right):
+            case EU((left, right)):
                 return space.reaching(self.states(right) & self.fair_states, self.along(left))
-            case EG(operand):
+            case EG((operand,)):
                 return self._always(self.states(operand))
         raise TypeError(f"no formula: {formula!r}")
 
@@ -130,7 +111,8 @@ class Evaluation(Generic[S]):
         another in the same region.
         """
         found = self.space.nothing
-        for region, constraints in self._by_region():
+        unmet = [(c, self.plain.states(~c.states)) for c in self.fair]
+        for region, constraints in self._by_region(self.space.regions, unmet):
             inside = along & region
             if inside:
                 found = found | self._hull_of(inside, constraints)
@@ -149,7 +131,7 @@ class Evaluation(Generic[S]):
             else:
                 narrower = space.staying(found - space.dead)
             for constraint in constraints:
-                waiting = narrower & self.plain.states(negation(constraint.states))
+                waiting = narrower & self.plain.states(~constraint.states)
                 if not waiting:
                     continue
                 onward = space.after(waiting) & narrower
@@ -171,22 +153,20 @@ class Evaluation(Generic[S]):
             here = here | (self.space.before(inside, constraint.transitions) & inside)
         return here
 
-    def _by_region(self) -> Iterator[tuple[S, list[Justice]]]:
-        """Each region with the constraints that some of its states do not meet."""
-        unmet = [(c, self.plain.states(negation(c.states))) for c in self.fair]
-        parts: list[tuple[Sequence[S], list[tuple[Justice, S]]]] = [(self.space.regions, unmet)]
-        while parts:  # regions are halved, and only constraints that speak of a half go on with it
-            regions, constraints = parts.pop()
-            if len(regions) == 1 or not constraints:
-                yield from ((region, [c for c, _ in constraints]) for region in regions)
-                continue
-            half = len(regions) // 2
-            for part in (regions[half:], regions[:half]):
-                together = reduce(or_, part, self.space.nothing)
-                parts.append((part, [(c, states) for c, states in constraints if together & states]))
+    def _by_region(
+        self, regions: Sequence[S], unmet: Sequence[tuple[Justice, S]]
+    ) -> Iterator[tuple[S, list[Justice]]]:
+        """Each region with the constraints that some of its states do not meet: halves, and their halves."""
+        if len(regions) == 1 or not unmet:
+            yield from ((region, [c for c, _ in unmet]) for region in regions)
+            return
+        half = len(regions) // 2
+        for part in (regions[:half], regions[half:]):
+            together = reduce(or_, part, self.space.nothing)
+            yield from self._by_region(part, [(c, states) for c, states in unmet if together & states])
 
 
 def _effort(formula: Formula) -> int:
     """How much a formula takes: operators that need a fixpoint count most."""
-    costs = {EG: 100, EU: 10, EX: 10}
-    return sum(costs.get(type(inside), 1) for inside in walk(formula))
+    costs: dict[type, int] = {EG: 100, EU: 10, EX: 10}
+    return sum(costs.get(type(inside), 1) for inside in formula.walk())

@@ -10,20 +10,14 @@ from collections.abc import Iterable
 from typing import Literal
 
 from mcpn._kernel import Checker
-from mcpn.check.logic.formulas import EG, EU, EX, And, Const, Formula, Not, Or, as_goal, operands
+from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import Goal, encode
+from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Goal, Not, Or, as_goal, encode
 from mcpn.space.search.searches import Searches
 
 MAX_BYTES = 1 << 30
-KINDS: dict[type, Literal["not", "all", "any", "next", "until", "always"]] = {
-    Not: "not",
-    And: "all",
-    Or: "any",
-    EX: "next",
-    EU: "until",
-    EG: "always",
-}
+Kind = Literal["goal", "not", "all", "any", "next", "until", "always"]
+KINDS: dict[type, Kind] = {Not: "not", And: "all", Or: "any", EX: "next", EU: "until", EG: "always"}
 
 
 class LocalCheck:
@@ -37,38 +31,29 @@ class LocalCheck:
 
     def __init__(self, net: PetriNet, formulas: Iterable[Formula], *, max_bytes: int = MAX_BYTES) -> None:
         assert not net.priorities, "atoms are conditions on tokens alone"
-        self.net = net
         self._numbers: dict[Formula, int] = {}
         self._given_up: set[int] = set()
-        self._operators: list[tuple[str, list[int]]] = []
+        operators: list[tuple[Kind, list[int]]] = []
         goals: list[Goal] = []
-        for formula in formulas:
-            self._add(formula, goals)
-        encoded, roots = encode(goals, len(net.places))
-        told = [
-            (kind, [roots[i] for i in inside] if kind == "goal" else inside)
-            for kind, inside in self._operators
-        ]
-        self._kernel = Checker(Searches(net).kernel, net.initial, encoded, told, max_bytes)
 
-    def _add(self, formula: Formula, goals: list[Goal]) -> int:
-        if formula not in self._numbers:
-            goal = as_goal(formula, self.net)
-            if goal is None:
-                # Parts that no path is looked at for come first.
-                inside = operands(formula)
-                if isinstance(formula, And | Or):
-                    inside = tuple(sorted(inside, key=lambda part: as_goal(part, self.net) is None))
-                told: tuple[str, list[int]] = (
-                    KINDS[type(formula)],
-                    [self._add(part, goals) for part in inside],
-                )
-            else:
-                told = "goal", [len(goals)]
+        def add(formula: Formula) -> int:
+            if formula in self._numbers:
+                return self._numbers[formula]
+            if goal := as_goal(formula, net):
+                operators.append(("goal", [len(goals)]))
                 goals.append(goal)
-            self._operators.append(told)
-            self._numbers[formula] = len(self._operators) - 1
-        return self._numbers[formula]
+            else:
+                operands = formula.operands
+                if isinstance(formula, And | Or):  # parts that no path is looked at for come first
+                    operands = tuple(sorted(operands, key=lambda part: as_goal(part, net) is None))
+                operators.append((KINDS[type(formula)], list(map(add, operands))))
+            return self._numbers.setdefault(formula, len(operators) - 1)
+
+        for formula in formulas:
+            add(formula)
+        encoded, roots = encode(goals, len(net.places))
+        told = [(kind, [roots[i] for i in of] if kind == "goal" else of) for kind, of in operators]
+        self._kernel = Checker(Searches(net).kernel, net.initial, encoded, told, max_bytes)
 
     def decide(self, formula: Formula, max_steps: int, seed: int = 0) -> bool | None:
         """Whether a formula holds, or ``None`` where a limit was hit.
@@ -78,8 +63,8 @@ class LocalCheck:
             max_steps: How often an operator may be asked at a marking, or an edge be followed.
             seed: Draws the order in which successors are tried; 0 for that of the transitions.
         """
-        if isinstance(formula, Const):
-            return formula.value
+        if formula in (TRUE, FALSE):
+            return formula == TRUE
         number = self._numbers[formula]
         answer = "" if number in self._given_up else self._kernel.decide(number, max_steps, seed)
         if answer in ("bytes", "tokens"):

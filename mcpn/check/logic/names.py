@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from difflib import get_close_matches
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from mcpn.check.logic.formulas import FALSE, Const, Fires, Formula, Justice, negation
+from mcpn.check.logic.formulas import Justice
 from mcpn.errors import InputError
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import AtMost
+from mcpn.space.search.goal import FALSE, TRUE, Fires, Formula, marked
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
@@ -20,17 +20,19 @@ MAX_LISTED = 20
 """How many known names an error lists where none of them is near."""
 
 WORDS = {
-    "objective": "the objective runs",
-    "pending": "the objective is about to be entered",
-    "activity": "an alternative of the activity runs",
-    "alternative": "this alternative of the activity runs",
-    "waiting": "the activity waits for a resource",
-    "refused": "the activity has no possible alternative",
-    "oos": "the hardware resource is out of service",
-    "available": "the hardware is in service; the software's producer runs",
-    "event": "the event may be the next to happen",
+    "objective": "objective",
+    "pending": "pending",
+    "activity": "active",
+    "alternative": "active",
+    "waiting": "wait",
+    "refused": "refused",
+    "oos": "oos",
+    "available": "oos",
+    "event": "",
 }
-"""What a formula may say of an element of the mission."""
+"""The words about an element of the mission, and what the places say that they are of."""
+ENDINGS = ("success", "failure")
+PROGRESS = "progress"
 
 
 class Names:
@@ -65,7 +67,7 @@ class Names:
                 too; or ``success`` or ``failure`` alone.
         """
         meaning = self._meaning(*said)
-        if not isinstance(meaning, Const):  # which other formulas mean as well
+        if meaning not in (TRUE, FALSE):  # which other formulas mean as well
             self.said.setdefault(meaning, said)
         return meaning
 
@@ -75,7 +77,7 @@ class Names:
             raise InputError.at(None, f"{kind} is a word of missions, and this net is of none")
         match kind:
             case "success" | "failure":
-                return _said(of, kind, [of.mission.name])
+                about = [of.mission.name]
             case "objective" | "pending":
                 # Copies of an objective, for what comes after a handler that happens once, are the same to
                 # who asks for it as it is written.
@@ -83,15 +85,12 @@ class Names:
                 for section in (*of.graph.walk(), *of.graph.never_entered()):
                     for known in dict.fromkeys((section.name, section.written)):
                         copies.setdefault(known, []).append(section.name)
-                return _said(of, kind, copies[_element(name, copies, "objective")])
+                about = copies[_element(name, copies, "objective")]
             case "available" if name in of.usage.producer:
                 return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":
-                resources = [h.name for h in of.mission.hardware]
-                if kind == "available":
-                    resources += of.usage.producer
-                oos = _said(of, "oos", [_element(name, resources, "resource")])
-                return oos if kind == "oos" else negation(oos)
+                software = of.usage.producer if kind == "available" else ()
+                about = [_element(name, [*(h.name for h in of.mission.hardware), *software], "resource")]
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
                 event = Event(What.DECLARED, name)
@@ -104,24 +103,15 @@ class Names:
                     message = f"expected alternative(activity)=name, found no name after {value}"
                     raise InputError.at(None, message)
                 return self._meaning(kind, activity, value)
-        activity = _element(name, of.usage.activities, "activity")
-        ways = [a.name for a in of.usage.activities[activity].alternatives]
-        if kind == "refused":
-            return _said(of, kind, [activity])
-        if kind == "alternative":
-            ways = [_element(value or "", ways, f"alternative of {activity}")]
-        return _said(of, "wait" if kind == "waiting" else "active", [f"{activity}.{way}" for way in ways])
-
-
-def _said(of: MissionNet, kind: str, names: Collection[str]) -> Formula:
-    """Some place that says so is marked; false where the templates have none."""
-    return marked(place for place, (said, name) in of.roles.items() if said == kind and name in names)
-
-
-def marked(places: Iterable[int]) -> Formula:
-    """Some of these places holds a token."""
-    terms = tuple((place, -1) for place in sorted(places))
-    return AtMost(terms, -1) if terms else FALSE
+            case _:
+                activity = _element(name, of.usage.activities, "activity")
+                ways = [a.name for a in of.usage.activities[activity].alternatives]
+                if kind == "alternative":
+                    ways = [_element(value or "", ways, f"alternative of {activity}")]
+                about = [activity] if kind == "refused" else [f"{activity}.{way}" for way in ways]
+        role = WORDS.get(kind, kind)
+        said = marked(*(place for place, (what, of_) in of.roles.items() if what == role and of_ in about))
+        return ~said if kind == "available" else said
 
 
 def _element(name: str, names: Collection[str], what: str) -> str:
@@ -131,11 +121,7 @@ def _element(name: str, names: Collection[str], what: str) -> str:
 
 
 def _known(name: str, names: Collection[str], what: str) -> str:
-    """The name, which exists.
-
-    Raises:
-        InputError: It does not.
-    """
+    """The name, if it exists; else an error that lists what is near."""
     if name in names:
         return name
     near = get_close_matches(name, names, n=3)
@@ -149,24 +135,23 @@ def _known(name: str, names: Collection[str], what: str) -> str:
     raise InputError.at(None, f"no {what} is named {name}{hint}")
 
 
-def progress(mission_net: MissionNet) -> tuple[Justice, ...]:
+def progress(mission_net: MissionNet | None) -> tuple[Justice, ...]:
     """Constraints under which a mission goes on: it starts, and running objectives end some day.
 
     Without it ``AF`` says nothing of a mission whose hardware may fail and recover for ever. A loop of
     objectives that is run for ever is fair: each of them ends again and again.
 
-    Args:
-        mission_net: The mission's net.
-
     Returns:
         For the start and for each objective: again and again it is not to be awaited or not running, or the
         start, its ``OK`` or its ``FAIL`` happens.
     """
-    transitions = mission_net.net.transitions
+    if mission_net is None:
+        raise InputError.at(None, f"the constraint {PROGRESS} speaks of missions, and this net is of none")
     waits = {mission_net.beginning: {START}}
     for place, name in mission_net.saying("objective").items():
         waits[place] = {Event(What.SUCCESS, name), Event(What.FAILURE, name)}
+    events = [t.event for t in mission_net.net.transitions]
     return tuple(
-        Justice(negation(marked([place])), tuple(i for i, t in enumerate(transitions) if t.event in endings))
+        Justice(~marked(place), tuple(t for t, event in enumerate(events) if event in endings))
         for place, endings in waits.items()
     )

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import Formula, Justice
+from mcpn.check.logic.formulas import Justice
 from mcpn.check.logic.language import parse
-from mcpn.check.logic.names import Names, progress
+from mcpn.check.logic.names import PROGRESS, Names, progress
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.check.spaces import Asked, Choice, On, answered, space_of
 from mcpn.errors import InputError, UnsafeError
@@ -18,11 +18,10 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach_briefly
+from mcpn.space.search.goal import Formula
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
-
-PROGRESS = "progress"
 
 
 @dataclass(frozen=True)
@@ -79,24 +78,14 @@ class Questions:
         self.engine = engine
         self.max_states = max_states
         self.names = Names(net, mission_net)
-        self.fair = tuple(constraint for text in fair for constraint in self._constraints(text))
-
-    def _constraints(self, text: str) -> tuple[Justice, ...]:
-        if text != PROGRESS:
-            return (Justice(self.formula(text)),)
-        if self.mission_net is None:
-            raise InputError.at(
-                None, f"the constraint {PROGRESS} speaks of missions, and this net is of none"
-            )
-        return progress(self.mission_net)
+        self.fair = tuple(
+            constraint
+            for text in fair
+            for constraint in (progress(mission_net) if text == PROGRESS else [Justice(self.formula(text))])
+        )
 
     def formula(self, text: str) -> Formula:
-        """The formula of a text.
-
-        Raises:
-            InputError: It is none, or a name is unknown.
-            LimitError: It is too large.
-        """
+        """The formula of a text; it raises what :func:`mcpn.check.logic.language.parse` does."""
         return parse(text, self.names)
 
     @property
@@ -127,10 +116,8 @@ class Questions:
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""
         if "_chosen" not in self.__dict__ and self._soon is not None:
-            self._chosen = (
-                DiagramMarkings(self._soon),
-                Choice("symbolic", "a diagram soon holds all markings"),
-            )
+            choice = Choice("symbolic", "a diagram soon holds all markings")
+            self._chosen = DiagramMarkings(self._soon), choice
         return "_chosen" in self.__dict__
 
     @cached_property

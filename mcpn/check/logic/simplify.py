@@ -6,26 +6,11 @@ The rules are those of CTL on maximal paths, all of which count: not for use wit
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
-from mcpn.check.logic.formulas import (
-    EG,
-    EU,
-    EX,
-    FALSE,
-    TRUE,
-    And,
-    Const,
-    Deadlock,
-    Fires,
-    Formula,
-    Not,
-    Or,
-    Stable,
-    mapped,
-    negation,
-)
+from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import AtMost, needs
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, needs
 
 
 def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:
@@ -44,18 +29,20 @@ def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Form
 
     def simple(part: Formula) -> Formula:
         if part not in known:
-            known[part] = rewritten(mapped(part, simple))
+            known[part] = rewritten(part.mapped(simple))
         return known[part]
 
     def rewritten(part: Formula) -> Formula:
         match part:
-            case And(operands) | Or(operands):
-                return joined(type(part), operands)
-            case EX(Const(value)):
-                return Not(Deadlock()) if value else FALSE
-            case EU(left, right):
+            case And() | Or():
+                return joined(part)
+            case EX((And(()),)):
+                return Not(DEADLOCK)
+            case EX((Or(()),)):
+                return FALSE
+            case EU((left, right)):
                 return _until(left, right)
-            case EG(Const() | EG() | Not(EU(Const(True), _)) as inside):
+            case EG((And(()) | Or(()) | EG() | Not((EU((And(()), _)),)) as inside,)):
                 return inside  # AG f holds on the whole way if it holds at first
             case AtMost(weights, bound):
                 if sum(weight * bounds[place] for place, weight in weights if weight > 0) <= bound:
@@ -73,77 +60,57 @@ def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Form
     return simple(formula)
 
 
-def joined(connective: type[And] | type[Or], operands: Sequence[Formula]) -> Formula:
-    """The conjunction or disjunction of simplified formulas."""
-    neutral, absorbing = (TRUE, FALSE) if connective is And else (FALSE, TRUE)
+def joined(formula: And | Or) -> Formula:
+    """A conjunction or disjunction of simplified formulas, simplified."""
+    kind, absorbing = (And, FALSE) if isinstance(formula, And) else (Or, TRUE)
     found: dict[Formula, None] = {}
-    for operand in operands:
-        inside = operand.operands if isinstance(operand, connective) else (operand,)
-        found.update(dict.fromkeys(inside))
-    found.pop(neutral, None)
-    if absorbing in found or any(isinstance(f, Not) and f.operand in found for f in found):
+    for operand in formula.operands:
+        found.update(dict.fromkeys(operand.operands if isinstance(operand, kind) else (operand,)))
+    if absorbing in found or any(isinstance(f, Not) and f.operands[0] in found for f in found):
         return absorbing
-    if len(found) < 2:
-        return next(iter(found), neutral)
-    return connective(tuple(found))
+    return next(iter(found)) if len(found) == 1 else kind(*found)
 
 
 def _until(left: Formula, right: Formula) -> Formula:
-    if isinstance(right, Const) or left in (FALSE, right):
+    if right in (TRUE, FALSE) or left in (FALSE, right):
         return right
     # E[f U E[f U g]] is E[f U g], and EF E[h U g] is EF g; also as one of several alternatives.
-    alternatives = right.operands if isinstance(right, Or) else (right,)
-    inner = [f.right if isinstance(f, EU) and left in (TRUE, f.left) else f for f in alternatives]
-    if inner != list(alternatives):
-        return _until(left, joined(Or, inner))
-    return EU(left, right)
+    parts = right.operands if isinstance(right, Or) else (right,)
+    inner = [f.operands[1] if isinstance(f, EU) and left in (TRUE, f.operands[0]) else f for f in parts]
+    return EU(left, right) if tuple(inner) == parts else _until(left, joined(Or(*inner)))
 
 
-def replaced(formula: Formula, value: Callable[[Formula], Formula]) -> Formula:
-    """A formula with other parts outside of temporal operators: each is what ``value`` makes of it."""
-    match formula:
-        case Not(operand):
-            return negation(replaced(operand, value))
-        case And(operands) | Or(operands):
-            return joined(type(formula), [replaced(operand, value) for operand in operands])
-    return value(formula)
-
-
-def at_first(formula: Formula, holds: Callable[[Formula], bool]) -> Formula:
-    """A formula with the same value in the initial state, as far as that state alone decides.
+def at_first(formula: Formula, known: Callable[[Formula], bool | None]) -> Formula:
+    """A formula with the same value in the initial state, as far as what is known of that state decides.
 
     Args:
         formula: A simplified one.
-        holds: Whether the initial state satisfies a formula without temporal operators and connectives.
+        known: Whether the initial state satisfies an atom or a temporal formula; ``None`` where not known.
 
     Returns:
         A constant where the initial state decides; else what is left to ask there.
     """
-
-    def value(part: Formula) -> Formula:
-        match part:
-            case AtMost() | Fires() | Deadlock() | Stable():
-                return Const(holds(part))
-            case EU(left, right):
-                now = at_first(right, holds)
-                if now == TRUE:
-                    return TRUE
-                if now == FALSE and at_first(left, holds) == FALSE:
-                    return FALSE
-            case EG(operand) if at_first(operand, holds) == FALSE:
-                return FALSE
-            case EX() if holds(Deadlock()):
-                return FALSE
-        return part
-
-    return replaced(formula, value)
+    left = partial(at_first, known=known)
+    if isinstance(formula, Not):
+        return ~left(formula.operands[0])
+    if isinstance(formula, And | Or):
+        return joined(type(formula)(*map(left, formula.operands)))
+    value = known(formula)
+    match formula:
+        case _ if value is not None:
+            return TRUE if value else FALSE
+        case EU((along, goal)):
+            now = left(goal)
+            return now if now == TRUE or (now == FALSE and left(along) == FALSE) else formula
+        case EG((operand,)) if left(operand) == FALSE:
+            return FALSE
+        case EX() if known(DEADLOCK):
+            return FALSE
+    return formula
 
 
 def parts_at_first(formula: Formula) -> list[Formula]:
     """The parts that a formula's value in the initial state is a Boolean combination of."""
-    match formula:
-        case Not(operand):
-            return parts_at_first(operand)
-        case And(operands) | Or(operands):
-            return [part for operand in operands for part in parts_at_first(operand)]
+    if isinstance(formula, Not | And | Or):
+        return [part for operand in formula.operands for part in parts_at_first(operand)]
     return [formula]

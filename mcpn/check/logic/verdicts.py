@@ -12,24 +12,24 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
-from itertools import chain, count, repeat
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import chain, count
 from typing import Any, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import EU, TRUE, Const, Deadlock, Formula, as_goal, as_reachability, walk
+from mcpn.check.logic.formulas import EU, as_reachability
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.simplify import at_first, parts_at_first, replaced, simplified
-from mcpn.check.nets.behaviour import examine
+from mcpn.check.logic.simplify import at_first, parts_at_first, simplified
+from mcpn.check.nets import EXAMINATIONS, Behaviour
 from mcpn.check.spaces import Asked
 from mcpn.errors import InputError, McpnError
-from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.equation import place_bounds
-from mcpn.space.search.goal import holds
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Formula, as_goal, holds
 from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio
 from mcpn.space.search.searches import Searches
 
@@ -37,7 +37,7 @@ DIAGRAMS, REWRITING = "DECISION_DIAGRAMS", "QUERY_REDUCTION"
 FIRST_SLICE, GROWTH = 1.5, 4.0
 WALK_STEPS = 50_000
 ONE_SAFE = "OneSafe"
-SOME_DEADLOCK = EU(TRUE, Deadlock())
+SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 EFFORT_OF_LIVENESS = 30
 """As many operators a formula has that takes about as long: closures to and fro."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
@@ -78,7 +78,7 @@ def answer_all(
     Args:
         questions: About the net.
         properties: What is asked.
-        examinations: Names of :data:`mcpn.check.nets.behaviour.EXAMINATIONS`.
+        examinations: Names of :data:`mcpn.check.nets.EXAMINATIONS`.
 
     Returns:
         The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of
@@ -95,168 +95,145 @@ def answer_all(
         if asked.name in meant:
             raise InputError.at(asked.source, f"found {asked.name} a second time, expected a name of its own")
         meant[asked.name] = asked.meaning
-    return _answers(questions, _Waiting(meant))
+    return _Answers(questions, meant).all()
 
 
-def _answers(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
-    yield from _found_unsafe(questions, waiting)
-    local = None
-    if questions.searchable:
-        yield from _simplified(questions.net, waiting)
-        if waiting.parts() and Searches(questions.net).fits:
-            local = _Local(questions.net, waiting)
-            yield from local.round(LOCAL_STEPS[0], searched=False)
-        yield from _reached(questions, waiting)
-        if local is not None:
-            yield from local.round(LOCAL_STEPS[1], searched=False)
-    try:
-        yield from _one_safe(questions, waiting)
-        space = questions.space if waiting.formulas else None
-    except McpnError:
-        if local is not None:
+class _Answers:
+    """Gives answers; each way takes what it decides from what waits.
+
+    Args:
+        questions: About the net.
+        waiting: What is asked, by name; of a formula, what is left to ask in the initial marking.
+    """
+
+    def __init__(self, questions: Questions, waiting: dict[str, Meaning]) -> None:
+        self.questions, self.net, self.waiting = questions, questions.net, waiting
+        self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
+        self.local: LocalCheck | None = None
+        self.rounds = 0
+
+    def all(self) -> Iterator[Verdict]:
+        """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
+        questions, store = self.questions, None
+        yield from self.one_safe_at_sight()
+        if questions.searchable:
+            yield from self.rewritten()
+            if self.parts() and Searches(self.net).fits:
+                self.local = LocalCheck(self.net, self.parts())
+            yield from self.by_need(LOCAL_STEPS[0], searched=False)
+            yield from self.by_search()
+            yield from self.by_need(LOCAL_STEPS[1], searched=False)
+        try:
+            yield from self.one_safe()
+            if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
+                store = questions.space.encoding.store
+        except McpnError:
             for steps in LOCAL_STEPS[2:]:
-                yield from local.round(steps)
-        if waiting.formulas:
-            raise
-        return
-    if isinstance(space, DiagramMarkings | DiagramAlternatives):
-        yield from _by_slices(questions, space.encoding.store, waiting, local)
-        return
-    for name in waiting.cheap_first():
-        value = _value(questions, waiting.formulas[name])
-        yield waiting.answer(name, value, _technique(questions.choice.engine))
+                yield from self.by_need(steps)
+            if self.waiting:
+                raise
+        for number in count():
+            for name in sorted(self.waiting, key=lambda name: _effort(self.waiting[name])):
+                value = None
+                with _limited(store, FIRST_SLICE * GROWTH**number):
+                    value = _value(questions, self.waiting[name])
+                if value is not None:
+                    yield self.answer(name, value, _technique(questions.choice.engine))
+            if not self.waiting:
+                return
+            yield from self.by_need(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)])
+
+    # --- what waits ---
+
+    def answer(self, name: str, value: int, *ways: str) -> Verdict:
+        """The answer to what then waits no more, with the ways by which parts were decided before."""
+        del self.waiting[name]
+        return Verdict(name, str(value).upper(), tuple({**self.ways[name], **dict.fromkeys(ways)}))
+
+    def parts(self) -> list[Formula]:
+        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
+        formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
+        return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
+
+    def learn(self, part: Meaning, value: bool, *ways: str) -> Iterator[Verdict]:
+        """Puts a value where it is asked for, and yields what that answers."""
+        for name, asked in list(self.waiting.items()):
+            if asked == part:
+                yield self.answer(name, value, *ways)
+            elif isinstance(asked, Formula) and part in parts_at_first(asked):
+                self.ways[name].update(dict.fromkeys(ways))
+                yield from self.left(name, at_first(asked, lambda at: value if at == part else None))
+
+    def left(self, name: str, rest: Formula, *ways: str) -> Iterator[Verdict]:
+        """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
+        self.waiting[name] = rest
+        if rest in (TRUE, FALSE):
+            yield self.answer(name, rest == TRUE, *ways)
+
+    # --- ways ---
+
+    def one_safe_at_sight(self) -> Iterator[Verdict]:
+        """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
+        searches = Searches(self.net)
+        if ONE_SAFE not in self.waiting.values():
+            return
+        if max(self.net.initial, default=0) > 1:
+            yield from self.learn(ONE_SAFE, False, INITIAL_STATE)
+        elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
+            yield from self.learn(ONE_SAFE, False, RANDOM_WALK)
+
+    def one_safe(self) -> Iterator[Verdict]:
+        """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
+        if ONE_SAFE in self.waiting.values():
+            safe = self.questions.one_safe()
+            engine = self.questions.choice.engine if safe else self.questions.engine
+            yield from self.learn(ONE_SAFE, safe, _technique(engine))
+
+    def rewritten(self) -> Iterator[Verdict]:
+        """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
+        bounds: list[float] = []
+
+        def at_start(part: Formula) -> bool | None:
+            goal = as_goal(part, self.net)
+            return None if goal is None else holds(goal, self.net, self.net.initial)
+
+        for name, formula in list(self.waiting.items()):
+            if isinstance(formula, Formula) and formula != SOME_DEADLOCK:
+                bounds = bounds or place_bounds(self.net)
+                smaller = simplified(formula, self.net, bounds)
+                how = REWRITING if smaller in (TRUE, FALSE) else INITIAL_STATE
+                yield from self.left(name, at_first(smaller, at_start), how)
+
+    def by_search(self) -> Iterator[Verdict]:
+        """Answers what asks for reachable markings by search, until it turns out that the space is small."""
+        goals = {part: goal for part in self.parts() if (goal := as_reachability(part, self.net)) is not None}
+        parts, brief = list(goals), self.questions.brief
+        for index, found in Portfolio(self.net).decide(list(goals.values()), go_on=lambda: not brief()):
+            yield from self.learn(parts[index], found.reachable, *found.techniques)
+
+    def by_need(self, steps: int, *, searched: bool = True) -> Iterator[Verdict]:
+        """Asks markings as they are needed, so many steps for each part; with or without what is searched."""
+        if self.local is None:
+            return
+        for part in self.parts():
+            if searched or as_reachability(part, self.net) is None:
+                value = self.local.decide(part, steps, seed=self.rounds)
+                if value is not None:
+                    yield from self.learn(part, value, EXPLICIT)
+        self.rounds += 1
 
 
 def _technique(engine: Asked) -> str:
     return EXPLICIT if engine == "explicit" else DIAGRAMS
 
 
-def _found_unsafe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
-    """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
-    searches = Searches(questions.net)
-    for name in waiting.asking(ONE_SAFE):
-        if max(questions.net.initial, default=0) > 1:
-            yield waiting.answer(name, False, INITIAL_STATE)
-        elif questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
-            yield waiting.answer(name, False, RANDOM_WALK)
-
-
-def _one_safe(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
-    """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
-    for name in waiting.asking(ONE_SAFE):
-        safe = questions.one_safe()
-        engine = questions.choice.engine if safe else questions.engine
-        yield waiting.answer(name, safe, _technique(engine))
-
-
-@dataclass
-class _Waiting:
-    """What is still to be answered.
-
-    Args:
-        formulas: By name; of a formula, what is left to ask in the initial marking.
-        techniques: By which ways parts of them were decided.
-    """
-
-    formulas: dict[str, Meaning]
-    techniques: dict[str, dict[str, None]] = field(default_factory=dict)
-
-    def answer(self, name: str, value: int, *techniques: str) -> Verdict:
-        """The answer to what then waits no more, with the ways by which parts were decided before."""
-        del self.formulas[name]
-        ways = {**self.techniques.pop(name, {}), **dict.fromkeys(techniques)}
-        return Verdict(name, str(value).upper(), tuple(ways))
-
-    def asking(self, examination: str) -> list[str]:
-        """The name of an examination, if it waits."""
-        return [name for name, meaning in self.formulas.items() if meaning == examination]
-
-    def cheap_first(self) -> list[str]:
-        """The names of what waits."""
-        return sorted(self.formulas, key=lambda name: _effort(self.formulas[name]))
-
-    def temporal(self) -> dict[str, Formula]:
-        """The formulas that wait."""
-        return {
-            name: formula for name, formula in self.formulas.items() if not isinstance(formula, tuple | str)
-        }
-
-    def parts(self) -> list[Formula]:
-        """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
-        parts = chain.from_iterable(map(parts_at_first, self.temporal().values()))
-        return sorted(dict.fromkeys(parts), key=_effort)
-
-    def learn(self, part: Formula, value: bool, techniques: Iterable[str]) -> Iterator[Verdict]:
-        """Puts the value of a part where it is asked for, and yields what that answers."""
-        for name, formula in self.temporal().items():
-            if part not in parts_at_first(formula):
-                continue
-            self.techniques.setdefault(name, {}).update(dict.fromkeys(techniques))
-            self.formulas[name] = rest = replaced(formula, lambda at: Const(value) if at == part else at)
-            if isinstance(rest, Const):
-                yield self.answer(name, rest.value)
-
-
-def _simplified(net: PetriNet, waiting: _Waiting) -> Iterator[Verdict]:
-    """Answers what rewriting and the initial marking decide; of other formulas keeps what is left to ask."""
-    left = {name: formula for name, formula in waiting.temporal().items() if formula != SOME_DEADLOCK}
-    if not left:
+@contextmanager
+def _limited(store: Store | None, seconds: float) -> Iterator[None]:
+    """Ends what is inside when a diagram has had so much CPU time, whatever else the machine does."""
+    if store is None:
+        yield
         return
-    marking, bounds = net.initial, place_bounds(net)
-
-    def at_start(atom: Formula) -> bool:
-        goal = as_goal(atom, net)
-        return goal is not None and holds(goal, net, marking)
-
-    for name, formula in left.items():
-        smaller = simplified(formula, net, bounds)
-        waiting.formulas[name] = rest = at_first(smaller, at_start)
-        if isinstance(rest, Const):
-            how = REWRITING if isinstance(smaller, Const) else INITIAL_STATE
-            yield waiting.answer(name, rest.value, how)
-
-
-def _reached(questions: Questions, waiting: _Waiting) -> Iterator[Verdict]:
-    """Answers what asks for reachable markings by search, until it turns out that the space is small."""
-    net = questions.net
-    goals = {part: goal for part in waiting.parts() if (goal := as_reachability(part, net)) is not None}
-    parts = list(goals)
-    for index, found in Portfolio(net).decide(list(goals.values()), go_on=lambda: not questions.brief()):
-        yield from waiting.learn(parts[index], found.reachable, found.techniques)
-
-
-class _Local:
-    """Asks for markings as they are needed, in rounds of so many steps for each part of a formula.
-
-    Args:
-        net: The net.
-        waiting: What is to be answered.
-    """
-
-    def __init__(self, net: PetriNet, waiting: _Waiting) -> None:
-        self.net, self.waiting = net, waiting
-        self.check = LocalCheck(net, waiting.parts())
-        self.rounds = 0
-
-    def round(self, steps: int, *, searched: bool = True) -> Iterator[Verdict]:
-        """One round; with or without what a search for a reachable marking is asked anyway."""
-        for part in self.waiting.parts():
-            if not searched and as_reachability(part, self.net) is not None:
-                continue
-            value = self.check.decide(part, steps, seed=self.rounds)
-            if value is not None:
-                yield from self.waiting.learn(part, value, (EXPLICIT,))
-        self.rounds += 1
-
-
-def _by_slices(
-    questions: Questions, store: Store, waiting: _Waiting, local: _Local | None
-) -> Iterator[Verdict]:
-    """Answers on the space and, between its rounds, by markings as they are needed.
-
-    Slices are CPU time: what else the machine does costs no formula its turn.
-    """
-    before, until = store.progress, 0.0
+    before, until = store.progress, time.process_time() + seconds
 
     def watch(nodes: int) -> None:
         if before is not None:
@@ -264,28 +241,19 @@ def _by_slices(
         if time.process_time() > until:
             raise _SliceSpent
 
-    later = chain(LOCAL_STEPS[2:], repeat(LOCAL_STEPS[-1]))
-    for limit in (FIRST_SLICE * GROWTH**number for number in count()):
-        for name in waiting.cheap_first():
-            until = time.process_time() + limit
-            store.progress = watch
-            try:
-                value = _value(questions, waiting.formulas[name])
-            except _SliceSpent:
-                continue
-            finally:
-                store.progress = before
-            yield waiting.answer(name, value, DIAGRAMS)
-        if local is not None:
-            yield from local.round(next(later))
-        if not waiting.formulas:
-            return
+    store.progress = watch
+    try:
+        yield
+    except _SliceSpent:
+        pass
+    finally:
+        store.progress = before
 
 
 def _effort(meaning: Meaning) -> int:
-    if isinstance(meaning, str):
-        return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0
-    return 0 if isinstance(meaning, tuple) else sum(1 for _ in walk(meaning))
+    if isinstance(meaning, Formula):
+        return sum(1 for _ in meaning.walk())
+    return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0
 
 
 def _value(questions: Questions, meaning: Meaning) -> int:
@@ -293,7 +261,7 @@ def _value(questions: Questions, meaning: Meaning) -> int:
     if isinstance(meaning, tuple):
         return largest(questions.space, Counter(meaning))
     if isinstance(meaning, str):
-        return examine(meaning, questions.space)
+        return EXAMINATIONS[meaning](Behaviour(questions.space))
     return questions.evaluation.holds(meaning)
 
 

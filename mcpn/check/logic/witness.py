@@ -9,17 +9,19 @@ Veith, *Counterexamples revisited*, 2003).
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import EG, EU, EX, TRUE, And, Formula, Justice, Not, Or, negation, walk
+from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.check.logic.language import show
 from mcpn.check.logic.names import Names
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, S, Space
 from mcpn.space.run import Run, transitions_of
+from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
 
 MAX_WALK = 100_000
 
@@ -79,10 +81,9 @@ class Witness:
         """The moment after some steps: by events, as runs are shown, where the net has events."""
         if not self.space.net.priorities:
             return f"after step {step}"
-        internal = [self.space.net.transitions[edge.transition].event is None for edge in self.steps[:step]]
-        events = internal.count(False)
-        later = list(reversed(internal)).index(False) if events else len(internal)
-        moment = f"after event {events}" if events else "at the start"
+        events = [self.space.net.transitions[edge.transition].event is not None for edge in self.steps[:step]]
+        later = next((back for back, event in enumerate(reversed(events)) if event), step)
+        moment = f"after event {sum(events)}" if any(events) else "at the start"
         return f"{moment} and {later} internal firing{'s' * (later != 1)}" if later else moment
 
     @property
@@ -114,12 +115,9 @@ def explain(evaluation: Evaluation[S], formula: Formula, names: Names | None = N
     """Shows by a run why a formula holds, or fails, in the initial state.
 
     Args:
-        evaluation: Of the formula on a space.
+        evaluation: Of the formula on a space. Runs to an ``EF`` are as short as the space's are.
         formula: The formula.
         names: Those that it was read with; the net's alone by default.
-
-    Returns:
-        A witness or a counterexample. Runs to an ``EF`` are as short as the space's are.
     """
     space = evaluation.space
     witness = Witness(space, space.initial.pick(), names or Names(space.net))
@@ -136,56 +134,51 @@ class _Explanation(Generic[S]):
     def explain(self, formula: Formula, holds: bool) -> None:
         """Extends the run to demonstrate the value of a formula at its last state."""
         match formula:
-            case Not(operand):
+            case Not((operand,)):
                 self.explain(operand, not holds)
             case And(operands) | Or(operands):
                 self.explain_some(operands, holds, all_needed=isinstance(formula, And) == holds)
-            case EX(operand) if holds:
+            case EX((operand,)) if holds:
                 self.note("one step on", operand)
                 self.go(self.evaluation.states(operand) & self.evaluation.fair_states)
                 self.explain(operand, True)
-            case EU(left, right) if holds:
+            case EU((left, right)) if holds:
                 goal = self.evaluation.states(right) & self.evaluation.fair_states
                 self.follow(self.evaluation.along(left), goal)
                 if left != TRUE:
                     self.note("up to there", left)
                 self.explain(right, True)
-            case EG(operand) if holds:
+            case EG((operand,)) if holds:
                 self.note("all along", operand)
                 self.stay(operand)
             case EX() | EU() | EG():
-                self.note("every run from here", negation(formula), "no single run shows it")
+                self.note("every run from here", ~formula, "no single run shows it")
             case _:
-                self.note("here", formula if holds else negation(formula))
+                self.note("here", formula if holds else ~formula)
 
     def explain_some(self, operands: tuple[Formula, ...], holds: bool, *, all_needed: bool) -> None:
         """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
         shown = [o for o in operands if self.at_end(self.evaluation.states(o)) == holds]
-        if not shown:
-            return
-        if all_needed:
-            temporal = [o for o in shown if _is_temporal(o)]
-            for operand in shown:
-                if operand not in temporal[:1]:
-                    reason = "shown by a run of its own, not by this one" if operand in temporal else ""
-                    self.note("here", operand if holds else negation(operand), reason)
-            shown = temporal[:1]
-        if shown:
-            self.explain(min(shown, key=_is_temporal), holds)
+        temporal = [o for o in shown if is_temporal(o)]
+        onward = temporal[:1] if all_needed else sorted(shown, key=is_temporal)[:1]
+        for operand in shown if all_needed else ():
+            if operand not in onward:
+                reason = "shown by a run of its own, not by this one" if operand in temporal else ""
+                self.note("here", operand if holds else ~operand, reason)
+        for operand in onward:
+            self.explain(operand, holds)
 
     # --- runs ---
 
     def at_end(self, states: S) -> bool:
         """Whether the run has come to one of some states."""
-        return self.is_in(self.witness.end, states)
+        return bool(self.space.single(self.witness.end) & states)
 
-    def is_in(self, state: Any, states: S) -> bool:
-        return bool(self.space.single(state) & states)
-
-    def go(self, allowed: S) -> bool:
-        """Appends the first edge into a set, if there is one."""
+    def go(self, allowed: S, transitions: Collection[int] | None = None) -> bool:
+        """Appends the first edge into a set, of some transitions where they are given, if there is one."""
         for edge in self.space.edges(self.witness.end):
-            if self.is_in(edge.target, allowed):
+            asked = transitions is None or edge.transition in transitions
+            if asked and self.space.single(edge.target) & allowed:
                 self.witness.steps.append(edge)
                 return True
         return False
@@ -209,9 +202,8 @@ class _Explanation(Generic[S]):
         seen: dict[Marking, int] = {}
         while (here := self.space.marking(self.witness.end)) not in seen:
             if len(seen) > MAX_WALK:
-                self.witness.shown.append(
-                    f"no state has come back within {MAX_WALK} steps: the run is cut here"
-                )
+                cut = f"no state has come back within {MAX_WALK} steps: the run is cut here"
+                self.witness.shown.append(cut)
                 return
             seen[here] = len(self.witness.steps)
             if not self.go(inside):
@@ -237,28 +229,18 @@ class _Explanation(Generic[S]):
         """Appends a path inside the hull to where a constraint is met."""
         self.follow(hull, self.evaluation.met(constraint, hull))
         if not self.at_end(self.evaluation.plain.states(constraint.states)):
-            fires = (e for e in self.space.edges(self.witness.end) if e.transition in constraint.transitions)
-            self.witness.steps.append(next(edge for edge in fires if self.is_in(edge.target, hull)))
-
-    # --- words ---
+            self.go(hull, constraint.transitions)
 
     def note(self, where: str, formula: Formula, reason: str = "") -> None:
         self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
 
-def _is_temporal(formula: Formula) -> bool:
-    return any(isinstance(inside, EX | EU | EG) for inside in walk(formula))
-
-
 def scenario(witness: Witness) -> str:
-    """A witness as a firing sequence: names of transitions, as TINA's stepper writes them in ``.scn`` files.
-
-    Args:
-        witness: The run.
+    """A witness as a firing sequence, as TINA's stepper writes them in ``.scn`` files.
 
     Returns:
-        A name a line, in braces where it holds anything but letters, digits, ``_`` and ``'``; comments after
-        ``#`` say where a cycle begins.
+        The name of a transition a line, in braces where it holds anything but letters, digits, ``_`` and
+        ``'``; a comment after ``#`` says where a cycle begins.
     """
     lines = [quote(witness.space.net.transitions[t].name) for t in witness.firings]
     if witness.cycle_firing is not None:

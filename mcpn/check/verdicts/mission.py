@@ -7,18 +7,20 @@ errors, depends on the engine; every question is asked once, of :class:`mcpn.spa
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.spaces import Asked, Choice, Engine, alternatives_by, answered, markings_by
-from mcpn.check.verdicts.unselectable import find_unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
+from mcpn.mission.facts.usage import Usage
+from mcpn.mission.facts.warnings import in_order, never_entered, never_used, of_objectives
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
 from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
@@ -34,11 +36,31 @@ if TYPE_CHECKING:
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
 
-UNDECIDED_UNSAFE = "not decided: the net is not 1-safe, so that its states cannot be explored"
-UNDECIDED_LOCAL = (
-    "not decided: the mission is not confluent, so that composition has no one state to go on from; "
-    "--engine explicit or symbolic decides it"
-)
+UNDECIDED = {
+    "safe": "not decided: the net is not 1-safe, so that its states cannot be explored",
+    "confluent": (
+        "not decided: the mission is not confluent, so that composition has no one state to go on from; "
+        "--engine explicit or symbolic decides it"
+    ),
+}
+"""Why nothing else is known where one of these verdicts fails and there is no space to be asked."""
+
+
+RUNS = {
+    "deadlock_free": (
+        False,
+        "a marking that is no end of the mission allows no event",
+        "every marking but the mission's ends allows some event",
+    ),
+    "success_reachable": (True, "a run leads to success", "no run leads to mission success"),
+    "can_always_finish": (
+        False,
+        "after this run the mission can no longer end",
+        "from every marking some run leads to an end of the mission",
+    ),
+    "failure_reachable": (True, "a run leads to failure", "no run leads to mission failure"),
+}
+"""Whether a verdict holds by a run that is looked for, and what is said where there is one and where not."""
 
 
 @dataclass(frozen=True)
@@ -75,22 +97,22 @@ class MissionCheck(Told):
     Args:
         mission_net: The mission's net.
         verdicts: By name, required ones first.
+        choice: The engine that answered.
         markings: The markings graph, where the engine makes it.
         alternatives: The alternatives graph, where it exists.
         stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
-        choice: The engine that answered.
     """
 
     mission_net: MissionNet
     verdicts: dict[str, Verdict]
+    choice: Choice
     markings: Space[Any] | None = None
     alternatives: Space[Any] | None = None
     stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
-    choice: Choice = field(default_factory=lambda: Choice("explicit"))
 
     def __repr__(self) -> str:
         verdicts = ", ".join(f"{name}: {verdict.holds}" for name, verdict in self.verdicts.items())
@@ -129,19 +151,15 @@ def check(
     executor: Executor | None = None,
     templates: TemplateSet | None = None,
 ) -> MissionCheck:
-    """Checks a mission.
+    """Checks a mission: every verdict, with its runs.
 
     Args:
         mission_net: The mission's net.
-        engine: Arrays, diagrams, composition, which does not explore the net of the whole, or ``auto``, see
-            :mod:`mcpn.check.spaces`.
+        engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.check.spaces`.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges, or with local spaces done and to do.
         executor: Where composition explores sections; this process by default.
         templates: Those that the mission was composed with, for composition; the paper's by default.
-
-    Returns:
-        Every verdict, with its runs.
 
     Raises:
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
@@ -149,76 +167,77 @@ def check(
     """
 
     def by(choice: Choice) -> MissionCheck:
-        return _checked(mission_net, choice, None if choice.brief else progress, executor, templates)
+        markings: Space[Any] | None = None
+        alternatives: Space[Any] | None = None
+        try:
+            if choice.engine == "local":
+                from mcpn.space.local.composing import composite_space
 
-    found, choice = answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)
-    return replace(found, choice=choice)
+                alternatives = composite_space(
+                    mission_net, templates=templates, executor=executor, progress=progress
+                )
+                proof = "each type of section, and each way from one to the next, proved on its own net"
+            else:
+                told = None if choice.brief else progress
+                markings = graph = markings_by(mission_net.net, choice, told, tokens=False)
+                alternatives, proof = alternatives_by(graph, choice.limit)
+            decided = Verdict("confluent", True, proof)
+        except (UnsafeError, ConfluenceError, DivergenceError) as error:
+            decided = _broken(mission_net, error, choice.engine)
+        return _verdicts(mission_net, choice, decided, markings, alternatives)
+
+    return answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)[0]
 
 
-def _checked(
+def _broken(mission_net: MissionNet, error: SemanticsError, engine: Engine) -> Verdict:
+    """The verdict that an error decides, with its runs, internal firings after the last event included."""
+    name = "safe"
+    if not isinstance(error, UnsafeError):
+        name = "confluent"
+        if engine == "explicit":  # a nearer event without one outcome is looked for
+            error = nearest_fault(mission_net.net) or error
+        step("explaining an event with two outcomes")
+        if isinstance(error, ConfluenceError):
+            error = explained(mission_net, error)
+    net, index = mission_net.net, mission_net.net.transition_index
+    runs = (names for names in error.runs if all(name in index for name in names))
+    shown = tuple(Run(net, tuple(index[name] for name in names), detailed=True) for names in runs)
+    return Verdict(name, False, str(error), shown)
+
+
+def _verdicts(
     mission_net: MissionNet,
     choice: Choice,
-    progress: Progress | None,
-    executor: Executor | None,
-    templates: TemplateSet | None,
+    decided: Verdict,
+    markings: Space[Any] | None,
+    alternatives: Space[Any] | None,
 ) -> MissionCheck:
-    """Every verdict, by one engine."""
-    markings: Space[Any] | None = None
-    alternatives: Space[Any] | None = None
-    try:
-        if choice.engine == "local":
-            from mcpn.space.local.composing import composite_space
-
-            alternatives = composite_space(
-                mission_net, templates=templates, executor=executor, progress=progress
-            )
-            proof = "each type of section, and each way from one to the next, proved on its own net"
-        else:
-            graph = markings_by(mission_net.net, choice, progress, tokens=False)
-            markings = graph
-            alternatives, proof = alternatives_by(graph, choice.limit)
-        confluent = Verdict("confluent", True, proof)
-    except UnsafeError as error:
-        unsafe = Verdict("safe", False, str(error), _runs_of(mission_net, error))
-        return MissionCheck(mission_net, _every([unsafe], UNDECIDED_UNSAFE))
-    except (ConfluenceError, DivergenceError) as error:
-        confluent = _not_confluent(mission_net, error, choice.engine)
+    """Every verdict; where one fails, the others as far as there is a space to be asked."""
     space = alternatives or markings
-    if space is None:
-        return MissionCheck(mission_net, _every([confluent], UNDECIDED_LOCAL))
-    safe = Verdict("safe", True, "no firing puts a second token in a place")
-    bounded = Verdict("bounded", True, "a 1-safe net is bounded")
-    reachability = _reachability(mission_net, space, settles=alternatives is not None)
-    step("counting what happens, and looking for what is never used")
-    firings = space.firings(space.everything)
-    never = find_unselectable(mission_net, space, firings)
-    unselectable = Verdict("unselectable", bool(never), f"{len(never)} found" if never else "nothing found")
-    step("finding the functioning modes")
+    known, reason = [decided], "" if space else UNDECIDED[decided.name]
+    never: tuple[Problem, ...] = ()
+    firings: Mapping[int, int] = {}
+    if space is not None:
+        known.append(Verdict("safe", True, "no firing puts a second token in a place"))
+        known.append(Verdict("bounded", True, "a 1-safe net is bounded"))
+        known += _reachability(mission_net, space, settles=alternatives is not None)
+        step("counting what happens, and looking for what is never used")
+        firings = space.firings(space.everything)
+        never = _unselectable(mission_net, space, firings)
+        found = f"{len(never)} found" if never else "nothing found"
+        known.append(Verdict("unselectable", bool(never), found))
+        step("finding the functioning modes")
+    by_name = {verdict.name: verdict for verdict in known}
     return MissionCheck(
         mission_net,
-        _every([safe, bounded, confluent, *reachability, unselectable]),
+        {name: by_name.get(name, Verdict(name, None, reason)) for name in (*REQUIRED, *INFORMATIVE)},
+        choice,
         markings,
         alternatives,
-        None if alternatives is None else (space.everything.count(), sum(firings.values())),
-        functioning_modes(mission_net, space),
+        None if alternatives is None else (alternatives.everything.count(), sum(firings.values())),
+        {} if space is None else functioning_modes(mission_net, space),
         never,
     )
-
-
-def _every(found: Sequence[Verdict], reason: str = "") -> dict[str, Verdict]:
-    """By name every verdict; those that were not found are not known, for a reason."""
-    known = {verdict.name: verdict for verdict in found}
-    return {name: known.get(name, Verdict(name, None, reason)) for name in (*REQUIRED, *INFORMATIVE)}
-
-
-def _not_confluent(mission_net: MissionNet, error: SemanticsError, engine: Engine) -> Verdict:
-    """The verdict on an event that has not one stable end; for arrays a nearer one is looked for."""
-    if engine == "explicit":
-        error = nearest_fault(mission_net.net) or error
-    step("explaining an event with two outcomes")
-    if isinstance(error, ConfluenceError):
-        error = explained(mission_net, error)
-    return Verdict("confluent", False, str(error), _runs_of(mission_net, error))
 
 
 def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Iterator[Verdict]:
@@ -226,38 +245,24 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
     finished = success | failure
     step("looking for states from which the mission cannot end")
-    for name, goal, good, there_is, there_is_none in (
-        (
-            "deadlock_free",
-            space.dead - finished,
-            False,
-            "a marking that is no end of the mission allows no event",
-            "every marking but the mission's ends allows some event",
-        ),
-        (
-            "success_reachable",
-            success,
-            True,
-            "a run leads to success",
-            f"no run leads to mission success{'' if success else _no_way_to_success(mission_net.graph)}",
-        ),
-        (
-            "can_always_finish",
-            space.everything - space.reaching(finished),
-            False,
-            "after this run the mission can no longer end",
-            "from every marking some run leads to an end of the mission",
-        ),
-        ("failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"),
-    ):
+    goals = {
+        "deadlock_free": space.dead - finished,
+        "success_reachable": success,
+        "can_always_finish": space.everything - space.reaching(finished),
+        "failure_reachable": failure,
+    }
+    for name, goal in goals.items():
         step(f"looking for a run that decides {name}")
+        good, found, nothing = RUNS[name]
         run = None
         if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+        elif goal is success:
+            nothing += _no_way_to_success(mission_net.graph)
         if run is None:
-            yield Verdict(name, not good, there_is_none)
+            yield Verdict(name, not good, nothing)
         else:
-            yield Verdict(name, good, there_is, (Run(space.net, transitions_of(run), settles=settles),))
+            yield Verdict(name, good, found, (Run(space.net, transitions_of(run), settles=settles),))
 
 
 def _no_way_to_success(graph: ObjectivesGraph) -> str:
@@ -271,8 +276,44 @@ def _no_way_to_success(graph: ObjectivesGraph) -> str:
     )
 
 
-def _runs_of(mission_net: MissionNet, error: SemanticsError) -> tuple[Run, ...]:
-    """The runs of an error, internal firings after the last event included."""
-    net, index = mission_net.net, mission_net.net.transition_index
-    runs = (names for names in error.runs if all(name in index for name in names))
-    return tuple(Run(net, tuple(index[name] for name in names), detailed=True) for names in runs)
+def _unselectable(
+    mission_net: MissionNet, space: Space[S], firings: Mapping[int, int]
+) -> tuple[Problem, ...]:
+    """Alternatives never selected, objectives never entered or never left, resources never used."""
+    usage, mission = mission_net.usage, mission_net.mission
+    transitions = mission_net.net.transitions
+    happens = {transitions[t].event for t, count in firings.items() if count}
+    selected, entered = (
+        {name for place, name in mission_net.saying(kind).items() if space.marked([place]) & space.stable}
+        for kind in ("active", "objective")
+    )
+    found, used = list[Problem](), set[str]()
+    for activity in mission.activities:
+        if activity.name not in usage.started:
+            continue
+        for alternative in activity.alternatives:
+            name = f"{activity.name}.{alternative.name}"
+            if name in selected:
+                used.update(alternative.consumes)
+            else:
+                why = _held(usage, activity.name, alternative.consumes)
+                found.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
+    sections = list(usage.graph.walk())
+    found.extend(of_objectives((s for s in sections if s.name not in entered), "can never be entered"))
+    for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
+        never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
+        found.extend(of_objectives(never, f"can never {verb}"))
+    found.extend(never_entered(usage.graph.never_entered()))
+    for resource in (*mission.hardware, *mission.software):
+        if resource.name not in used:
+            found.append(never_used(resource))
+    return tuple(in_order(found))
+
+
+def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
+    """Why an alternative is never selected, where its activity serves one that has what it consumes."""
+    for contention in usage.contentions:
+        above = [name for name in contention.rivals if name != activity]
+        if contention.wanted in consumed and len(above) == 1 and activity in usage.closure(above[0]):
+            return f": {above[0]}, which it serves, has {contention.wanted} already"
+    return ""

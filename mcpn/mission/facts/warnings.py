@@ -23,10 +23,12 @@ def find_warnings(mission: Mission) -> list[Problem]:
         Activities that nothing starts, resources and protocols that nothing uses, events that interrupt
         nothing, objectives that no route reaches, alternatives that are never tried, each with its line.
     """
-    return sorted(
-        _warnings(mission),
-        key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0),
-    )
+    return in_order(_warnings(mission))
+
+
+def in_order(problems: Iterable[Problem]) -> list[Problem]:
+    """Problems in the order of files and lines."""
+    return sorted(problems, key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0))
 
 
 def of_objectives(sections: Iterable[ElementarySection], one: str, several: str = "") -> Iterator[Problem]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import cycle
 
@@ -16,8 +16,6 @@ from mcpn.space.images import ImageStore
 
 GROWTH = 4
 """Of the budget of a closure, from turn to turn."""
-FARTHEST = 2**62
-"""Sums of tokens are far from this bound, which the kernel can say."""
 
 
 class Diagrams:
@@ -96,8 +94,7 @@ class Diagrams:
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> Zdd:
         """States whose weighted sum of tokens is at most a bound."""
-        levels, constant = self.encoding.weigh(weights)
-        return self.everything.weighing(levels, -FARTHEST, max(-FARTHEST, min(bound - constant, FARTHEST)))
+        return self.encoding.at_most(self.everything, weights, bound)
 
     def enabling(self, transitions: Collection[int]) -> Zdd:
         """States with an edge of some of these transitions."""
@@ -199,27 +196,6 @@ class Diagrams:
             if self.most_steps and budget > self.most_steps:
                 raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
 
-    def _shortest(
-        self,
-        begin: Sequence[int],
-        goal: Zdd,
-        along: Zdd | None,
-        transitions: Collection[int] | None,
-        guards: Guards[Zdd],
-    ) -> list[Zdd] | None:
-        """Layers back from a goal until one holds a state: by the length of shortest runs from there."""
-        start = self.single(begin)
-        layers, seen = [goal], goal
-        while not layers[-1] & start:
-            earlier = self.before(layers[-1], transitions, guards) - seen
-            if along is not None:
-                earlier &= along
-            if not earlier:
-                return None
-            seen |= earlier
-            layers.append(earlier)
-        return layers
-
     def run(
         self,
         begin: Sequence[int],
@@ -229,7 +205,12 @@ class Diagrams:
         guards: Guards[Zdd] = None,
     ) -> list[Edge] | None:
         """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
-        layers = self._shortest(begin, goal, along, transitions, guards)
+
+        def back(states: Zdd) -> Zdd:
+            earlier = self.before(states, transitions, guards)
+            return earlier if along is None else earlier & along
+
+        layers = layers_back(self.single(begin), goal, back)
         if layers is None:
             return None
         run, state = list[Edge](), begin
@@ -293,3 +274,15 @@ class Diagrams:
         """Transitions that fire on edges from some states, or more."""
         internal = (t for t, made in enumerate(self.net.transitions) if made.internal)
         return frozenset(self.firings(states)).union(internal if self.net.priorities else ())
+
+
+def layers_back(start: Zdd, goal: Zdd, back: Callable[[Zdd], Zdd]) -> list[Zdd] | None:
+    """Layers back from a goal until one meets some states: by the length of shortest runs from there."""
+    layers, seen = [goal], goal
+    while not layers[-1] & start:
+        earlier = back(layers[-1]) - seen
+        if not earlier:
+            return None
+        seen |= earlier
+        layers.append(earlier)
+    return layers

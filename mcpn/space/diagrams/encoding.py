@@ -9,9 +9,73 @@ from mcpn._kernel import Store, Zdd
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import complements
 from mcpn.space.diagrams.order import Order
+from mcpn.space.images import Bit
+
+FARTHEST = 2**62
+"""Sums of tokens are far from this bound, which the kernel can say."""
 
 
-class Encoding:
+class Levels:
+    """The levels of a store by what they say of the places of a net."""
+
+    store: Store
+
+    def bit(self, place: int) -> Bit:
+        """Where a set says whether a place is marked."""
+        raise NotImplementedError
+
+    def marks(self, levels: Collection[int], place: int) -> bool:
+        """Whether a marking, given as its marked levels, marks a place."""
+        bit = self.bit(place)
+        return bit if isinstance(bit, bool) else (bit[0] in levels) != bit[1]
+
+    def sides(
+        self, marked: Iterable[int], unmarked: Iterable[int] = ()
+    ) -> tuple[list[int], list[int]] | None:
+        """Levels that are marked, and that are not, where places are; ``None`` where no marking is so."""
+        yes, no = set[int](), set[int]()
+        for wanted, places in ((True, marked), (False, unmarked)):
+            for place in places:
+                bit = self.bit(place)
+                if not isinstance(bit, bool):
+                    (yes if bit[1] != wanted else no).add(bit[0])
+                elif bit != wanted:
+                    return None
+        return None if yes & no else (sorted(yes), sorted(no))
+
+    def condition(self, marked: Iterable[int], unmarked: Iterable[int] = ()) -> int | None:
+        """A condition of the store, or ``None`` where it contradicts itself."""
+        sides = self.sides(marked, unmarked)
+        return None if sides is None else self.store.condition(*sides)
+
+    def restricted(self, states: Zdd, marked: Iterable[int], unmarked: Iterable[int] = ()) -> Zdd:
+        """Those of some markings that mark all of some places, and none of others."""
+        sides = self.sides(marked, unmarked)
+        return self.store.empty() if sides is None else states.subset(*sides)
+
+    def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
+        """A weighted sum of tokens by what each marked level adds to it, and what is always there.
+
+        Args:
+            weights: By place; 0 for those not named.
+        """
+        levels, always = [0] * self.store.levels, 0
+        for place, weight in weights.items():
+            bit = self.bit(place)
+            if isinstance(bit, bool):
+                always += weight * bit
+            else:
+                levels[bit[0]] += -weight if bit[1] else weight
+                always += weight * bit[1]
+        return levels, always
+
+    def at_most(self, states: Zdd, weights: Mapping[int, int], bound: int) -> Zdd:
+        """Those of some markings whose weighted sum of tokens is at most a bound."""
+        levels, always = self.weigh(weights)
+        return states.weighing(levels, -FARTHEST, max(-FARTHEST, min(bound - always, FARTHEST)))
+
+
+class Encoding(Levels):
     """A net on the levels of a store.
 
     A place that is marked exactly where its partner is not needs no level: consuming it is producing its
@@ -50,21 +114,10 @@ class Encoding:
         """Levels of those places that have one."""
         return [self.level[p] for p in places if p in self.level]
 
-    def partners(self, places: Iterable[int]) -> list[int]:
-        """Levels of the partners of those places that have none."""
-        return [self.level[self.partner[p]] for p in places if p in self.partner]
-
-    def condition(self, marked: Iterable[int], unmarked: Iterable[int] = ()) -> int | None:
-        """A condition of the store, or ``None`` where it contradicts itself."""
-        marked, unmarked = tuple(marked), tuple(unmarked)
-        yes = set(self.levels(marked)) | set(self.partners(unmarked))
-        no = set(self.levels(unmarked)) | set(self.partners(marked))
-        return None if yes & no else self.store.condition(sorted(yes), sorted(no))
-
     def event(self, consume: tuple[int, ...], produce: tuple[int, ...], read: tuple[int, ...]) -> int:
         """An event of the store."""
         # A dropped place and its partner change together, so the partner's arcs say it all.
-        zero = sorted(set(self.partners(read)))
+        zero = sorted({self.level[self.partner[p]] for p in read if p in self.partner})
         return self.store.event(self.levels(consume), self.levels(produce), self.levels(read), zero)
 
     @cached_property
@@ -83,25 +136,10 @@ class Encoding:
         """The events that undo them."""
         return distinct(e for t, e in self.undoing.items() if self.net.transitions[t].internal)
 
-    def marking_all(self, places: Iterable[int], among: Zdd) -> Zdd:
-        """Those of some markings that mark some places."""
-        places = tuple(places)
-        return among.subset(self.levels(places), self.partners(places))
-
-    def telling(self, places: Iterable[int]) -> list[int]:
-        """The levels that tell of some places whether they are marked."""
-        places = tuple(places)
-        return sorted({*self.levels(places), *self.partners(places)})
-
     def bit(self, place: int) -> tuple[int, bool]:
         """The level that says whether a place is marked, and whether it says the reverse."""
         partner = self.partner.get(place)
         return (self.level[place], False) if partner is None else (self.level[partner], True)
-
-    def marks(self, levels: Collection[int], place: int) -> bool:
-        """Whether a marking, given as its marked levels, marks a place."""
-        level, reverse = self.bit(place)
-        return (level in levels) != reverse
 
     def marked_levels(self, marking: Sequence[int]) -> list[int]:
         """The marked levels of a marking, given as tokens by place."""
@@ -125,21 +163,6 @@ class Encoding:
         """The most tokens of each place in some markings, of which there are some."""
         weights = (self.weigh({place: 1}) for place in range(len(self.net.places)))
         return [markings.largest(levels) + always for levels, always in weights]
-
-    def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
-        """A weighted sum of tokens by what each marked level adds to it, and what is always there.
-
-        Args:
-            weights: By place; 0 for those not named.
-        """
-        levels, always = [0] * len(self.places), 0
-        for place, weight in weights.items():
-            if place in self.level:
-                levels[self.level[place]] += weight
-            else:  # marked where its partner is not
-                levels[self.level[self.partner[place]]] -= weight
-                always += weight
-        return levels, always
 
 
 def distinct(events: Iterable[int]) -> list[int]:

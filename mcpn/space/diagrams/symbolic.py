@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain, islice, repeat
+from itertools import chain, islice
 from typing import Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
@@ -68,23 +68,14 @@ class SymbolicSpace:
         """Number of reachable markings."""
         return self.reachable.count() if self.explored is None else self.explored.states
 
-    @cached_property
-    def fired(self) -> dict[int, int]:
-        """In how many markings each transition fires, priorities respected."""
-        encoding = self.encoding
-        internal = [t for t in encoding.transitions if encoding.net.transitions[t].internal]
-        events = [t for t in encoding.transitions if not encoding.net.transitions[t].internal]
-        counts = dict.fromkeys(range(len(encoding.net.transitions)), 0)
-        where = self.reachable if self.stable is None else self.stable
-        for chosen, markings in ((internal, self.reachable), (events, where)):
-            wanted = [(t, c) for t in chosen if (c := encoding.enabling[t]) is not None]
-            counts.update(zip([t for t, _ in wanted], markings.counts([c for _, c in wanted]), strict=True))
-        return counts
-
     @property
     def edges(self) -> int:
-        """Number of firings."""
-        return sum(self.fired.values()) if self.explored is None else self.explored.edges
+        """Number of firings, priorities respected."""
+        if self.explored is not None:
+            return self.explored.edges
+        from mcpn.space.diagrams.spaces import DiagramMarkings
+
+        return sum(DiagramMarkings(self).firings(self.reachable).values())
 
     @cached_property
     def dead(self) -> Zdd:
@@ -209,10 +200,7 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
         return None
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    first, _, grouped = islice(
-        chain(candidates(net, None), repeat(None)), 3
-    )  # the second is the first reversed
-    for candidate in filter(None, (first, grouped)):
+    for candidate in islice(candidates(net, None), 0, 3, 2):  # the second is the first reversed
         try:
             space = close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
             refuse_unsafe(space)

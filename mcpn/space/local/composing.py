@@ -45,8 +45,8 @@ def composite_space(
 
     Args:
         mission_net: The mission's net; it is not explored.
-        templates: The set of templates that the mission is composed with, the paper's by default; with
-            another no two sections are taken for one type.
+        templates: Those that the mission is composed with, the paper's by default; with others no two
+            sections are of one type.
         executor: Where sections are explored; in this process one after the other by default.
         progress: Called after each local space with how many are done and how many there are.
         may_die: Whether hardware may die (:mod:`mcpn.net.mortal`).

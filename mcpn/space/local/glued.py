@@ -10,12 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from heapq import heappop, heappush
+from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Guards
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.section_type import ALL, Allowed, Exit
+from mcpn.space.local.section_type import ALL, Allowed
 from mcpn.space.local.sections import BEGIN, ENDS, Stage, WholeNet, outside
+
+Filter: TypeAlias = Callable[[str], Allowed]
+"""By section, what its edges may carry."""
 
 Member = tuple[str, tuple[int, ...]]
 """A state: its section, and its marked levels with the section's own slots unmarked."""
@@ -70,16 +74,20 @@ class CompositeSet:
     def __hash__(self) -> int:
         return hash(frozenset(self.parts.items()))
 
+    def of(self, name: str) -> Zdd:
+        """The states of one section."""
+        return self.parts.get(name, self.space.empty)
+
     def count(self) -> int:
         """How many states the set has."""
-        return sum(self.space.closed(name, part).count() for name, part in self.parts.items())
+        return sum(self.space.stages[name].closed(part).count() for name, part in self.parts.items())
 
     def pick(self) -> Member | None:
         """A state of the first section in the mission's order, with little hardware out of service."""
         if not self.parts:
             return None
         name = min(self.parts, key=self.space.order.__getitem__)
-        return name, tuple(self.space.closed(name, self.parts[name]).pick() or ())
+        return name, tuple(self.space.stages[name].closed(self.parts[name]).pick() or ())
 
 
 class Glued:
@@ -102,14 +110,10 @@ class Glued:
         self.empty = layout.store.empty()
         self.nothing = CompositeSet(self, {})
         self.order = {name: i for i, name in enumerate(self.stages)}
-        self.into: dict[str, list[tuple[Stage, Exit]]] = {name: [] for name in self.stages}
+        self.into: dict[str, dict[str, None]] = {name: {} for name in self.stages}  # who leads there
         for stage in self.stages.values():
-            for exit_, route in stage.routes.items():
-                self.into[route].append((stage, exit_))
-
-    def closed(self, name: str, part: Zdd) -> Zdd:
-        """A part of a set with the section's own slots unmarked, so that each state is there once."""
-        return part.subset(unmarked=self.stages[name].slots)
+            for route in stage.routes.values():
+                self.into[route][stage.name] = None
 
     @cached_property
     def initial(self) -> CompositeSet:
@@ -127,9 +131,7 @@ class Glued:
         """All states: each is stable."""
         return self.everything
 
-    def filtered(
-        self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None
-    ) -> Callable[[str], Allowed]:
+    def filtered(self, transitions: Collection[int] | None, guards: Guards[CompositeSet] = None) -> Filter:
         """What edges may carry, as each section sees it; guards are of sections' events."""
         if transitions is None and not guards:
             return lambda name: ALL
@@ -139,26 +141,36 @@ class Glued:
         def of(name: str) -> Allowed:
             own = [*enumerate(self.stages[name].transitions)]
             local = None if wanted is None else frozenset(i for i, t in own if t in wanted)
-            guarded = ((i, limits[t].parts.get(name, self.empty)) for i, t in own if t in limits)
+            guarded = ((i, limits[t].of(name)) for i, t in own if t in limits)
             return Allowed(local, beside, tuple(guarded))
 
         return cache(of)
 
     # --- one step ---
 
-    def leaving_for(
-        self,
-        name: str,
-        hardware: Zdd,
-        within: Mapping[str, Zdd],
-        allowed: Callable[[str], Allowed] = lambda name: ALL,
-    ) -> Iterator[tuple[str, Zdd]]:
-        """By section, states of a set with an event that enters a section with hardware in some states."""
-        for before, exit_ in self.into[name]:
-            at = allowed(before.name)
-            if before.name in within and at.local != frozenset():
-                leaving = before.type.before_step(before.ended(exit_, hardware), at)
-                yield before.name, leaving & within[before.name]
+    def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
+        """States after the exits of a section from which a set is entered."""
+        routes = (route for route in stage.routes.values() if route in parts)
+        return stage.ends({route: self.stages[route].entries(parts[route]) for route in routes})
+
+    def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> Parts:
+        """States of a set with an event that leads out of their section, into another set."""
+        found = Parts()
+        for name in dict.fromkeys(stage for route in into for stage in self.into[route]):
+            if name in within.parts:
+                stage = self.stages[name]
+                ends = self.ends_into(stage, into)
+                found.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
+        return found
+
+    def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> Parts:
+        """States of a set just after an event that leads into their section, out of another set."""
+        found = Parts()
+        for name, part in states.items():
+            for route, hardware in self.stages[name].leave(part, allowed(name)):
+                if route in within.parts:
+                    found.add(route, self.stages[route].entered(hardware) & within.of(route))
+        return found
 
     def before(
         self,
@@ -167,12 +179,10 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States with an edge into some states."""
-        allowed, within, found = self.filtered(transitions, guards), self.everything.parts, Parts()
+        allowed = self.filtered(transitions, guards)
+        found = self.leaving(states.parts, self.everything, allowed)
         for name, part in states.parts.items():
-            stage = self.stages[name]
-            found.add(name, stage.back(part, allowed(name)) & within.get(name, self.empty))
-            for before, leaving in self.leaving_for(name, stage.entries(part), within, allowed):
-                found.add(before, leaving)
+            found.add(name, self.stages[name].back(part, allowed(name), self.everything.of(name)))
         return CompositeSet(self, found)
 
     def after(
@@ -182,31 +192,17 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States that an edge leads to from some states."""
-        allowed, found = self.filtered(transitions, guards), Parts()
+        allowed = self.filtered(transitions, guards)
+        found = self.entering(states.parts, self.everything, allowed)
         for name, part in states.parts.items():
-            stage = self.stages[name]
-            inside, leaving = stage.step(part, allowed(name))
-            found.add(name, inside | part.images([t.event for t in stage.beside(allowed(name))]))
-            for route, hardware in leaving:
-                found.add(route, self.stages[route].entered(hardware))
+            found.add(name, self.stages[name].forth(part, allowed(name)))
         return CompositeSet(self, found)
-
-    def ends_into(self, stage: Stage, parts: Mapping[str, Zdd]) -> Zdd:
-        """States after the exits of a section from which a set is entered."""
-        found = self.empty
-        for exit_, route in stage.routes.items():
-            if route in parts:
-                found |= stage.ended(exit_, self.stages[route].entries(parts[route]))
-        return found
 
     @cached_property
     def dead(self) -> CompositeSet:
         """States in which neither the section nor hardware beside it can do anything."""
-        found = {}
-        for name, part in self.everything.parts.items():
-            stage = self.stages[name]
-            if resting := part & stage.type.inside & stage.type.graph.dead:
-                found[name] = resting.without([toggle.condition for toggle in stage.beside()])
+        parts = ((self.stages[name], part) for name, part in self.everything.parts.items())
+        found = {s.name: (part & s.type.graph.dead).without(s.conditions()) for s, part in parts}
         return CompositeSet(self, found)
 
     # --- closures ---
@@ -233,15 +229,13 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
-        within = (self.everything if along is None else along).parts
+        within = self.everything if along is None else along
         allowed, found = self.filtered(transitions, guards), Parts(goal.parts)
 
         def work(name: str) -> Iterator[str]:
-            stage, along = self.stages[name], within.get(name, self.empty)
-            found[name] = stage.type.reaching(found[name], along, allowed(name))
-            for before, leaving in self.leaving_for(name, stage.entries(found[name]), within, allowed):
-                if found.add(before, leaving):
-                    yield before
+            found[name] = self.stages[name].type.reaching(found[name], within.of(name), allowed(name))
+            leaving = self.leaving({name: found[name]}, within, allowed)
+            return (before for before, states in leaving.items() if found.add(before, states))
 
         self.worked(found, work, back=True)
         return CompositeSet(self, found)
@@ -254,16 +248,13 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
-        along = self.everything if along is None else along
-        allowed, within = self.filtered(transitions, guards), along.parts
-        found = Parts((begin & along).parts)
+        within = self.everything if along is None else along
+        allowed, found = self.filtered(transitions, guards), Parts((begin & within).parts)
 
         def work(name: str) -> Iterator[str]:
-            stage = self.stages[name]
-            found[name] = stage.type.reached(found[name], within[name], allowed(name))
-            for route, hardware in stage.step(found[name], allowed(name))[1]:
-                if route in within and found.add(route, self.stages[route].entered(hardware) & within[route]):
-                    yield route
+            found[name] = self.stages[name].type.reached(found[name], within.of(name), allowed(name))
+            entering = self.entering({name: found[name]}, within, allowed)
+            return (route for route, states in entering.items() if found.add(route, states))
 
         self.worked(found, work)
         return CompositeSet(self, found)
@@ -271,17 +262,16 @@ class Glued:
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
         found = dict((along & self.everything).parts)
-        ends = self.dead.parts
 
         def work(name: str) -> Iterator[str]:
             stage, part, before = self.stages[name], found[name], None
-            onward = ends.get(name, self.empty) | stage.type.before_step(self.ends_into(stage, found), ALL)
+            onward = self.dead.of(name) | stage.type.before_step(self.ends_into(stage, found), ALL)
             while before != part:
                 before = part
-                part = part & (stage.back(part) | onward)
+                part = stage.back(part, ALL, part) | (part & onward)
             if part != found[name]:
                 found[name] = part
-                yield from (earlier.name for earlier, _ in self.into[name] if earlier.name in found)
+                yield from (earlier for earlier in self.into[name] if earlier in found)
 
         self.worked(found, work, back=True)
         return CompositeSet(self, found)

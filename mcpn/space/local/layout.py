@@ -45,9 +45,6 @@ class Toggle(NamedTuple):
     event: int  # of the store
     undo: int  # the event that undoes it
     condition: int  # of the store, for it
-    marked: frozenset[int]  # slots that must be marked for it
-    unmarked: frozenset[int]  # slots that must be unmarked
-    changed: frozenset[int]  # slots that it changes
 
 
 class Layout:
@@ -75,6 +72,19 @@ class Layout:
         }
 
     @cached_property
+    def idle(self) -> list[int]:
+        """Tokens by place of the whole net in sections that have it not, with all hardware in service."""
+        tokens = [*self.mission_net.net.initial]
+        tokens[self.mission_net.beginning] = 0
+        return tokens
+
+    @cached_property
+    def status(self) -> dict[int, tuple[int, bool]]:
+        """Places of the whole net that say, while nobody uses it, what a slot of a resource says, or not."""
+        places = idle_places(self.mission_net).items()
+        return {place: (self.slots[name][number], reverse) for place, (name, number, reverse) in places}
+
+    @cached_property
     def all_slots(self) -> tuple[int, ...]:
         """The slots of all hardware."""
         return self.slots_of(self.hardware)
@@ -96,9 +106,7 @@ class Layout:
             lost, gained = slots[after:before], slots[before:after]
             beside = slots[: min(before, after)], slots[max(before, after) :]
             events = event(lost, gained, *beside), event(gained, lost, *beside)
-            condition = self.store.condition(slots[:before], slots[before:])
-            sets = frozenset(slots[:before]), frozenset(slots[before:]), frozenset((*lost, *gained))
-            found[t] = Toggle(t, name, *events, condition, *sets)
+            found[t] = Toggle(t, name, *events, self.store.condition(slots[:before], slots[before:]))
         return found
 
     @remembered

@@ -6,6 +6,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -15,6 +16,7 @@ from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import LocalPart
+from mcpn.space.algebra import Edge
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
@@ -37,6 +39,11 @@ class Allowed(NamedTuple):
     local: frozenset[int] | None = None
     beside: frozenset[int] | None = None
     guards: tuple[tuple[int, Zdd], ...] = ()
+
+    @property
+    def own(self) -> tuple[frozenset[int] | None, dict[int, Zdd]]:
+        """The transitions of the local net, and their guards, as its alternatives graph is asked."""
+        return self.local, dict(self.guards)
 
 
 ALL = Allowed()
@@ -73,8 +80,8 @@ class SectionType:
         )
         whole = replace(explored, encoding=self.encoding, reachable=reachable, stable=stable)
         self.graph = DiagramAlternatives(whole)
-        self.before = self.encoding.marking_all([net.beginning], stable)
-        self.ended = {e: self.encoding.marking_all([place], stable) for e, place in net.exits.items()}
+        self.before = self.encoding.restricted(stable, [net.beginning])
+        self.ended = {e: self.encoding.restricted(stable, [place]) for e, place in net.exits.items()}
         self.inside = stable - self.before
         for states in self.ended.values():
             self.inside -= states
@@ -82,22 +89,18 @@ class SectionType:
     # --- steps and closures: inside the section, or from inside to its ends ---
 
     @remembered
-    def fired(self, levels: tuple[int, ...]) -> list[tuple[int, frozenset[int], Exit | None]]:
-        """The events of a local state: each with the stable state after it, and its exit if it has one."""
-        found = []
-        for edge in self.graph.edges(levels):
-            after, marks = frozenset(edge.target), self.encoding.marks
-            exit_ = next((e for e, place in self.net.exits.items() if marks(after, place)), None)
-            found.append((edge.transition, after, exit_))
-        return found
+    def fired(self, levels: tuple[int, ...]) -> list[tuple[Edge, Exit | None]]:
+        """The edges of a local state by its own events, each with the exit that it leads to if it does."""
+        exits, marks, edges = self.net.exits.items(), self.encoding.marks, self.graph.edges(levels)
+        return [(edge, next((e for e, p in exits if marks(edge.target, p)), None)) for edge in edges]
 
     @remembered
     def after(self, states: Zdd, allowed: Allowed) -> Zdd:
         """States, inside or at the ends, one event of the section after some states inside."""
-        return self.graph.after(states, allowed.local, dict(allowed.guards))
+        return self.graph.after(states, *allowed.own)
 
     @remembered
-    def _ending(self, goal: Zdd) -> Zdd:
+    def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
         return self.graph.ending(goal)
 
@@ -106,27 +109,33 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        return self.inside & self.graph.firing_into(
-            self.graph.ending(goal), allowed.local, dict(allowed.guards)
-        )
+        return self.inside & self.graph.firing_into(self.ending(goal), *allowed.own)
 
     @remembered
-    def crossing(self, among: Zdd, goal: Zdd) -> list[tuple[int, Zdd]]:
-        """Event transitions that lead from some states inside to a goal, each with the states before."""
-        ending, undoing = self._ending(goal), self.encoding.undoing
-        ways = ((t, ending.images([undoing[t]], within=among)) for t in sorted(self.graph.waiting))
-        return [(t, states) for t, states in ways if states]
+    def crossing(
+        self, among: Zdd, goal: Zdd, own: tuple[str, ...]
+    ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
+        """The states of some inside from which each event leads to a goal, inside or at the ends.
+
+        They are found by event of the local net, and by transition of the whole net, of hardware beside: of
+        all but the section's own.
+        """
+        ending, undoing = self.ending(goal), self.encoding.undoing
+        local = {t: ending.images([undoing[t]], within=among) for t in self.graph.waiting}
+        beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
+        return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
 
     @remembered
-    def toggling(self, among: Zdd, goal: Zdd, own: tuple[str, ...]) -> list[tuple[int, Zdd]]:
-        """The same of transitions of the whole net, of hardware but a section's own."""
-        ways = ((t.transition, goal.images([t.undo], within=among)) for t in self.layout.beside(None, own))
-        return [(t, states) for t, states in ways if states]
+    def firings(self, states: Zdd, own: tuple[str, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
+        """The same with the number of states inside in which each event is enabled."""
+        beside = self.layout.beside(None, own)
+        counts = states.counts([toggle.condition for toggle in beside])
+        return self.graph.firings(states), {t.transition: n for t, n in zip(beside, counts, strict=True)}
 
     @remembered
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
-        steps = self.graph.ahead(along, allowed.local, dict(allowed.guards))
+        steps = self.graph.ahead(along, *allowed.own)
         beside = [toggle.event for toggle in self.layout.beside(allowed.beside)]
         return chained(begin & along, [*steps, lambda states: states.saturate(beside, within=along)])
 
@@ -136,7 +145,7 @@ class SectionType:
         if not along:
             return goal
         within = along | goal
-        steps = self.graph.back(along, allowed.local, dict(allowed.guards))
+        steps = self.graph.back(along, *allowed.own)
         beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
         return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
 
@@ -187,11 +196,7 @@ class SectionType:
         return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
-        """Checks that a section hands on the status of its hardware and nothing else.
-
-        Args:
-            section: The section's name, for the error.
-            explored: The markings of its local net, on a store of their own.
+        """Checks on its local markings that a section hands on the status of its hardware and nothing else.
 
         Raises:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
@@ -218,12 +223,7 @@ class SectionType:
         return direct(self.net.net, proof=False, max_states=self.size)
 
     def refuse_list(self, section: str, max_states: int, why: str) -> None:
-        """Raises an error where there are too many states to be listed.
-
-        Args:
-            section: The section's name, for the error.
-            max_states: How many states may be listed.
-            why: What needs the list, for the error.
+        """Refuses to list more states than a limit, for a reason that the error names.
 
         Raises:
             LimitError: There are more; the message says how many.

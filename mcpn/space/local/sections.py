@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
 from mcpn.mission.flatten import ObjectivesGraph, Section
@@ -14,11 +14,15 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, Provenance
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on, renamed_sections
+from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on
 from mcpn.net.templates import TemplateSet
+from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.images import Bit
 from mcpn.space.local.layout import Layout, Toggle, remembered
 from mcpn.space.local.section_type import ALL, Allowed, Exit, SectionType
+
+Found = TypeVar("Found")
 
 Kind = Literal["places", "transitions"]
 
@@ -33,7 +37,7 @@ NOWHERE = -1
 
 
 @dataclass(eq=False)
-class Stage:
+class Stage(Levels):
     """A section of the mission, or what stands before the first one or after the last.
 
     Args:
@@ -52,15 +56,11 @@ class Stage:
     places: Sequence[int]
     transitions: Sequence[int]
 
-    @cached_property
-    def faulty(self) -> tuple[str, ...]:
-        """Its hardware that can fail, in the order of the type's."""
-        return self.part.faulty
-
-    @cached_property
-    def slots(self) -> tuple[int, ...]:
-        """Its own slots, which sets of its states leave open."""
-        return self.type.layout.slots_of(self.faulty)
+    def __post_init__(self) -> None:
+        self.layout = self.type.layout
+        self.store = self.layout.store
+        self.faulty = self.part.faulty  # its hardware that can fail, in the order of the type's
+        self.slots = self.layout.slots_of(self.faulty)  # which sets of its states leave open
 
     @cached_property
     def alike(self) -> Hashable:
@@ -79,11 +79,26 @@ class Stage:
         return {where: local for local, where in enumerate(self.places) if where != NOWHERE}
 
     @cached_property
-    def own_places(self) -> Mapping[int, int]:
-        """By each of its own slots, the local place that says the same."""
-        roles, by_role = self.type.layout.roles, self.type.net.by_role
-        saying = [by_role[role, name][0] for name in self.type.faulty for role in roles]
-        return dict(zip(self.slots, saying, strict=True))
+    def _own(self) -> Mapping[int, tuple[int, bool]]:
+        """What its local net says of each of its own slots."""
+        by_role, encoding = self.type.net.by_role, self.type.encoding
+        saying = [by_role[role, name][0] for name in self.type.faulty for role in self.layout.roles]
+        return dict(zip(self.slots, map(encoding.bit, saying), strict=True))
+
+    def bit(self, place: int) -> Bit:
+        """Where a set of its states says whether a place of the whole net is marked."""
+        if (local := self.local.get(place)) is not None:
+            return self.type.encoding.bit(local)
+        if place not in self.layout.status:
+            return bool(self.layout.idle[place])
+        # An interface of the section's own hardware that the section does not use follows its status.
+        slot, reverse = self.layout.status[place]
+        level, opposite = self._own.get(slot, (slot, False))
+        return level, reverse != opposite
+
+    def closed(self, part: Zdd) -> Zdd:
+        """A set of its states with its own slots unmarked, so that each state is there once."""
+        return part.subset(unmarked=self.slots)
 
     # --- its interface to the stages before and after it ---
 
@@ -95,31 +110,43 @@ class Stage:
         """The states of all hardware with which it is entered in some of its states."""
         return self.type.to_slots(self.type.entries(inside), self.slots, None)
 
-    def ended(self, exit_: Exit, hardware: Zdd) -> Zdd:
-        """States after an exit with all hardware in some states."""
-        return self.type.from_slots(hardware, self.slots, exit_)
+    def ends(self, hardware: Mapping[str, Zdd]) -> Zdd:
+        """States after its exits, with all hardware in some states by the route."""
+        found = self.store.empty()
+        for exit_, route in self.routes.items():
+            if route in hardware:
+                found |= self.type.from_slots(hardware[route], self.slots, exit_)
+        return found
 
-    def step(self, part: Zdd, allowed: Allowed = ALL) -> tuple[Zdd, list[tuple[str, Zdd]]]:
-        """States one of its own events later, and how all hardware is where it ends."""
+    def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
+        """By route, how all hardware is where one of its own events has ended it."""
         after = self.type.after(part, allowed)
-        leaving = [
-            (route, self.type.to_slots(ended, self.slots, exit_))
-            for exit_, route in self.routes.items()
-            if (ended := after & self.type.ended[exit_])
-        ]
-        return after & self.type.inside, leaving
+        for exit_, route in self.routes.items():
+            if ended := after & self.type.ended[exit_]:
+                yield route, self.type.to_slots(ended, self.slots, exit_)
 
     def beside(self, allowed: Allowed = ALL) -> list[Toggle]:
-        """What hardware beside it may do.
+        """What hardware beside it may do. What its own does changes nothing here, but looks like a step."""
+        return self.layout.beside(allowed.beside, self.faulty)
 
-        Closures may take what all hardware does, since its own slots are open: it changes nothing there, but
-        it would look like a step.
-        """
-        return self.type.layout.beside(allowed.beside, self.faulty)
+    def conditions(self, allowed: Allowed = ALL) -> list[int]:
+        """Conditions of the store, one for each of these."""
+        return [toggle.condition for toggle in self.beside(allowed)]
 
-    def back(self, part: Zdd, allowed: Allowed = ALL) -> Zdd:
-        """States one event before some states, its own event or one of hardware beside it."""
-        return self.type.before_step(part, allowed) | part.images([t.undo for t in self.beside(allowed)])
+    def named(self, own: Mapping[int, Found], beside: Mapping[int, Found]) -> Iterator[tuple[int, Found]]:
+        """What is found by event of its own, and of hardware beside it, by transition of the whole net."""
+        yield from ((self.transitions[t], found) for t, found in own.items())
+        yield from beside.items()
+
+    def forth(self, part: Zdd, allowed: Allowed) -> Zdd:
+        """States one event after some states: an event of its own or of hardware beside it."""
+        toggled = part.images([toggle.event for toggle in self.beside(allowed)])
+        return (self.type.after(part, allowed) & self.type.inside) | toggled
+
+    def back(self, part: Zdd, allowed: Allowed, within: Zdd) -> Zdd:
+        """States of a set one event before some states: an event of its own or of hardware beside it."""
+        toggled = part.images([toggle.undo for toggle in self.beside(allowed)])
+        return (self.type.before_step(part, allowed) | toggled) & within
 
 
 class WholeNet:
@@ -133,31 +160,26 @@ class WholeNet:
     def __init__(self, mission_net: MissionNet, templates: TemplateSet | None = None) -> None:
         self.mission_net = mission_net
         self.templates = templates
-        self._known: dict[tuple[Kind, SectionType, Used], list[int]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
         events = {exit_on(i.event): i.target for i in section.interruptions}
         routes = {"success": section.success, "failure": section.failure, **events}
-        located = (self._located(kind, part, type_) for kind in get_args(Kind))
-        return Stage(section.name, type_, part, routes, *located)
+        names = Renaming(type_.part, part).elements
+        places, transitions = (self._located(kind, part, type_, names) for kind in get_args(Kind))
+        return Stage(section.name, type_, part, routes, places, transitions)
 
-    def _located(self, kind: Kind, part: LocalPart, type_: SectionType) -> list[int]:
+    def _located(
+        self, kind: Kind, part: LocalPart, type_: SectionType, names: Mapping[Element, Element]
+    ) -> list[int]:
         """Where the places, or the transitions, of a section's local net lie.
 
         Each element is drawn in the same order in both nets. Of what several activities share, the local net
         has the interfaces of its own activities alone: there names are compared.
         """
-        net, ours, theirs = self.mission_net.net, self._elements(kind, None), self._elements(kind, type_)
-        key = kind, type_, part.used
-        if key in self._known:  # sections that use the same differ in their objectives and blocks alone
-            found, names = [*self._known[key]], renamed_sections(type_.part, part)
-        else:
-            found, names = [NOWHERE] * len(getattr(type_.net.net, kind)), {e: e for e in theirs}
-            names |= Renaming(type_.part, part).elements
+        net, theirs, ours = self.mission_net.net, self._elements(kind, type_), self._elements(kind, None)
+        found = [NOWHERE] * len(getattr(type_.net.net, kind))
         for element in names.keys() & theirs.keys():
-            if element[0] in ("exit", "mission"):
-                continue
             here, there = theirs[element], ours[names[element]]
             if len(there) != len(here):
                 same = part.net(self.templates)  # as the type's local net, place by place, but for names
@@ -166,7 +188,6 @@ class WholeNet:
                 there = [index.get(own[i].name, NOWHERE) for i in here]
             for i, where in zip(here, there, strict=True):
                 found[i] = where
-        self._known.setdefault(key, found)
         return found
 
     @remembered

@@ -8,10 +8,11 @@ whether there is an end to it.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from math import isinf
+from math import floor, inf, isinf
 
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.net.petri import PetriNet
+from mcpn.net.programs import minimise
 from mcpn.net.siphons import p_semiflows
 from mcpn.net.structure import incidence
 from mcpn.space.markings.tokens import boundedness
@@ -81,7 +82,7 @@ class Widths:
         if bounds is None or not bounds.keys() >= set(narrow):
             bounds = _by_tree(self.net, self._patience)
         if bounds is None and self._patience == MOST_TREE_NODES and len(narrow) <= MOST_PROGRAMS:
-            bounds = _by_programs(self.net, narrow)
+            bounds = by_programs(self.net, narrow)
         for place, bound in (bounds or {}).items():
             self.bits[place] = max(self.bits[place], int(bound).bit_length())
         self._patience = self._patience * 4 if self._patience < MOST_TREE_NODES else 0
@@ -129,31 +130,22 @@ def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
     return dict(enumerate(map(float, found.bounds)))
 
 
-def _by_programs(net: PetriNet, asked: Collection[int]) -> dict[int, float]:
+def by_programs(net: PetriNet, asked: Collection[int]) -> dict[int, float]:
     """Bounds of some places by weights whose weighted sum of tokens no firing raises; rounding may blur them.
 
     Linear programming: of all weights ``y >= 0`` with ``y[p] >= 1`` and ``y C <= 0``, those with the least
     ``y m0``, the bound of ``p`` (Murata 1989, section V-C; the dual of the state equation).
     """
-    import numpy as np
-    from scipy.optimize import Bounds, LinearConstraint, milp
-    from scipy.sparse import csr_array
-
-    rows = incidence(net)
-    cells = [(t, p, change) for p, row in enumerate(rows) for t, change in row.items()]
-    matrix = csr_array(
-        (
-            np.array([change for _, _, change in cells], np.float64),
-            (np.array([t for t, _, _ in cells], np.int32), np.array([p for _, p, _ in cells], np.int32)),
-        ),
-        shape=(len(net.transitions), len(rows)),
-    )
-    cost = np.array(net.initial, np.float64)
+    places = len(net.places)
+    weights: list[dict[int, float]] = [{} for _ in net.transitions]
+    for place, row in enumerate(incidence(net)):
+        for t, change in row.items():
+            weights[t][place] = change
+    rows = [(row, -inf, 0.0) for row in weights]
     found = {}
     for place in asked:
-        least = np.zeros(len(rows))
-        least[place] = 1.0
-        solved = milp(cost, bounds=Bounds(least, np.inf), constraints=LinearConstraint(matrix, -np.inf, 0))
-        if solved.status == 0:
-            found[place] = float(np.floor(solved.fun + 1e-6))
+        least = [float(p == place) for p in range(places)]
+        solved = minimise(net.initial, rows, least, [inf] * places)
+        if solved.kind == "solved":
+            found[place] = float(floor(solved.cost + 1e-6))
     return found

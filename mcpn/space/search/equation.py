@@ -19,8 +19,9 @@ from math import ceil, inf
 from typing import Literal, TypeAlias
 
 from mcpn.net.petri import PetriNet
+from mcpn.net.programs import minimise
 from mcpn.net.structure import incidence, invariants, state_machine_units
-from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal, fireable, needs
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Fires, Goal, Or, as_goal
 
 MARGIN = 1e-3
 LARGEST = 10_000
@@ -202,21 +203,17 @@ class _Program:
                     return False
                 self.at_least({p: -float(w) for p, w in weights}, -bound - MARGIN, choice)
                 return True
-            case AllOf(goals):
+            case And(goals):
                 return all(self.require(inside, choice) for inside in goals)
-            case AnyOf((only,)):
+            case Or((only,)):
                 return self.require(only, choice)
-            case AnyOf(goals):
+            case Or(goals):
                 return self._clause(goals, choice) or self._choose(goals, choice)
-            case Dead() if goal.holds:
-                alternatives = (
-                    AnyOf(tuple(AtMost(((p, 1),), w - 1) for p, w in needs(self.net, t).items()))
-                    for t in range(len(self.net.transitions))
-                )
-                return all(self.require(inside, choice) for inside in alternatives)
-            case Dead():
-                some = AnyOf(tuple(fireable(self.net, t) for t in range(len(self.net.transitions))))
-                return self.require(some, choice)
+            case _:  # a deadlock, or that something may fire
+                fires = Fires(tuple(range(len(self.net.transitions))))
+                spelled = as_goal(fires, self.net, goal != DEADLOCK)
+                assert spelled is not None, "it speaks of tokens alone"
+                return self.require(spelled, choice)
 
     def _clause(self, goals: tuple[Goal, ...], choice: int | None) -> bool:
         """One row for alternatives that each ask whether a place of at most one token is marked."""
@@ -250,36 +247,17 @@ class _Program:
 
     def solve(self, *, whole: bool) -> tuple[Kind, list[float]]:
         """Looks for a solution; of whole numbers of tokens and choices, where so asked."""
-        import numpy as np
-        from scipy.optimize import Bounds, LinearConstraint, milp
-        from scipy.sparse import csr_array
-
-        count = self.first_choice + self.choices
-        every = [*self.equations, *self.rows]
-        cells = [(i, v, weight) for i, (row, _) in enumerate(every) for v, weight in row.items()]
-        # 32 bits: HiGHS in older releases of SciPy takes no others.
-        rows = np.array([i for i, _, _ in cells], dtype=np.int32)
-        columns = np.array([v for _, v, _ in cells], dtype=np.int32)
-        matrix = csr_array(
-            ([w for _, _, w in cells], (rows, columns)),
-            shape=(len(every), count),
+        variables = self.first_choice + self.choices
+        found = minimise(
+            [1.0] * self.first_place + [0.0] * (variables - self.first_place),
+            [
+                *((row, value, value) for row, value in self.equations),
+                *((row, least, inf) for row, least in self.rows),
+            ],
+            [0.0] * variables,
+            [inf] * self.first_place + self.bounds + [1.0] * self.choices,
+            whole=range(self.first_place, variables) if whole else (),
+            nodes=NODES,
         )
-        least = np.array([value for _, value in every])
-        most = np.full(len(every), np.inf)
-        most[: len(self.equations)] = least[: len(self.equations)]
-        upper = np.concatenate((np.full(self.first_place, np.inf), self.bounds, np.ones(self.choices)))
-        integral = np.zeros(count, dtype=np.int64)
-        if whole:
-            integral[self.first_place :] = 1
-        cost = np.zeros(count)
-        cost[: self.first_place] = 1.0
-        found = milp(
-            cost,
-            integrality=integral,
-            bounds=Bounds(np.zeros(count), upper),
-            constraints=LinearConstraint(matrix, least, most),
-            options={"node_limit": NODES, "mip_rel_gap": 1e6},
-        )
-        if found.x is not None:
-            return "possible", [float(value) for value in found.x]
-        return ("unreachable" if found.status == 2 else "unknown"), []
+        kinds: dict[str, Kind] = {"solved": "possible", "infeasible": "unreachable", "unknown": "unknown"}
+        return kinds[found.kind], list(found.values)

@@ -1,13 +1,15 @@
-"""What a search looks for: a condition on markings, in negation normal form.
+"""Conditions on markings: the atoms and connectives of formulas, and the goals of searches.
 
 >>> from mcpn.net.petri import NetBuilder
 >>> builder = NetBuilder("lamp")
 >>> places = builder.place("off", initial=1), builder.place("on")
 >>> builder.transition("switch", consume=["off"], produce=["on"])
 >>> net = builder.build()
->>> on = AtMost(((1, -1),), -1)  # at least one token in the place of index 1
->>> holds(on, net, (0, 1)), holds(negation(on), net, (0, 1))
+>>> on = marked(1)
+>>> holds(on, net, (0, 1)), holds(Not(on), net, (0, 1))
 (True, False)
+>>> as_goal(Not(on), net)  # no more than 0 tokens
+AtMost(weights=((1, 1),), bound=0)
 """
 
 from __future__ import annotations
@@ -21,47 +23,97 @@ from mcpn._kernel import Goals
 from mcpn.net.petri import PetriNet
 
 
-@dataclass(frozen=True, slots=True)
-class AtMost:
+class Formula:
+    """What holds in some states: an atom, or an operator with the formulas that it is applied to."""
+
+    operands: tuple[Formula, ...] = ()
+
+    def __invert__(self) -> Formula:
+        """The negation, without doubling one."""
+        match self:
+            case Not((operand,)):
+                return operand
+            case And(()) | Or(()):
+                return FALSE if self == TRUE else TRUE
+        return Not(self)
+
+    def walk(self) -> Iterator[Formula]:
+        """Every formula inside, itself included."""
+        stack: list[Formula] = [self]
+        while stack:
+            at = stack.pop()
+            yield at
+            stack.extend(at.operands)
+
+    def mapped(self, of: Callable[[Formula], Formula]) -> Formula:
+        """The same operator with other operands: each is what ``of`` makes of it."""
+        operands = map(of, self.operands)
+        return ~next(operands) if isinstance(self, Not) else type(self)(*operands) if self.operands else self
+
+
+@dataclass(frozen=True)
+class AtMost(Formula):
     """A weighted sum of tokens is at most a bound; places by index, each once."""
 
     weights: tuple[tuple[int, int], ...]
     bound: int
 
 
-@dataclass(frozen=True, slots=True)
-class AllOf:
+@dataclass(frozen=True)
+class Fires(Formula):
+    """Some of these transitions, by index, may fire now, priorities respected."""
+
+    transitions: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Deadlock(Formula):
+    """Nothing may fire."""
+
+
+@dataclass(frozen=True)
+class Stable(Formula):
+    """No internal transition may fire; true everywhere in nets without priorities."""
+
+
+@dataclass(frozen=True, init=False)
+class Operator(Formula):
+    """An operator and its operands."""
+
+    operands: tuple[Formula, ...]
+
+    def __init__(self, *operands: Formula) -> None:
+        object.__setattr__(self, "operands", operands)
+
+
+class Not(Operator):
+    """Negation."""
+
+
+class And(Operator):
     """Conjunction; true without operands."""
 
-    goals: tuple[Goal, ...]
 
-
-@dataclass(frozen=True, slots=True)
-class AnyOf:
+class Or(Operator):
     """Disjunction; false without operands."""
 
-    goals: tuple[Goal, ...]
+
+TRUE: Formula = And()
+FALSE: Formula = Or()
+DEADLOCK = Deadlock()
+
+Goal: TypeAlias = Formula
+"""``AtMost``, ``Deadlock`` and its negation, joined by ``And`` and ``Or``: what the kernel looks for."""
 
 
-@dataclass(frozen=True, slots=True)
-class Dead:
-    """No transition may fire, or (``holds`` false) some may."""
-
-    holds: bool = True
-
-
-Goal: TypeAlias = AtMost | AllOf | AnyOf | Dead
-DEADLOCK = Dead()
-
-
-def marked(place: int, tokens: int = 1) -> AtMost:
-    """A place holds at least so many tokens."""
-    return AtMost(((place, -1),), -tokens)
+def marked(*places: int, tokens: int = 1) -> Formula:
+    """Some places, by index, hold together at least so many tokens; false of none."""
+    return AtMost(tuple((place, -1) for place in sorted(places)), -tokens) if places else FALSE
 
 
 def fireable(net: PetriNet, transition: int) -> Goal:
     """The marking has the tokens that a transition needs; without priorities, it may fire."""
-    return AllOf(tuple(marked(place, weight) for place, weight in needs(net, transition).items()))
+    return And(*(marked(place, tokens=weight) for place, weight in needs(net, transition).items()))
 
 
 def needs(net: PetriNet, transition: int) -> dict[int, int]:
@@ -82,39 +134,40 @@ def changes(net: PetriNet, transition: int) -> dict[int, int]:
     return {place: by for place, by in found.items() if by}
 
 
-def negation(goal: Goal) -> Goal:
-    """The markings that a goal leaves out."""
-    match goal:
-        case AtMost(weights, bound):
+def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None:
+    """The markings of a net without priorities that satisfy a formula, or do not, as wanted.
+
+    Returns:
+        A goal; ``None`` where the formula speaks of paths.
+    """
+    match formula:
+        case Not((operand,)):
+            return as_goal(operand, net, not wanted)
+        case And(operands) | Or(operands):
+            found = [as_goal(operand, net, wanted) for operand in operands]
+            goals = [goal for goal in found if goal is not None]
+            joined = And if isinstance(formula, And) == wanted else Or
+            return joined(*goals) if len(goals) == len(found) else None
+        case AtMost(weights, bound) if not wanted:
             return AtMost(tuple((place, -weight) for place, weight in weights), -bound - 1)
-        case AllOf(goals):
-            return AnyOf(tuple(map(negation, goals)))
-        case AnyOf(goals):
-            return AllOf(tuple(map(negation, goals)))
-        case Dead(wanted):
-            return Dead(not wanted)
-
-
-def parts(goal: Goal) -> Iterator[AtMost | Dead]:
-    """The conditions that a goal is made of."""
-    stack = [goal]
-    while stack:
-        at = stack.pop()
-        if isinstance(at, AllOf | AnyOf):
-            stack.extend(at.goals)
-        else:
-            yield at
+        case AtMost() | Deadlock():
+            return formula if wanted else Not(formula)
+        case Fires(transitions):
+            return as_goal(Or(*(fireable(net, t) for t in transitions)), net, wanted)
+        case Stable():
+            return TRUE if wanted else FALSE
+    return None
 
 
 def asks_dead(goal: Goal) -> bool:
     """Whether a goal speaks of what may fire."""
-    return any(isinstance(part, Dead) for part in parts(goal))
+    return DEADLOCK in goal.walk()
 
 
 def wanted(goal: Goal) -> dict[int, set[int]]:
     """The places that a goal speaks of: whether it may help to raise (1) or to lower (-1) each."""
     found: dict[int, set[int]] = {}
-    for part in parts(goal):
+    for part in goal.walk():
         if isinstance(part, AtMost):
             for place, weight in part.weights:
                 found.setdefault(place, set()).add(-1 if weight > 0 else 1)
@@ -126,24 +179,21 @@ def holds(goal: Goal, net: PetriNet, marking: Sequence[int]) -> bool:
     match goal:
         case AtMost(weights, bound):
             return sum(weight * marking[place] for place, weight in weights) <= bound
-        case AllOf(goals):
-            return all(holds(inside, net, marking) for inside in goals)
-        case AnyOf(goals):
-            return any(holds(inside, net, marking) for inside in goals)
-        case Dead(wanted):
-            return wanted != any(net.covers(marking, t) for t in range(len(net.transitions)))
+        case And(operands):
+            return all(holds(inside, net, marking) for inside in operands)
+        case Or(operands):
+            return any(holds(inside, net, marking) for inside in operands)
+        case Not((operand,)):
+            return not holds(operand, net, marking)
+    assert goal == DEADLOCK, "goals speak of markings"
+    return not any(net.covers(marking, t) for t in range(len(net.transitions)))
 
 
 def renamed(goal: Goal, index: Callable[[int], int]) -> Goal:
     """The same on a net whose places have other indices."""
-    match goal:
-        case AtMost(weights, bound):
-            return AtMost(tuple((index(place), weight) for place, weight in weights), bound)
-        case AllOf(goals):
-            return AllOf(tuple(map(partial(renamed, index=index), goals)))
-        case AnyOf(goals):
-            return AnyOf(tuple(map(partial(renamed, index=index), goals)))
-    return goal
+    if isinstance(goal, AtMost):
+        return AtMost(tuple((index(place), weight) for place, weight in goal.weights), goal.bound)
+    return goal.mapped(partial(renamed, index=index))
 
 
 def encode(goals: Sequence[Goal], places: int) -> tuple[Goals, list[int]]:
@@ -155,19 +205,12 @@ def encode(goals: Sequence[Goal], places: int) -> tuple[Goals, list[int]]:
         if goal not in known:
             match goal:
                 case AtMost(weights, bound):
-                    node: tuple[str, list[int], list[tuple[int, int]], int] = (
-                        "at_most",
-                        [],
-                        list(weights),
-                        bound,
-                    )
-                case AllOf(inside):
-                    node = ("all", list(map(add, inside)), [], 0)
-                case AnyOf(inside):
-                    node = ("any", list(map(add, inside)), [], 0)
-                case Dead(wanted):
-                    node = ("dead" if wanted else "not_dead", [], [], 0)
-            nodes.append(node)
+                    nodes.append(("at_most", [], list(weights), bound))
+                case And(operands) | Or(operands):
+                    inside = list(map(add, operands))
+                    nodes.append(("all" if isinstance(goal, And) else "any", inside, [], 0))
+                case _:
+                    nodes.append(("dead" if goal == DEADLOCK else "not_dead", [], [], 0))
             known[goal] = len(nodes) - 1
         return known[goal]
 

@@ -14,7 +14,7 @@ from functools import cached_property
 
 from mcpn.net.petri import PetriNet
 from mcpn.net.reduce.reduction import Reduction, reduce_for_deadlock, reduce_for_goal
-from mcpn.space.search.goal import Dead, Goal, asks_dead, holds, renamed, wanted
+from mcpn.space.search.goal import DEADLOCK, Goal, asks_dead, holds, renamed, wanted
 from mcpn.space.search.searches import Run, Searches, leads_to, replay, shortened
 
 INITIAL_STATE, RANDOM_WALK, STUBBORN_SETS = "INITIAL_STATE", "RANDOM_WALK", "STUBBORN_SETS"
@@ -172,14 +172,14 @@ class _Task:
     def _reached(self, run: Run, *ways: str) -> Finding:
         if self.reduction is not None:
             run = shortened(self.net, self.reduction.lift(run))
-            if isinstance(self.goal, Dead) and self.goal.holds:
+            if self.goal == DEADLOCK:
                 run = shortened(self.net, _gone_on(self.net, run))
         assert leads_to(self.net, run, self.goal), "a run to a goal replays"
         return Finding(True, run, (*self.techniques, *ways))
 
 
 def _reduced(net: PetriNet, goal: Goal) -> Reduction | None:
-    if isinstance(goal, Dead) and goal.holds:
+    if goal == DEADLOCK:
         return reduce_for_deadlock(net)
     return None if asks_dead(goal) else reduce_for_goal(net, wanted(goal))
 

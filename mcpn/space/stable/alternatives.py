@@ -8,9 +8,9 @@ every transient marking behind an event is explored once, and its one stable end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,26 +20,14 @@ from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.markings.firing import MaskedNet
-from mcpn.space.markings.graph import Ints, Mask, StateGraph, Words, pack
+from mcpn.space.markings.graph import Ints, Mask, StateGraph, pack
 from mcpn.space.stable.parting import parting_runs
+
+State = TypeVar("State", bound=Hashable)
 
 DEFAULT_MAX_STATES = 5_000_000
 DEFAULT_MAX_TRANSIENT = 20_000_000
 """Transient markings that are explored one by one; each takes some 300 bytes."""
-
-
-class Torn(NamedTuple):
-    """An event after which internal evolution has no one stable end.
-
-    Attributes:
-        state: The stable state before it.
-        transition: Its transition.
-        error: What is wrong, with the runs that show it.
-    """
-
-    state: int
-    transition: int
-    error: SemanticsError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,12 +37,10 @@ class AlternativesGraph(StateGraph):
     Args:
         method: ``reduction`` or ``direct``.
         proof: How confluence and termination were established, in words; ``None`` where they were not.
-        torn: Events that have no edge, because their outcome depends on interleaving (only where asked for).
     """
 
     method: str
     proof: str | None
-    torn: tuple[Torn, ...] = ()
 
     def event(self, edge: int) -> Event:
         """The event of an edge."""
@@ -82,20 +68,13 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
     """
     ends = _stable_ends(graph)
     is_event = np.array([not t.internal for t in graph.net.transitions], np.bool_)
-    start = int(ends[0])
-    numbers, queue = {start: 0}, [start]
-    offsets, targets, labels = [0], list[int](), list[int]()
-    for state in queue:  # grows while it is walked
-        for t, after in graph.successors(state):
-            if is_event[t]:
-                end = int(ends[after])
-                if numbers.setdefault(end, len(queue)) == len(queue):
-                    queue.append(end)
-                targets.append(numbers[end])
-                labels.append(t)
-        offsets.append(len(targets))
+
+    def edges(state: int) -> Iterator[tuple[int, int]]:
+        return ((t, int(ends[after])) for t, after in graph.successors(state) if is_event[t])
+
     proof = "every transient marking of the markings graph has one stable end"
-    return _graph(graph.net, graph.markings[queue], offsets, targets, labels, "reduction", proof)
+    states, arrays = numbered(int(ends[0]), edges)
+    return AlternativesGraph(graph.net, graph.markings[states], *arrays, "reduction", proof)
 
 
 def _stable_ends(graph: StateGraph) -> Ints:
@@ -176,7 +155,6 @@ class _Proving:
         self.max_transient = max_transient
         self.masked = MaskedNet(net)
         self.ends: dict[int, int] = {}
-        self.torn: dict[int, SemanticsError] = {}  # transient markings that lead to no one end
         self.parents: dict[int, tuple[int, int] | None] = {}
 
     def stabilise(self, marking: int, covered: int, origin: tuple[int, int] | None) -> int:
@@ -196,26 +174,11 @@ class _Proving:
         masked, ends = self.masked, self.ends
         if start in ends:
             return ends[start]
-        if start in self.torn:
-            raise self.torn[start].with_traceback(None)
         if not covered & masked.internal:
             ends[start] = start
             return start
-        path = [(start, covered, masked.allowed(covered & masked.internal))]
-        try:
-            self.walk(path)
-        except SemanticsError as error:
-            for marking, _, _ in path:  # each of them leads to where it is wrong
-                ends.pop(marking, None)
-                self.torn[marking] = error
-            raise
-        return ends[start]
-
-    def walk(self, path: list[tuple[int, int, Iterator[int]]]) -> None:
-        """Goes on depth first from the last marking of a path, until all of the path have their end."""
-        masked, ends = self.masked, self.ends
-        on_path = {marking for marking, _, _ in path}
-        while path:
+        path, on_path = [(start, covered, masked.allowed(covered & masked.internal))], {start}
+        while path:  # depth first
             marking, covered, left = path[-1]
             t = next(left, None)
             if t is None:
@@ -233,8 +196,6 @@ class _Proving:
                 )
             if after in on_path:
                 raise divergence_error([*self.run(marking), self.net.transitions[t].name])
-            if after in self.torn:
-                raise self.torn[after].with_traceback(None)
             if after not in ends:
                 next_covered = masked.covered_after(covered, after, t)
                 if next_covered & masked.internal:
@@ -243,6 +204,7 @@ class _Proving:
                     continue
                 ends[after] = after
             self.agree(marking, after)
+        return ends[start]
 
     def agree(self, marking: int, after: int) -> None:
         end = self.ends[after]
@@ -301,7 +263,6 @@ def direct(
     net: PetriNet,
     *,
     proof: bool = True,
-    tear: bool = False,
     max_states: int = DEFAULT_MAX_STATES,
     progress: Callable[[int, int], None] | None = None,
 ) -> AlternativesGraph:
@@ -311,8 +272,6 @@ def direct(
         net: A net with priorities.
         proof: Whether to explore every transient marking behind each event, which proves that internal
             evolution is confluent and ends. Without it the graph rests on that premise.
-        tear: Whether events that break it are left out and told of, instead of raised: what only they lead
-            to is not in the graph.
         max_states: How many stable states it may have; the proof may explore a hundred times as many markings
             between them (100,000 at least, 20 million at most).
         progress: Called for each thousand stable states with their number and that of the edges.
@@ -331,34 +290,18 @@ def direct(
     walk = _Proving(net, min(max(100 * max_states, 100_000), DEFAULT_MAX_TRANSIENT))
     masked = walk.masked
     begin = masked.initial()
+
+    def edges(marking: int) -> Iterator[tuple[int, int]]:
+        covered = masked.covered(marking)
+        for t in masked.allowed(covered):
+            after = walk.step(marking, t)
+            yield t, walk.stabilise(after, masked.covered_after(covered, after, t), (marking, t))
+
     start = walk.stabilise(begin, masked.covered(begin), None)
-    numbers, queue, covers = {start: 0}, [start], [masked.covered(start)]
-    offsets, targets, labels, torn = [0], list[int](), list[int](), list[Torn]()
-    for state, marking in enumerate(queue):  # grows while it is walked
-        for t in masked.allowed(covers[state]):
-            try:
-                after = walk.step(marking, t)
-                covered = masked.covered_after(covers[state], after, t)
-                end = walk.stabilise(after, covered, (marking, t))
-            except SemanticsError as error:
-                if not tear:
-                    raise
-                torn.append(Torn(state, t, error))
-                continue
-            if numbers.setdefault(end, len(queue)) == len(queue):
-                queue.append(end)
-                covers.append(masked.covered(end))
-            targets.append(numbers[end])
-            labels.append(t)
-        offsets.append(len(targets))
-        if len(queue) > max_states:
-            raise LimitError(f"more than {max_states} stable states: the limit on states was hit")
-        if progress and state % 1000 == 999:
-            progress(len(queue), len(targets))
-    words = pack(queue, len(net.places))
+    states, arrays = numbered(start, edges, max_states, progress)
+    words = pack(states, len(net.places))
     how = "every transient marking behind each event explored once, its stable end unique"
-    found = _graph(net, words, offsets, targets, labels, "direct", how)
-    return replace(found, proof=None, torn=tuple(torn)) if torn else found
+    return AlternativesGraph(net, words, *arrays, "direct", how)
 
 
 def _settled(
@@ -376,14 +319,29 @@ def _settled(
     return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
 
 
-def _graph(
-    net: PetriNet,
-    markings: Words,
-    offsets: list[int],
-    targets: list[int],
-    labels: list[int],
-    method: str,
-    proof: str | None,
-) -> AlternativesGraph:
-    starts, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    return AlternativesGraph(net, markings, starts, ends, events, method, proof)
+def numbered(
+    start: State,
+    edges: Callable[[State], Iterable[tuple[int, State]]],
+    max_states: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[list[State], tuple[Ints, Ints, Ints]]:
+    """States in breadth-first order, and edges in compressed sparse rows: offsets, targets, labels.
+
+    Raises:
+        LimitError: There are more states than allowed.
+    """
+    numbers, queue = {start: 0}, [start]
+    offsets, targets, labels = [0], list[int](), list[int]()
+    for number, state in enumerate(queue):  # grows while it is walked
+        for label, target in edges(state):
+            if numbers.setdefault(target, len(queue)) == len(queue):
+                queue.append(target)
+            targets.append(numbers[target])
+            labels.append(label)
+        offsets.append(len(targets))
+        if max_states is not None and len(queue) > max_states:
+            raise LimitError(f"more than {max_states} stable states: the limit on states was hit")
+        if progress and number % 1000 == 999:
+            progress(len(queue), len(targets))
+    rows, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
+    return queue, (rows, ends, events)

@@ -76,7 +76,7 @@ class Clash:
     block: str | None
 
     def __str__(self) -> str:
-        who, wanted = self._who(), _enumeration(self.wanted)
+        who, wanted = self._who(), enumeration(self.wanted)
         match self.kind:
             case "hardware" | "software":
                 said = f"{who} ask for {wanted} at the same moment"
@@ -221,9 +221,9 @@ def _objectives(names: Sequence[str]) -> str:
 
 
 def _plural(one: str, several: str, names: Sequence[str]) -> str:
-    return f"{one if len(names) == 1 else several} {_enumeration(names)}"
+    return f"{one if len(names) == 1 else several} {enumeration(names)}"
 
 
-def _enumeration(names: Sequence[str]) -> str:
-    """Names one after the other, as a sentence has them."""
+def enumeration(names: Sequence[str]) -> str:
+    """Names as a list in a sentence: ``A``, ``A and B``, ``A, B and C``."""
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

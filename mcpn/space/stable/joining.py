@@ -333,15 +333,14 @@ def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -
 
 
 def parting_among(
-    encoding: Encoding, markings: Zdd, pairs: Iterable[tuple[int, int]], joining: Joining
+    encoding: Encoding, begun: Zdd, pairs: Sequence[tuple[int, int]]
 ) -> tuple[Marking, Parting] | None:
-    """Follows the conflicts in a set of markings until each rejoins, or one is found that does not.
+    """Follows the conflicts behind some markings until each rejoins, or one is found that does not.
 
     Args:
         encoding: The net on the levels of a store.
-        markings: Reachable markings behind which internal evolution ends.
-        pairs: Transitions in conflict.
-        joining: Of the net.
+        begun: As of :func:`calm`.
+        pairs: The same.
 
     Returns:
         A marking and how runs part there; ``None`` where all rejoin.
@@ -349,17 +348,21 @@ def parting_among(
     Raises:
         EndlessRun: An internal run need not end.
     """
-    safe = encoding.net.safe_transitions
+    safe, markings, joining = (
+        encoding.net.safe_transitions,
+        calm(encoding, begun, pairs),
+        Joining(encoding.net),
+    )
     for t, u in pairs:
         needed = (*safe[t].consume, *safe[t].read, *safe[u].consume, *safe[u].read)
-        left = encoding.marking_all(dict.fromkeys(needed), markings)
+        left = encoding.restricted(markings, needed)
         while (levels := left.pick()) is not None:
             marking = encoding.marking(levels)
             found = joining.outcome(mask_of(marking), t, u)
             if isinstance(found, Parting):
                 return marking, found
             places = [p for p in range(len(marking)) if found.needed >> p & 1]
-            left -= encoding.marking_all(places, left)
+            left -= encoding.restricted(left, places)
     return None
 
 

@@ -7,7 +7,7 @@ from collections import deque
 from hypothesis import strategies as st
 
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.search.goal import AllOf, AnyOf, AtMost, Dead, Goal
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, Not, Or, as_goal
 
 
 def goals(net: PetriNet, *, dead: bool = True, depth: int = 2) -> st.SearchStrategy[Goal]:
@@ -18,12 +18,12 @@ def goals(net: PetriNet, *, dead: bool = True, depth: int = 2) -> st.SearchStrat
         lambda w, bound: AtMost(tuple(sorted(w.items())), bound), weights, st.integers(-4, 3)
     )
     if dead:
-        atom |= st.builds(Dead, st.booleans())
+        atom |= st.sampled_from([DEADLOCK, Not(DEADLOCK)])
     return st.recursive(
         atom,
         lambda inside: (
-            st.builds(AllOf, st.lists(inside, max_size=3).map(tuple))
-            | st.builds(AnyOf, st.lists(inside, max_size=3).map(tuple))
+            st.lists(inside, max_size=3).map(lambda goals: And(*goals))
+            | st.lists(inside, max_size=3).map(lambda goals: Or(*goals))
         ),
         max_leaves=2**depth,
     )
@@ -50,9 +50,15 @@ def is_goal(goal: Goal, net: PetriNet, marking: Marking) -> bool:
     match goal:
         case AtMost(weights, bound):
             return sum(w * marking[p] for p, w in weights) <= bound
-        case AllOf(inside):
+        case And(inside):
             return all(is_goal(g, net, marking) for g in inside)
-        case AnyOf(inside):
+        case Or(inside):
             return any(is_goal(g, net, marking) for g in inside)
-        case Dead(wanted):
-            return (net.enabled(marking) == []) == wanted
+    return (net.enabled(marking) == []) == (goal == DEADLOCK)
+
+
+def negated(goal: Goal, net: PetriNet) -> Goal:
+    """The markings that a goal leaves out."""
+    found = as_goal(goal, net, wanted=False)
+    assert found is not None
+    return found

@@ -12,9 +12,9 @@ from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder
 from mcpn.net.reduce.reduction import reduce_for_deadlock
 from mcpn.space.search.equation import StateEquation
-from mcpn.space.search.goal import DEADLOCK, AllOf, AtMost, Goal, marked, negation
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.space.search.searches import Searches
-from tests.space.search.goals import all_markings, goals, is_goal
+from tests.space.search.goals import all_markings, goals, is_goal, negated
 from tests.space.search.test_portfolio import PLAIN_NETS
 
 
@@ -61,9 +61,9 @@ def mutual_exclusion() -> NetBuilder:
 
 def test_an_invariant_rules_out_both_inside() -> None:
     net = mutual_exclusion().build()
-    both = AllOf((marked(net.place_index["a_in"]), marked(net.place_index["b_in"])))
+    both = And(marked(net.place_index["a_in"]), marked(net.place_index["b_in"]))
     assert StateEquation(net).solve(both).kind == "unreachable"
-    assert StateEquation(net).solve(negation(both)).kind == "possible"
+    assert StateEquation(net).solve(negated(both, net)).kind == "possible"
 
 
 def test_a_trap_rules_out_what_the_equation_lets_pass() -> None:
@@ -76,7 +76,7 @@ def test_a_trap_rules_out_what_the_equation_lets_pass() -> None:
     builder.transition("back", consume={"two": 1, "spare": 1}, produce=["one"])
     builder.transition("leak", consume={"one": 1, "two": 1}, produce=["one"])
     net = builder.build()
-    none = AllOf((negation(marked(0)), negation(marked(1))))
+    none = And(negated(marked(0), net), negated(marked(1), net))
     found = StateEquation(net).solve(none)
     assert (found.kind, found.traps) == ("unreachable", 1)
     markings = all_markings(net)
@@ -105,6 +105,6 @@ def test_what_is_read_stays_only_beyond_what_is_taken(read: int) -> None:
         assert reached == (left == 2 or read <= 2)
         if reached:
             assert StateEquation(net).solve(goal).kind == "possible"
-    empty = negation(marked(net.place_index["stock"]))
+    empty = negated(marked(net.place_index["stock"]), net)
     if read > 2:  # a trap: the last two tokens can never be taken
         assert StateEquation(net).solve(empty).kind == "unreachable"

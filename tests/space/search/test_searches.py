@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.search.goal import DEADLOCK, AllOf, AtMost, Goal, marked
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, marked
 from mcpn.space.search.searches import Searches, replay, shortened
-from tests.net.nets import nets, state_machines
+from tests.net.nets import counter, nets, state_machines
 from tests.space.search.goals import all_markings, goals, is_goal
 
 ANY_NETS = nets(max_weight=1) | nets(max_weight=2) | state_machines().map(lambda pair: pair[0])
@@ -96,25 +96,9 @@ def test_a_shortened_run_ends_in_the_same_marking(net: PetriNet, choices: list[i
     assert len(short) < len(passed)
 
 
-def counter(bits: int) -> PetriNet:
-    """A binary counter: 2 ** bits markings, one after the other."""
-    builder = NetBuilder("counter")
-    for bit in range(bits):
-        builder.place(f"zero{bit}", initial=1)
-        builder.place(f"one{bit}")
-    for bit in range(bits):
-        ones = [f"one{b}" for b in range(bit)]
-        builder.transition(
-            f"count{bit}",
-            consume=[f"zero{bit}", *ones],
-            produce=[f"one{bit}", *(f"zero{b}" for b in range(bit))],
-        )
-    return builder.build()
-
-
 def test_limits_are_told() -> None:
     net = counter(12)
-    goal = AllOf(tuple(marked(net.place_index[f"one{bit}"]) for bit in range(12)))
+    goal = And(*(marked(net.place_index[f"one{bit}"]) for bit in range(12)))
     assert Searches(net).seek(goal, max_states=100).outcome == "states"
     assert Searches(net).seek(goal, max_states=10**6, max_bytes=10_000).outcome == "bytes"
     found = Searches(net).seek(goal, max_states=10**6)

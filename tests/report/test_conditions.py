@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.causes import conditions
-from mcpn.check.causes.conditions import minimal_formula, sentence
 from mcpn.errors import LimitError
+from mcpn.report import causes
+from mcpn.report.causes import condition, minimal_formula
 
 NAMES = ["GPS", "IMU", "_odd", "camera", "thruster"]
 
 
 def test_sentences() -> None:
-    assert sentence("x", [("A",), ("B", "C", "D")]) == "x fails if A, or if B, C and D"
-    assert sentence("x", [()]) == "x can never succeed"
+    assert condition("x", [("A",), ("B", "C", "D")]) == "x fails if A, or if B, C and D"
+    assert condition("x", [()]) == "x can never succeed"
 
 
 def test_the_formula_of_ulysse() -> None:
@@ -42,7 +42,7 @@ def test_without_pyeda_the_error_says_what_to_install(monkeypatch: pytest.Monkey
 
 
 def test_formulas_of_any_size_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conditions, "MAX_TERMS", 2)
+    monkeypatch.setattr(causes, "MAX_TERMS", 2)
     assert minimal_formula([("A",), ("B",)]) == "A | B"
     with pytest.raises(LimitError, match="3 products: more than 2, the limit on products"):
         minimal_formula([("A",), ("B",), ("C",)])

@@ -6,8 +6,6 @@ from itertools import combinations
 
 from hypothesis import given
 
-from mcpn._kernel import Zdd
-from mcpn.check.causes.availability import Availability
 from mcpn.check.causes.cutsets import CutSet, Moment
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.facts.usage import Usage
@@ -19,6 +17,7 @@ from mcpn.mission.model import (
     Recursive,
 )
 from mcpn.net.compose import MissionNet, compose
+from mcpn.report.openpsa import Formula, Losses, structured
 from mcpn.space.stable.alternatives import direct
 from tests.check.asked import Asked
 from tests.check.oracle import Play, fragile_missions, minimal
@@ -44,23 +43,28 @@ def agree(found: MissionNet) -> None:
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
-    text = Availability(found.usage)
+    tree, losses = structured(found.usage), Losses(found.graph)
 
-    def listed(function: Zdd) -> list[CutSet]:
-        names = [tuple(sorted(names)) for names in text.minimal(function)]
-        return sorted(names, key=lambda members: (len(members), members))
+    def lost_from(section: str) -> list[CutSet]:
+        products: list[Formula] = [
+            ("and", [("gate", f"objective-{name.replace('.', '-')}") for name in names])
+            for names in losses.mission_from(section)
+        ]
+        tree.gates[f"from-{section}"] = "or", products
+        return minimal(tree.cut_sets(f"from-{section}"))
 
     if found.usage.contentions:
         returns_early("the text alone does not decide")
         return
-    assert listed(text.mission) == asked.cut_sets(None, Moment.START)
+    assert minimal(tree.cut_sets("mission-lost")) == asked.cut_sets(None, Moment.START)
     for section in found.graph.sections:
         if asked.prospects.entered(section):
-            assert listed(text.mission_from[section.name]) == asked.cut_sets(None, Moment.ENTRY, section.name)
+            assert lost_from(section.name) == asked.cut_sets(None, Moment.ENTRY, section.name)
     for objective in found.graph.walk():
         if asked.goal(objective.name).running:
+            by_text = minimal(tree.cut_sets(f"objective-{objective.name.replace('.', '-')}"))
             for moment in (Moment.WHENEVER, Moment.ENTRY):
-                assert listed(text.objective(objective)) == asked.cut_sets(objective.name, moment)
+                assert by_text == asked.cut_sets(objective.name, moment)
 
 
 def test_a_block_is_not_left_while_a_branch_never_ends() -> None:
@@ -73,8 +77,7 @@ def test_a_block_is_not_left_while_a_branch_never_ends() -> None:
         block = Parallel(name="block", blocks=(wanted, beside), failure="succeed")
         found = compose(mission(of, block))
         agree(found)
-        text = Availability(found.usage)
-        return text.minimal(text.mission)
+        return minimal(structured(found.usage).cut_sets("mission-lost"))
 
     assert lost_with("succeed") == []  # whether wanted succeeds or fails
     assert lost_with("again") == [()]
@@ -98,11 +101,11 @@ def redundant(activities: int, ways: int) -> Mission:
 
 def test_a_chain_of_ten_resources_and_thirty_sensors() -> None:
     mission = redundant(10, 3)
-    text = Availability(Usage(mission, flatten(mission)))
+    tree = structured(Usage(mission, flatten(mission)))
     # Closed form: each resource of the chain is lost with its three sensors, and with nothing less.
-    assert text.minimal(text.mission) == [(f"h{i}_0", f"h{i}_1", f"h{i}_2") for i in range(10)]
+    assert minimal(tree.cut_sets("mission-lost")) == [(f"h{i}_0", f"h{i}_1", f"h{i}_2") for i in range(10)]
     # A set is survived where each resource of the chain keeps a sensor: one of 7 non-empty sets of three.
-    assert text.always.count() - text.mission.count() == 7**10
+    assert tree.images.everything.count() - tree.function(("gate", "mission-lost")).count() == 7**10
 
 
 def test_the_chain_is_confirmed_by_brute_force_where_that_ends() -> None:
@@ -115,5 +118,5 @@ def test_the_chain_is_confirmed_by_brute_force_where_that_ends() -> None:
             start = play.after(play.initial, [f"{h}_EV_OOS" for h in dead])
             if not play.mission_survives(start, frozenset(dead)):
                 lost.append(frozenset(dead))
-    text = Availability(found.usage)
-    assert text.minimal(text.mission) == minimal(lost) == [("h0_0", "h0_1"), ("h1_0", "h1_1")]
+    found_by_text = minimal(structured(found.usage).cut_sets("mission-lost"))
+    assert found_by_text == minimal(lost) == [("h0_0", "h0_1"), ("h1_0", "h1_1")]

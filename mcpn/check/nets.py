@@ -1,0 +1,284 @@
+"""What can be said of a net that is of no mission: its behaviour, and its structure.
+
+Behaviour follows from the *bottom components*: strongly connected sets of markings that no firing leaves.
+From every marking some run ends in one of them. So a transition is live (L4) if it fires in each of them, a
+home marking is one that lies in the only one, and the net is reversible if every marking is a home marking.
+
+Reference: T. Murata, Petri nets: properties, analysis and applications, Proc. IEEE 77(4), 1989, section IV.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic
+
+from mcpn.errors import LimitError, UnboundedError, UnsafeError
+from mcpn.net.petri import PetriNet
+from mcpn.net.siphons import (
+    classes,
+    commoner,
+    p_semiflows,
+    siphons,
+    state_machine_components,
+    t_semiflows,
+    traps,
+)
+from mcpn.net.structure import incidence
+from mcpn.space.algebra import S, Space
+from mcpn.space.diagrams.bounded import reach_markings
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.markings.counted import explore_tokens
+from mcpn.space.markings.tokens import REPEATED, Boundedness, boundedness
+from mcpn.space.search.goal import DEADLOCK
+from mcpn.space.search.portfolio import Portfolio
+
+
+class Behaviour(Generic[S]):
+    """What a bounded net does; each property is decided when it is first asked for.
+
+    Args:
+        space: Its reachable markings.
+
+    Attributes:
+        transitions: All its transitions, as indices.
+    """
+
+    def __init__(self, space: Space[S]) -> None:
+        self.space = space
+        self.transitions = frozenset(range(len(space.net.transitions)))
+
+    @cached_property
+    def deadlock(self) -> bool:
+        """Whether some reachable marking enables nothing."""
+        return bool(self.space.dead)
+
+    @cached_property
+    def quasi_live(self) -> frozenset[int]:
+        """Transitions that fire somewhere."""
+        return frozenset(t for t, count in self.space.firings(self.space.everything).items() if count)
+
+    @property
+    def live(self) -> frozenset[int]:
+        """Transitions that, whatever has happened, can fire again (L4)."""
+        return self._at_bottom[0]
+
+    @property
+    def home_markings(self) -> int:
+        """Number of markings that every reachable marking leads to."""
+        return self._at_bottom[1]
+
+    @property
+    def reversible(self) -> bool:
+        """Whether every reachable marking leads back to the initial one."""
+        return self.home_markings == self.space.everything.count()
+
+    @cached_property
+    def constant_places(self) -> frozenset[int]:
+        """Places whose tokens no transition that fires changes."""
+        rows = enumerate(incidence(self.space.net))
+        return frozenset(place for place, changes in rows if self.quasi_live.isdisjoint(changes))
+
+    @property
+    def all_live(self) -> bool:
+        """Whether every transition is live; where one never fires or nothing may, that is soon known."""
+        fires = not self.deadlock and self.quasi_live == self.transitions
+        return not self.transitions or (fires and self.live == self.transitions)
+
+    @cached_property
+    def _at_bottom(self) -> tuple[frozenset[int], int]:
+        """Transitions that fire in each bottom component, and the markings of the only one.
+
+        One forward and one backward closure for each component; a net with a deadlock needs no more of them
+        than tell whether there is a second.
+        """
+        space, left = self.space, self.space.everything
+        live, home, components = frozenset() if self.deadlock else self.transitions, 0, 0
+        while left:
+            bottom = self._bottom(left)
+            components += 1
+            home = bottom.count() if components == 1 else 0
+            # In a component that is no deadlock every transition fires that is enabled somewhere in it.
+            live = live.intersection(space.firings(bottom))
+            if components > 1 and not live:
+                break
+            left = left - space.reaching(bottom)
+        return live, home
+
+    def _bottom(self, within: S) -> S:
+        """A bottom component that some marking of a non-empty set leads to.
+
+        From any marking forward; what it reaches and does not lead back is further down, so there it goes on.
+        """
+        while True:
+            here = self.space.single(within.pick())
+            ahead = self.space.reached(here)
+            beyond = ahead - self.space.reaching(here, ahead)
+            if not beyond:
+                return ahead
+            within = beyond
+
+
+EXAMINATIONS: Mapping[str, Callable[[Behaviour[Any]], bool]] = {
+    "ReachabilityDeadlock": lambda does: does.deadlock,
+    "QuasiLiveness": lambda does: does.quasi_live == does.transitions,
+    "Liveness": lambda does: does.all_live,
+    "StableMarking": lambda does: bool(does.constant_places),
+}
+"""By names of the Model Checking Contest, the properties that need no formula, but for ``OneSafe``."""
+
+
+@dataclass(frozen=True)
+class NetCheck:
+    """The behaviour of a net, by names; ``None`` where it is not known.
+
+    Args:
+        net: The net.
+        safe: Whether no place ever holds two tokens.
+        bounded: Whether it is bounded, with runs that show that it is not.
+        bound: Most tokens that a place holds.
+        states: Reachable markings.
+        deadlock: A run to a dead marking, a shortest one where the net is bounded.
+        deadlock_free: Whether there is none.
+        dead_transitions: Transitions that never fire.
+        not_live: Those that some day fire no more.
+        reversible: See :class:`Behaviour`.
+        home_markings: The same.
+    """
+
+    net: PetriNet
+    safe: bool
+    bounded: Boundedness
+    bound: int | None = None
+    states: int | None = None
+    deadlock: tuple[str, ...] | None = None
+    deadlock_free: bool | None = None
+    dead_transitions: tuple[str, ...] | None = None
+    not_live: tuple[str, ...] | None = None
+    reversible: bool | None = None
+    home_markings: int | None = None
+
+
+def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
+    """Decides the behavioural properties of a net; those that need all of infinitely many markings stay open.
+
+    Args:
+        net: Any net. Its markings are reached as a diagram; those of a net with priorities that is not 1-safe
+            are listed one by one, up to the limit.
+        max_states: Limit for those, and for the coverability tree.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    space, bounded, most = _reached(net, max_states)
+    if space is None or most is None:
+        # A search may still find a deadlock, or that there is none.
+        for _, found in () if net.priorities else Portfolio(net).decide([DEADLOCK]):
+            run = None if found.run is None else _names(net, found.run)
+            return NetCheck(net, False, bounded, deadlock=run, deadlock_free=not found.reachable)
+        return NetCheck(net, False, bounded)
+    does = Behaviour(space)
+    to_death = space.run(space.initial.pick(), space.dead)
+    return NetCheck(
+        net,
+        most <= 1,
+        bounded,
+        most,
+        space.everything.count(),
+        None if to_death is None else _names(net, [edge.transition for edge in to_death]),
+        not does.deadlock,
+        _names(net, sorted(does.transitions - does.quasi_live)),
+        _names(net, sorted(does.transitions - does.live)),
+        does.reversible,
+        does.home_markings,
+    )
+
+
+def _reached(net: PetriNet, max_states: int) -> tuple[Space[Any] | None, Boundedness, int | None]:
+    """The markings of a bounded net, whether it is bounded, and the most tokens in a place."""
+    try:
+        space = DiagramMarkings(reach_markings(net))
+    except UnsafeError:
+        bounded = boundedness(net, max_states=max_states)
+        if not bounded.bounded:
+            return None, bounded, None
+        from mcpn.space.arrays import ArraySpace
+
+        return ArraySpace(explore_tokens(net, max_states=max_states)), bounded, bounded.bound
+    except UnboundedError as error:
+        return None, Boundedness(False, error.bounds, error.run, error.pump, REPEATED), None
+    most = space.space.max_tokens_in_place
+    if most <= 1:
+        return space, Boundedness(True, None, reason="a 1-safe net is bounded"), most
+    bounds = tuple(space.encoding.most(space.everything))
+    return space, Boundedness(True, bounds, reason="all its markings were reached"), most
+
+
+def _names(net: PetriNet, transitions: Iterable[int]) -> tuple[str, ...]:
+    return tuple(net.transitions[t].name for t in transitions)
+
+
+PARTS: Mapping[str, Callable[[PetriNet], Any]] = {
+    "p_semiflows": p_semiflows,
+    "t_semiflows": t_semiflows,
+    "siphons": siphons,
+    "traps": traps,
+    "components": state_machine_components,
+    "unmarked_siphon": commoner,
+}
+"""What is looked for among the arcs of a net: see :mod:`mcpn.net.siphons`."""
+
+
+class Structure:
+    """What the arcs of a net tell without its markings; a part whose limit was hit is left out and named.
+
+    Args:
+        net: The net.
+
+    Attributes:
+        classes: See :func:`mcpn.net.siphons.classes`.
+        parts: What was found, by the names of :data:`PARTS`.
+        left_out: What was left out, and which limit was hit.
+    """
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        self.classes = classes(net)
+        self.parts: dict[str, Any] = {}
+        self.left_out: dict[str, str] = {}
+        for name, find in PARTS.items():
+            try:
+                self.parts[name] = find(net)
+            except LimitError as error:
+                self.left_out[name] = str(error)
+
+    @property
+    def conservative(self) -> bool | None:
+        """Whether some positive weighting of all places never changes; then the net is bounded."""
+        return self._every_place(self.parts.get("p_semiflows"))
+
+    @property
+    def covered(self) -> bool | None:
+        """Whether every place is in some state machine component."""
+        return self._every_place(self.parts.get("components"))
+
+    def _every_place(self, parts: Iterable[Iterable[int]] | None) -> bool | None:
+        return None if parts is None else set().union(*parts) == set(range(len(self.net.places)))
+
+    @property
+    def proves(self) -> list[str]:
+        """What follows, whatever the order of firing."""
+        found = []
+        if self.conservative:
+            found.append("bounded, whatever the initial marking: every place is in a P-semiflow")
+        if "ordinary" in self.classes and "components" in self.parts:
+            initial = self.net.initial
+            if self._every_place(c for c in self.parts["components"] if sum(initial[p] for p in c) == 1):
+                found.append("1-safe: every place is in a state machine component with one token")
+        decided = {"ordinary", "free choice"} <= self.classes and not self.net.priorities
+        if decided and {"siphons", "traps", "unmarked_siphon"} <= self.parts.keys():
+            live = self.parts["unmarked_siphon"] is None
+            why = "every minimal siphon contains" if live else "a minimal siphon does not contain"
+            found.append(f"{'live' if live else 'not live'}: free choice, and {why} a marked trap")
+        return found

@@ -1,1 +1,0 @@
-"""Properties of nets from elsewhere: behaviour and structure."""
