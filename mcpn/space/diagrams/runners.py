@@ -11,14 +11,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from math import inf, log2
+from typing import TYPE_CHECKING
 
-from mcpn._kernel import BudgetExceeded, Cancelled, Explorer
+from mcpn._kernel import BudgetExceeded, Cancelled
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order, candidates
 from mcpn.space.diagrams.symbolic import Encode, SymbolicSpace, close, unstable_where
 from mcpn.space.markings.explicit import Counts, KernelNet
+
+if TYPE_CHECKING:
+    from mcpn._kernel import Explorer
 
 EXPLORER_RANK = 2
 FIRINGS_OF_A_STEP = 4
