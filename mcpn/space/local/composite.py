@@ -78,7 +78,8 @@ class CompositeSpace(Glued):
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
         found = images.nothing
         for name, part in states.parts.items():
-            found |= images.of_diagram(part, self.layout.store, self.stages[name].bits(tuple(places)))
+            bits = [self.stages[name].bit(place) for place in places]
+            found |= images.of_diagram(part, self.layout.store, bits)
         return found
 
     def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
