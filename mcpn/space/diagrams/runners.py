@@ -28,6 +28,9 @@ EXPLORER_RANK = 2
 FIRINGS_OF_A_STEP = 4
 """About how many firings of an exploration take the time of one step of a closure."""
 
+LEAST_STEPS = 50_000
+"""Exploration waits until it is given so many: to put markings on a diagram takes as long as fewer steps."""
+
 WITHIN_REACH = 6.0
 """Doublings until memory is full from which on an exploration counts as one that ends, one way or another."""
 
@@ -59,7 +62,7 @@ def runners(
         yield ByOrder(net, other, leading[0].name, leading[0].order, memory_limit)
     yield from leading[1:]
     if encode is Encoding:  # markings of 1-safe nets
-        yield OneByOne(net, leading[0].name, leading[0].order, memory_limit)
+        yield OneByOne(net, leading[0].name, leading[0].order, memory_limit, LEAST_STEPS)
     for name, order in orders:
         yield ByOrder(net, encode, name, order, memory_limit)
 
@@ -130,6 +133,7 @@ class OneByOne:
     name: str
     order: Order
     memory_limit: int
+    least_steps: int = 1
     outlook: float = inf
     _prepared: KernelNet = field(init=False)
     _explorer: Explorer | None = None
@@ -147,6 +151,8 @@ class OneByOne:
     def run(self, steps: int) -> SymbolicSpace | UnsafeError:
         """Explores as long as so many steps of a closure take."""
         prepared = self._prepared
+        if steps < self.least_steps:
+            raise BudgetExceeded(f"{steps} steps are too few to begin")
         if self._explorer is None:
             self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit)
         if self._cancelled:
