@@ -226,6 +226,36 @@ class Exploration:
     def take_labels(self) -> npt.NDArray[np.uint32]: ...
 
 @disjoint_base
+class Explorer:
+    """An exploration that can stop and go on; another thread may only cancel it."""
+
+    def run(self, max_firings: int) -> bool:
+        """Goes on for about so many firings (0: any number); whether it came to its end.
+
+        Raises:
+            MemoryLimit: Its tables do not fit.
+            Cancelled: It was cancelled.
+        """
+
+    def take(self) -> Exploration:
+        """What was found; nothing can be asked of this object afterwards."""
+
+    def cancel(self) -> None:
+        """Ends what it does now and later, from another thread."""
+
+    @property
+    def states(self) -> int:
+        """Markings found."""
+
+    @property
+    def explored(self) -> int:
+        """Markings whose firings are all known."""
+
+    @property
+    def edges(self) -> int: ...
+    @property
+    def bytes(self) -> int: ...
+
 class SafeNet:
     """A net as it acts on 1-safe markings.
 
@@ -248,6 +278,9 @@ class SafeNet:
         progress: Callable[[int, int], object] | None = ...,
     ) -> Exploration:
         """Every reachable marking, breadth first, priorities respected; edges are kept where asked for."""
+
+    def explorer(self, initial: Sequence[int], max_bytes: int) -> Explorer:
+        """An exploration as :meth:`explore` makes, without edges, that has not begun yet."""
 
     def settle(
         self,

@@ -30,10 +30,9 @@ Exploration CountedNet::explore(const std::vector<std::int64_t>& initial, bool e
   found.words = words_;
   found.bounds.assign(fields_.size(), 0);
   StateTable table(found, limits);
-  bool fresh;
   std::vector<Word> marking(words_, 0), after(words_);
   for (std::uint32_t p = 0; p < fields_.size(); ++p) marking[fields_[p].word] |= Word(initial[p]) << fields_[p].shift;
-  table.number(marking.data(), 0, 0, fresh);
+  table.number(marking.data(), 0, 0);
   std::vector<std::uint32_t> enabled;
   if (edges) found.offsets.push_back(0);
   for (State state = 0; state < found.states(); ++state) {
@@ -59,7 +58,7 @@ Exploration CountedNet::explore(const std::vector<std::int64_t>& initial, bool e
         found.trouble = {state, t, false};
         return found;
       }
-      const State target = table.number(after.data(), state, t, fresh);
+      const State target = table.number(after.data(), state, t);
       if ((++found.edges & 0xFFFF) == 0 && !limits.go_on(found.states(), found.edges)) throw Interrupted();
       if (edges) {
         table.grow(found.targets, 1);

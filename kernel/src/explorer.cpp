@@ -12,6 +12,9 @@ namespace mcpn {
 namespace {
 
 constexpr std::uint32_t kMostSteps = 100'000;  // internal firings in a row before they are taken for endless
+constexpr std::size_t kBatch = 256;  // firings whose results are looked up together, and states that they are of
+constexpr std::uint32_t kBatchesFromLookToLook = 64;
+
 template <class F> void each_bit(const std::vector<Word>& bits, F body) {
   for (std::uint32_t w = 0; w < bits.size(); ++w)
     for (Word left = bits[w]; left; left &= left - 1) body(w * 64 + std::uint32_t(std::countr_zero(left)));
@@ -102,47 +105,99 @@ bool SafeNet::collect(const Word* marking, const Level& level, std::vector<Word>
 }
 
 Exploration SafeNet::explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const {
-  Exploration found;
-  found.words = words_;
-  StateTable table(found, limits);
-  bool fresh;
-  table.number(marking_of(initial).data(), 0, 0, fresh);
-  std::vector<Word> enabled(firings_.size() / 64 + 1), marking(words_), after(words_);
-  if (edges) found.offsets.push_back(0);
-  for (State state = 0; state < found.states(); ++state) {
-    std::copy_n(found.markings.data() + std::uint64_t(state) * words_, words_, marking.data());
-    std::fill(enabled.begin(), enabled.end(), 0);
-    const bool first = collect(marking.data(), first_, enabled);
-    const bool any = first || (priorities_ && collect(marking.data(), second_, enabled));
-    found.dead += !any;
-    found.stable += !first;
+  Explorer explorer(*this, initial, edges, limits);
+  explorer.run();
+  return explorer.take();
+}
+
+Explorer::Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial, bool edges, Limits limits)
+    : net_(net), edges_(edges), limits_(std::move(limits)), table_(std::make_unique<StateTable>(found_, limits_)),
+      enabled_(net.firings_.size() / 64 + 1) {
+  found_.words = net.words_;
+  begin_ = net.marking_of(initial);
+}
+
+Explorer::~Explorer() = default;
+
+std::uint64_t Explorer::bytes() const { return table_->bytes(); }
+
+bool Explorer::run(std::uint64_t most_firings) {
+  const std::uint64_t last = most_firings ? found_.edges + most_firings : 0;
+  if (found_.states() == 0) {
+    table_->number(begin_.data(), 0, 0);
+    if (edges_) found_.offsets.push_back(0);
+  }
+  for (std::uint32_t batches = 0; next_ < found_.states() && !found_.trouble; ++batches) {
+    if (last && found_.edges >= last) return false;
+    if (batches % kBatchesFromLookToLook == 0 && !limits_.go_on(found_.states(), found_.edges)) throw Interrupted();
+    switch (found_.words) {
+      case 1: spread<1>(); break;
+      case 2: spread<2>(); break;
+      case 3: spread<3>(); break;
+      case 4: spread<4>(); break;
+      default: spread<0>();
+    }
+    number();
+  }
+  return true;
+}
+
+// Fires what the next states enable, as many of them as fill a batch; asks the memory for where the results stand.
+template <unsigned kWords> void Explorer::spread() {
+  const std::size_t words = kWords ? kWords : found_.words;
+  fired_.clear();
+  after_.clear();
+  ends_.clear();
+  const State first = next_;
+  while (next_ < found_.states() && fired_.size() < kBatch && next_ - first < kBatch && !found_.trouble) {
+    const Word* marking = found_.markings.data() + std::uint64_t(next_) * words;
+    std::fill(enabled_.begin(), enabled_.end(), 0);
+    const bool internal = net_.collect(marking, net_.first_, enabled_);
+    const bool any = internal || (net_.priorities_ && net_.collect(marking, net_.second_, enabled_));
+    found_.dead += !any;
+    found_.stable += !internal;
     std::uint64_t tokens = 0;
-    for (const Word word : marking) tokens += std::uint64_t(std::popcount(word));
-    found.most_tokens = std::max(found.most_tokens, tokens);
-    each_bit(enabled, [&](std::uint32_t t) {
-      if (found.trouble) return;
-      after = marking;
-      if (!fire(after.data(), t)) {
-        found.trouble = {state, t, false};
+    for (std::size_t w = 0; w < words; ++w) tokens += std::uint64_t(std::popcount(marking[w]));
+    found_.most_tokens = std::max(found_.most_tokens, tokens);
+    each_bit(enabled_, [&](std::uint32_t t) {
+      if (found_.trouble) return;
+      const std::size_t at = after_.size();
+      after_.resize(at + words);
+      Word* after = after_.data() + at;
+      std::copy_n(marking, words, after);
+      if (!net_.fire(after, t)) {
+        after_.resize(at);
+        found_.trouble = {next_, t, false};
         return;
       }
-      const State target = table.number(after.data(), state, t, fresh);
-      if ((++found.edges & 0xFFFF) == 0 && !limits.go_on(found.states(), found.edges)) throw Interrupted();
-      if (edges) {
-        table.grow(found.targets, 1);
-        table.grow(found.labels, 1);
-        found.targets.push_back(target);
-        found.labels.push_back(t);
-      }
+      const std::uint64_t hashed = StateTable::hash(after, words);
+      table_->fetch_slot(hashed);
+      fired_.push_back({hashed, next_, t});
     });
-    if (found.trouble) return found;
-    if (edges) {
-      table.grow(found.offsets, 1);
-      found.offsets.push_back(found.edges);
-    }
-    if ((state & 0x3FF) == 0x3FF && !limits.go_on(found.states(), found.edges)) throw Interrupted();
+    ends_.push_back(found_.edges + fired_.size());
+    ++next_;
   }
-  return found;
+}
+
+// Numbers the results of a batch, in the order of their firings.
+void Explorer::number() {
+  for (const Fired& fired : fired_) table_->fetch_marking(fired.hashed);
+  if (edges_) {
+    table_->grow(found_.targets, fired_.size());
+    table_->grow(found_.labels, fired_.size());
+    table_->grow(found_.offsets, ends_.size());
+  }
+  const Word* after = after_.data();
+  for (const Fired& fired : fired_) {
+    const State target = table_->number(after, fired.hashed, fired.state, fired.transition);
+    after += found_.words;
+    ++found_.edges;
+    if (edges_) {
+      found_.targets.push_back(target);
+      found_.labels.push_back(fired.transition);
+    }
+  }
+  if (edges_) found_.offsets.insert(found_.offsets.end(), ends_.begin(), ends_.end());
 }
 
 // Fires internal transitions until none is enabled; `enabled` holds those that are, and is empty at the end.
@@ -170,7 +225,6 @@ Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Lim
   Exploration found;
   found.words = words_;
   StateTable table(found, limits);
-  bool fresh;
   std::optional<bool> trouble;
   std::vector<Word> enabled(firings_.size() / 64 + 1), running(enabled.size()), after = marking_of(initial);
   if (collect(after.data(), first_, running)) {
@@ -181,7 +235,7 @@ Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Lim
       return found;
     }
   }
-  table.number(after.data(), 0, 0, fresh);
+  table.number(after.data(), 0, 0);
   found.offsets.push_back(0);
   std::vector<Word> marking(words_);
   for (State state = 0; state < found.states(); ++state) {
@@ -196,7 +250,7 @@ Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Lim
         found.trouble = {state, t, trouble.value_or(false)};
         return;
       }
-      const State target = table.number(after.data(), state, t, fresh);
+      const State target = table.number(after.data(), state, t);
       if ((++found.edges & 0xFFF) == 0 && !limits.go_on(found.states(), found.edges)) throw Interrupted();
       table.grow(found.targets, 1);
       table.grow(found.labels, 1);

@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "pages.hpp"
 
 namespace mcpn {
 
@@ -27,7 +30,7 @@ struct Limits {
 struct Exploration {
   std::uint64_t words = 1, edges = 0, dead = 0, stable = 0, most_tokens = 0;
   std::vector<std::uint64_t> bounds;   // most tokens by place, of nets whose places may hold several
-  std::vector<Word> markings;          // words for each state
+  Table<Word> markings;                // words for each state
   std::vector<State> parents;          // the state that each was found from; its own number for the first
   std::vector<std::uint32_t> via;      // by which transition
   std::vector<std::uint64_t> offsets;  // edges of state s: offsets[s] to offsets[s + 1]
@@ -44,6 +47,9 @@ struct Exploration {
   std::uint64_t bytes() const;
 };
 
+class Explorer;
+class StateTable;
+
 class SafeNet {
  public:
   SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities);
@@ -58,6 +64,7 @@ class SafeNet {
   Exploration settle(const std::vector<std::uint32_t>& initial, const Limits& limits) const;
 
  private:
+  friend class Explorer;
   struct Part { std::uint32_t word; Word need, take, put; };  // of a transition in one word of a marking
   struct Level {                                               // transitions of one priority
     std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need
@@ -82,6 +89,38 @@ class SafeNet {
   std::vector<Part> parts_;
   Level first_, second_;  // without priorities all are first
   std::vector<std::vector<std::uint32_t>> winners_, losers_;  // internal ones that each firing may enable, disable
+};
+
+// An exploration under way, which may stop after so many firings and go on later.
+class Explorer {
+ public:
+  Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial, bool edges, Limits limits);
+  ~Explorer();
+  Explorer(const Explorer&) = delete;
+  Explorer& operator=(const Explorer&) = delete;
+
+  // Whether it came to its end; 0: any number of firings.
+  bool run(std::uint64_t most_firings = 0);
+  Exploration take() { return std::move(found_); }
+  const Exploration& found() const { return found_; }
+  State explored() const { return next_; }  // states whose firings are all known
+  std::uint64_t bytes() const;
+
+ private:
+  struct Fired { std::uint64_t hashed; State state; std::uint32_t transition; };
+
+  template <unsigned kWords> void spread();
+  void number();
+
+  const SafeNet& net_;
+  const bool edges_;
+  const Limits limits_;
+  Exploration found_;
+  std::unique_ptr<StateTable> table_;
+  State next_ = 0;  // the first state whose firings are still to be looked at
+  std::vector<Word> begin_, enabled_, after_;
+  std::vector<Fired> fired_;         // of the batch, and by state of the batch how many edges there are at its end
+  std::vector<std::uint64_t> ends_;
 };
 
 // The one stable end of each state of a graph given by rows of targets; a stable state is its own, and -1 says that

@@ -5,6 +5,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <tuple>
@@ -25,9 +26,10 @@ using Field = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;  // word,
 using Given = std::tuple<Places, Places, Places, bool, bool>;  // need, take, put, internal, overflow
 
 // The values of a vector as an array, which owns them from now on.
-template <class T> nb::ndarray<nb::numpy, T> array(std::vector<T>&& values, std::uint64_t columns = 0) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+template <class T, class Where>
+nb::ndarray<nb::numpy, T> array(std::vector<T, Where>&& values, std::uint64_t columns = 0) {
+  auto* kept = new std::vector<T, Where>(std::move(values));
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T, Where>*>(p); });
   if (columns == 0) return {kept->data(), {kept->size()}, owner};
   return {kept->data(), {kept->size() / columns, std::size_t(columns)}, owner};
 }
@@ -59,6 +61,54 @@ template <class Explore> Exploration run(Explore body, std::uint64_t max_states,
     throw nb::python_error();
   }
 }
+
+// An exploration that goes on when it is asked to, and that another thread may end.
+class PyExplorer {
+ public:
+  PyExplorer(const SafeNet& net, const Places& initial, std::uint64_t max_bytes)
+      : explorer_(net, initial, false, {~std::uint64_t(0), max_bytes, [this](std::uint64_t, std::uint64_t) { return go_on(); }}) {}
+
+  bool run(std::uint64_t max_firings) {
+    if (taken_) throw std::invalid_argument("the exploration was taken");
+    if (busy_.exchange(true)) throw std::invalid_argument("the exploration is under way on another thread");
+    struct Rest {
+      std::atomic<bool>& busy;
+      ~Rest() { busy = false; }
+    } rest{busy_};
+    try {
+      const nb::gil_scoped_release release;
+      return explorer_.run(max_firings);
+    } catch (const Interrupted&) {
+      throw nb::python_error();
+    }
+  }
+  Exploration take() {
+    at_rest();
+    taken_ = true;
+    return explorer_.take();
+  }
+  const Explorer& at_rest() const {
+    if (busy_) throw std::invalid_argument("the exploration is under way on another thread");
+    if (taken_) throw std::invalid_argument("the exploration was taken");
+    return explorer_;
+  }
+  void cancel() { cancelled_ = true; }
+
+ private:
+  bool go_on() {
+    if (cancelled_) throw Cancelled();
+    const auto now = std::chrono::steady_clock::now();
+    if (now < due_) return true;
+    due_ = now + std::chrono::milliseconds(500);
+    const nb::gil_scoped_acquire acquire;
+    return PyErr_CheckSignals() == 0;
+  }
+
+  std::atomic<bool> busy_{false}, cancelled_{false};
+  bool taken_ = false;
+  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  Explorer explorer_;
+};
 
 const Places& checked(const SafeNet& net, const Places& places) {
   for (const std::uint32_t p : places)
@@ -140,6 +190,15 @@ void bind_explorer(nb::module_& module) {
       .def("take_targets", [](Exploration& e) { return array(std::move(e.targets)); })
       .def("take_labels", [](Exploration& e) { return array(std::move(e.labels)); });
 
+  nb::class_<PyExplorer>(module, "Explorer")
+      .def("run", &PyExplorer::run, nb::arg("max_firings"))
+      .def("take", &PyExplorer::take)
+      .def("cancel", &PyExplorer::cancel)
+      .def_prop_ro("states", [](const PyExplorer& e) { return e.at_rest().found().states(); })
+      .def_prop_ro("explored", [](const PyExplorer& e) { return e.at_rest().explored(); })
+      .def_prop_ro("edges", [](const PyExplorer& e) { return e.at_rest().found().edges; })
+      .def_prop_ro("bytes", [](const PyExplorer& e) { return e.at_rest().bytes(); });
+
   nb::class_<SafeNet>(module, "SafeNet")
       .def("__init__", [](SafeNet* self, std::uint32_t places, const std::vector<Given>& transitions, bool priorities) {
         std::vector<Firing> firings;
@@ -157,6 +216,9 @@ void bind_explorer(nb::module_& module) {
                    progress);
       }, nb::arg("initial"), nb::arg("edges"), nb::arg("max_states"), nb::arg("max_bytes"),
          nb::arg("progress").none() = nb::none())
+      .def("explorer", [](const SafeNet& net, const Places& initial, std::uint64_t max_bytes) {
+        return new PyExplorer(net, checked(net, initial), max_bytes);
+      }, nb::arg("initial"), nb::arg("max_bytes"), nb::keep_alive<0, 1>())
       .def("settle", [](const SafeNet& net, const Places& initial, std::uint64_t max_states, std::uint64_t max_bytes,
                         const nb::object& progress) {
         return run([&](const Limits& limits) { return net.settle(checked(net, initial), limits); }, max_states, max_bytes, progress);

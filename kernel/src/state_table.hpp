@@ -11,7 +11,7 @@
 
 namespace mcpn {
 
-template <class T> std::uint64_t room(const std::vector<T>& values) { return values.capacity() * sizeof(T); }
+template <class V> std::uint64_t room(const V& values) { return values.capacity() * sizeof(typename V::value_type); }
 
 // Finds markings by their words: open addressing on the numbers of states. A slot holds half of the marking's hash
 // beside the number, so that most other markings are told apart without being looked at, and none is hashed again.
@@ -19,17 +19,34 @@ class StateTable {
  public:
   StateTable(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kFree) {}
 
+  std::uint64_t hash(const Word* marking) const { return hash(marking, found_.words); }
+  static std::uint64_t hash(const Word* marking, std::uint64_t words) {
+    std::uint64_t x = 0x9E3779B97F4A7C15ull;
+    for (std::uint64_t i = 0; i < words; ++i) {
+      x = (x ^ marking[i]) * 0xBF58476D1CE4E5B9ull;
+      x ^= x >> 29;
+    }
+    x *= 0x94D049BB133111EBull;
+    return x ^ x >> 32;
+  }
+
+  // Asks the memory for what number() will look at: first for the slot of each of some hashes, later for the marking
+  // that this slot names. Tables outgrow caches, so that each look would wait otherwise.
+  void fetch_slot(std::uint64_t hashed) const { __builtin_prefetch(&slots_[place(hashed)]); }
+  void fetch_marking(std::uint64_t hashed) const {
+    const std::uint64_t slot = slots_[place(hashed)];
+    if (slot != kFree && slot >> 32 == hashed >> 32)
+      __builtin_prefetch(found_.markings.data() + State(slot) * found_.words);
+  }
+
   // The number of a marking; a new one is taken note of with where it came from.
-  State number(const Word* marking, State parent, std::uint32_t via, bool& fresh) {
-    const std::uint64_t words = found_.words;
-    const std::uint64_t hashed = hash(marking), half = hashed >> 32 << 32;
+  State number(const Word* marking, std::uint64_t hashed, State parent, std::uint32_t via) {
+    const std::uint64_t words = found_.words, half = hashed >> 32 << 32;
     std::uint64_t at = place(hashed);
     for (; slots_[at] != kFree; at = (at + 1) & (slots_.size() - 1))
       if (slots_[at] >> 32 << 32 == half &&
-          std::equal(marking, marking + words, found_.markings.data() + State(slots_[at]) * words)) {
-        fresh = false;
+          same(marking, found_.markings.data() + State(slots_[at]) * words, words))
         return State(slots_[at]);
-      }
     const State state = State(found_.states());
     if (state >= limits_.states)
       throw StateLimit("more than " + std::to_string(limits_.states) + " states: the limit on states was hit");
@@ -42,37 +59,36 @@ class StateTable {
     found_.via.push_back(via);
     slots_[at] = half | state;
     if (found_.states() * 3 > slots_.size() * 2) widen();
-    fresh = true;
     return state;
   }
+  State number(const Word* marking, State parent, std::uint32_t via) {
+    return number(marking, hash(marking), parent, via);
+  }
+  std::uint64_t bytes() const { return found_.bytes() + room(slots_); }
 
   // Room for more values at the end, within the limit on memory.
-  template <class T> void grow(std::vector<T>& values, std::uint64_t more) {
+  template <class V> void grow(V& values, std::uint64_t more) {
     if (values.size() + more <= values.capacity()) return;
     const std::uint64_t wanted = std::max<std::uint64_t>(values.capacity() + values.capacity() / 2, 1024) + more;
-    require(wanted * sizeof(T));  // both copies live while a vector moves
+    require(wanted * sizeof(typename V::value_type));  // both copies live while a vector moves
     values.reserve(wanted);
   }
 
  private:
   void require(std::uint64_t more) const {
-    if (found_.bytes() + room(slots_) + more > limits_.bytes)
+    if (bytes() + more > limits_.bytes)
       throw MemoryLimit("more than " + std::to_string(limits_.bytes) + " bytes: the limit on memory was hit at " +
                         std::to_string(found_.states()) + " states");
   }
-  std::uint64_t hash(const Word* marking) const {
-    std::uint64_t x = 0x9E3779B97F4A7C15ull;
-    for (std::uint64_t i = 0; i < found_.words; ++i) {
-      x = (x ^ marking[i]) * 0xBF58476D1CE4E5B9ull;
-      x ^= x >> 29;
-    }
-    x *= 0x94D049BB133111EBull;
-    return x ^ x >> 32;
+  static bool same(const Word* marking, const Word* known, std::uint64_t words) {
+    for (std::uint64_t i = 0; i < words; ++i)
+      if (marking[i] != known[i]) return false;
+    return true;
   }
   std::uint64_t place(std::uint64_t hashed) const { return (hashed >> 32) * kSpread >> shift_; }
   void widen() {
     require(slots_.size() * 2 * sizeof(slots_[0]));
-    std::vector<std::uint64_t> wider(slots_.size() * 2, kFree);
+    Table<std::uint64_t> wider(slots_.size() * 2, kFree);
     --shift_;
     for (const std::uint64_t slot : slots_) {
       if (slot == kFree) continue;
@@ -86,7 +102,7 @@ class StateTable {
   static constexpr std::uint64_t kFree = ~0ull, kSpread = 0x9E3779B97F4A7C15ull;
   Exploration& found_;
   const Limits& limits_;
-  std::vector<std::uint64_t> slots_;
+  Table<std::uint64_t> slots_;
   int shift_ = 64 - 16;  // as many bits of a place as there are slots
 };
 

@@ -100,7 +100,7 @@ void Store::make_room(Node lo, Node hi) {
 void Store::grow_table() {
   // A table that cannot grow is slower, not wrong.
   if (bytes() + buckets_.size() * 2 * sizeof(Node) > memory_limit_) return;
-  std::vector<Node> wider(buckets_.size() * 2, kNone);
+  Table<Node> wider(buckets_.size() * 2, kNone);
   for (Node bucket : buckets_)
     for (Node n = bucket; n != kNone;) {
       const Node next = nodes_[n].next;
@@ -116,7 +116,7 @@ void Store::grow_cache() {
   overwritten_ = 0;
   const std::uint64_t wanted = std::min(kMostLines, std::uint64_t(cache_.size() * 2));
   if (wanted <= cache_.size() || bytes() + wanted * sizeof(Line) > memory_limit_) return;
-  std::vector<Line> narrower(wanted);
+  Table<Line> narrower(wanted);
   cache_.swap(narrower);
   for (const Line& line : narrower)
     for (std::size_t way = std::size(line.ways); way-- > 0;)  // the newest last

@@ -22,6 +22,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "pages.hpp"
+
 namespace mcpn {
 
 using Node = std::uint32_t;
@@ -171,9 +173,9 @@ class Store {
   friend class Held;
   friend class Scratch;
 
-  std::vector<Cell> nodes_;
-  std::vector<Node> buckets_;
-  std::vector<Line> cache_;
+  Table<Cell> nodes_;
+  Table<Node> buckets_;
+  Table<Line> cache_;
   Node free_ = 0;
   std::uint64_t used_ = 0, peak_ = 0, made_ = 0, budget_ = 0, collect_at_ = 0, collections_ = 0;
   std::uint64_t steps_ = 0, most_steps_ = 0, look_at_ = ~0ull;

@@ -6,6 +6,7 @@
 #include "store.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace mcpn {
 
@@ -207,27 +208,53 @@ Node Store::beyond(Node a, Node from, const std::vector<std::uint32_t>& events) 
 }
 
 // The set of markings given as bit sets; `bits` says by level which bit tells of it. Rows may come again.
+//
+// Rows are sorted by their next 64 levels at a time, the first level in the highest bit. Then those that share a node
+// stand together, and where the first and the last of them differ first, the node branches.
 Node Store::from_rows(const std::uint64_t* rows, std::size_t count, std::size_t words,
                       const std::vector<std::int64_t>& bits) {
+  struct Row { std::uint64_t key; std::uint32_t row; };
+  constexpr Level kAtATime = 64;
   Scratch scratch(*this);
-  scratch.take(count * sizeof(std::uint32_t));
-  std::vector<std::uint32_t> order(count);
-  for (std::size_t i = 0; i < count; ++i) order[i] = std::uint32_t(i);
-  const auto marks = [&](std::uint32_t row, Level at) {
-    return rows[row * words + std::size_t(bits[at]) / 64] >> bits[at] % 64 & 1;
-  };
-  auto build = [&](auto&& self, std::uint32_t* first, std::uint32_t* last, Level at) -> Node {
-    if (first == last) return 0;
-    for (; at < levels; ++at) {
+  scratch.take(count * sizeof(Row));
+  std::vector<Row> sorted(count);
+  for (std::size_t i = 0; i < count; ++i) sorted[i].row = std::uint32_t(i);
+  const auto sort = [&](Row* first, Row* last, Level from) {
+    const Level to = std::min(levels, from + kAtATime);
+    for (Row* each = first; each != last; ++each) {
       count_step();
-      std::uint32_t* middle = std::partition(first, last, [&](std::uint32_t row) { return !marks(row, at); });
-      if (middle == last) continue;
-      const Held low(*this, self(self, first, middle, at + 1));
-      return make(at, low, self(self, middle, last, at + 1));
+      const std::uint64_t* row = rows + each->row * words;
+      each->key = 0;
+      for (Level at = from; at < to; ++at)
+        each->key |= (row[std::size_t(bits[at]) / 64] >> bits[at] % 64 & 1) << (kAtATime - 1 - (at - from));
     }
-    return 1;
+    std::sort(first, last, [](const Row& one, const Row& other) { return one.key < other.key; });
   };
-  return build(build, order.data(), order.data() + count, 0);
+  // Levels from `from` on of rows that are sorted by them, all alike in the bits above `left`.
+  auto build = [&](auto&& self, Row* first, Row* last, Level from, unsigned left) -> Node {
+    count_step();
+    const std::uint64_t below = left == kAtATime ? ~std::uint64_t(0) : (std::uint64_t(1) << left) - 1;
+    const std::uint64_t differs = (first->key ^ last[-1].key) & below;
+    std::uint64_t shared = first->key & below;
+    Node node;
+    if (differs) {
+      const auto bit = unsigned(std::bit_width(differs)) - 1;
+      shared = shared >> bit >> 1 << bit << 1;
+      Row* middle = std::partition_point(first, last, [&](const Row& row) { return !(row.key >> bit & 1); });
+      const Held low(*this, self(self, first, middle, from, bit));
+      node = make(from + kAtATime - 1 - bit, low, self(self, middle, last, from, bit));
+    } else if (levels - from > kAtATime) {
+      sort(first, last, from + kAtATime);
+      node = self(self, first, last, from + kAtATime, kAtATime);
+    } else {
+      node = 1;
+    }
+    for (; shared; shared &= shared - 1) node = make(from + kAtATime - 1 - Level(std::countr_zero(shared)), 0, node);
+    return node;
+  };
+  if (count == 0) return 0;
+  sort(sorted.data(), sorted.data() + count, 0);
+  return build(build, sorted.data(), sorted.data() + count, 0, kAtATime);
 }
 
 }  // namespace mcpn

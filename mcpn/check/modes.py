@@ -6,14 +6,13 @@ functioning modes throughout the mission with the resources state and the altern
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
 from typing import TypeAlias
 
-from mcpn._kernel import Zdd
-from mcpn.mission.facts.usage import Usage
 from mcpn.net.compose import MissionNet
 from mcpn.space.algebra import S, Space
 from mcpn.space.images import ImageStore
@@ -87,37 +86,23 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
         the objective's activities run.
     """
     usage, active = mission_net.usage, mission_net.saying("active")
-    store = cache(ImageStore)
-
-    # Many objectives may run the same activities.
-    @cache
-    def places_of(activities: tuple[str, ...]) -> tuple[int, ...]:
-        served = frozenset[str]().union(*map(usage.closure, activities))
-        return tuple(sorted(place for place, name in active.items() if name.split(".", 1)[0] in served))
-
-    @cache
-    def listed(activities: tuple[str, ...], family: Zdd) -> list[Mode]:
-        places = places_of(activities)
-        modes = [dict(active[places[i]].split(".", 1) for i in sorted(row)) for row in map(set, family)]
-        modes.sort(key=_preference(usage, activities))
-        return [mode for mode in modes if all(a in mode for a in activities)]
-
+    store, places_of = cache(ImageStore), defaultdict[str, list[int]](list)
+    for place, name in active.items():
+        places_of[name.split(".", 1)[0]].append(place)
+    rank = {name: -number for number, name in enumerate(usage.suppliers_first())}
+    ways = {name: [way.name for way in activity.alternatives] for name, activity in usage.activities.items()}
     found: dict[str, list[Mode]] = {}
     for section in mission_net.graph.walk():
-        places = places_of(section.activities)
+        own = section.activities
+        served = frozenset[str]().union(*map(usage.closure, own))
+        places = sorted(place for name in served for place in places_of[name])
         running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
         family = space.image(running, places, store(len(places)))
-        found[section.name] = [*listed(section.activities, family)]
+        modes = (dict(active[places[i]].split(".", 1) for i in sorted(row)) for row in family)
+        # The document's priorities: those of an activity before those of what serves it.
+        order = [*own, *sorted(served.difference(own), key=rank.__getitem__)]
+        found[section.name] = sorted(
+            (mode for mode in modes if all(name in mode for name in own)),
+            key=lambda mode: [[*ways[name], mode.get(name)].index(mode.get(name)) for name in order],
+        )
     return found
-
-
-def _preference(usage: Usage, activities: tuple[str, ...]) -> Callable[[Mode], list[int]]:
-    """A key that sorts by the document's priorities: those of an activity before those of what serves it."""
-    below = frozenset[str]().union(*map(usage.closure, activities)) - {*activities}
-    order = [*activities, *(name for name in reversed([*usage.suppliers_first()]) if name in below)]
-    ways = {name: [a.name for a in usage.activities[name].alternatives] for name in order}
-
-    def key(mode: Mode) -> list[int]:
-        return [ways[name].index(mode[name]) if name in mode else len(ways[name]) for name in order]
-
-    return key

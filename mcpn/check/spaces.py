@@ -2,8 +2,7 @@
 
 Where nobody names an engine, static facts choose first, then who gives an answer. A small markings graph is
 listed: that is quick, people see its size, and its runs are shortest. A larger one is held by sections; where
-composition refuses a mission or hits a limit, diagrams hold the whole. Questions about all markings go to
-diagrams, beside which markings are listed as long as there are few.
+composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all markings.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ class Choice:
 
     Args:
         engine: The engine.
-        why: Why this one; ``None`` where it was named, or only others have refused so far.
+        why: Why this one; ``None`` where it was named.
         max_states: Its limit on states that are listed; ``None`` for its own.
         brief: Whether it ends soon, whatever the mission is: it lists the markings, of which there are few.
     """
@@ -143,21 +142,18 @@ def space_of(
 
     Args:
         of: The net, or the mission's.
-        by: The engine, with or without a limit. Arrays of a mission go from one stable state to the next, and
-            through all markings where that is brief.
+        by: The engine. Arrays of a mission go from one stable state to the next, and through all markings
+            where that is brief.
         on: The graph; the alternatives graph is of nets with priorities.
-        progress: Called now and then with states and edges that are listed, or with local spaces done and to
-            do.
+        progress: Called now and then with states and edges, or with local spaces done and to do.
         tokens: Whether the places of a net without priorities may hold several tokens.
         may_die: Whether the hardware of the mission may die (:mod:`mcpn.net.mortal`). Internal evolution is
             then known to be confluent, for dying changes nothing but what may be repaired.
 
     Raises:
         InputError: The net has no such graph, or composition is asked of a net of no mission.
-        UnsafeError: The net is not 1-safe, and has priorities or may hold no more than one token in a place.
-        UnboundedError: The net is unbounded.
-        ConfluenceError: The alternatives graph is asked for, and internal evolution is not confluent.
-        DivergenceError: The same, and internal evolution need not end.
+        SemanticsError: The net is unbounded, or not 1-safe though it has priorities or may hold no more than
+            one token in a place; of the alternatives graph, internal evolution is not confluent or divergent.
         LimitError: A limit was hit.
     """
     net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
@@ -165,10 +161,8 @@ def space_of(
     if on == "alternatives" and not net.priorities:
         raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
     if by.engine == "local" and (mission_net is None or on == "markings"):
-        raise InputError.at(
-            None,
-            "composition makes the alternatives graph of a mission: sections hand on stable states only",
-        )
+        message = "composition makes the alternatives graph of a mission: sections hand on stable states only"
+        raise InputError.at(None, message)
     if on == "markings":
         return markings_by(net, by, progress, tokens=tokens)
     from mcpn.space.stable.clash import in_mission_words

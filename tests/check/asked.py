@@ -10,7 +10,6 @@ from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.check.spaces import Engine, space_of
 from mcpn.net.compose import MissionNet
-from mcpn.net.mortal import mortal
 
 ENGINES: tuple[Engine, ...] = get_args(Engine)
 
@@ -31,9 +30,7 @@ class Asked:
 
     @cached_property
     def cuts(self) -> CutSets[Any]:
-        return CutSets(
-            Prospects(mortal(self.found), space_of(self.found, self.engine, "alternatives", may_die=True))
-        )
+        return CutSets(self.found, space_of(self.found, self.engine, "alternatives", may_die=True))
 
     @cached_property
     def all(self) -> Causes:
@@ -43,9 +40,9 @@ class Asked:
         return self.prospects.mission if name is None else self.prospects.objectives[name]
 
     def dying(self, name: str | None = None) -> Goal[Any]:
-        return self.cuts.mortal.mission if name is None else self.cuts.mortal.objectives[name]
+        return self.cuts.mission if name is None else self.cuts.objectives[name]
 
     def cut_sets(self, name: str | None, moment: Moment, section: str | None = None) -> list[CutSet]:
         """Of the mission (``None``) or an objective; entered is the section, or the objective itself."""
         entered = self.sections.get(section or name or "")
-        return self.cuts.minimal(self.cuts.losing(self.dying(name), moment, entered))
+        return self.cuts.minimal(self.cuts.defeating(self.dying(name), moment, entered))

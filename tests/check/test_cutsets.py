@@ -340,8 +340,8 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
         spared |= fails & graph.marked(whole.by_role["oos", other][0])[graph.sources]
     offsets = np.concatenate(([0], np.cumsum(np.bincount(graph.sources[~spared], minlength=graph.states))))
     fewer = replace(graph, offsets=offsets, targets=graph.targets[~spared], labels=graph.labels[~spared])
-    cuts = CutSets(Prospects(whole, ArraySpace(fewer)))
-    found = cuts.nonmonotone(cuts.losing(cuts.mortal.objectives["transect.diving"], Moment.SOMETIME))
+    cuts = CutSets(ulysse_net, ArraySpace(fewer))
+    found = cuts.nonmonotone(cuts.defeating(cuts.objectives["transect.diving"], Moment.SOMETIME))
     assert found is not None
     assert found.lost == ("thruster_actuator",)
     assert found.larger == ("GPS_sensor", "thruster_actuator")

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Iterable
 from itertools import combinations, product
+from random import Random
 
 import numpy as np
 import pytest
@@ -387,3 +388,21 @@ def test_ctrl_c_stops_a_long_operation() -> None:
         out, _ = process.communicate(timeout=30)
     assert out == "stopped\n"
     assert process.returncode == 0
+
+
+@given(st.integers(1, 200), st.integers(1, 40), st.integers(0, 1 << 30))
+def test_rows_become_the_set_of_their_markings(levels: int, count: int, seed: int) -> None:
+    draw = Random(seed)
+    density = draw.random()
+    markings = [sorted(p for p in range(levels) if draw.random() < density) for _ in range(count)]
+    bits = list(range(levels))
+    draw.shuffle(bits)
+    rows = np.zeros((count + 1, (levels + 63) // 64), np.uint64)
+    for row, marking in zip(rows, [*markings, markings[0]], strict=True):  # one comes twice
+        for level in marking:
+            row[bits[level] // 64] |= np.uint64(1 << bits[level] % 64)
+    store = Store(levels)
+    wanted = store.empty()
+    for marking in markings:
+        wanted |= store.singleton(marking)
+    assert store.from_markings(rows, bits) == wanted

@@ -10,6 +10,7 @@ from lxml import etree
 import mcpn
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
+from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.sections import section_part
@@ -17,6 +18,7 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.confluence import direct_with_proof
 from tests.conftest import ULYSSE
 from tests.report.test_pictures import HOSTILE, hostile
+from tests.small import activity, hw, mission, robot
 
 pytest.importorskip("pygraphviz", reason="needs pygraphviz: the extra pictures")
 MOST_CHARACTERS = 400
@@ -59,6 +61,13 @@ def test_tables_are_texts() -> None:
     text = _table(HOSTILE, (HOSTILE,), [(HOSTILE,)])
     assert "<script" not in text
     assert text.count("<td>") == 1
+
+
+def test_a_mission_that_can_never_succeed() -> None:
+    of = robot(hw("H"), activity("use", ("H",)))
+    never = mission(of, Objective(name="go", activities=("use",), success="fail"))
+    table = etree.fromstring(mcpn.causes(never)._repr_html_() or "")
+    assert [row[1].text for row in table.iter("tr")][1:] == ["nothing", "H"]
 
 
 def test_reprs_are_short() -> None:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.compose import MissionNet
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.markings.explicit import count, explore
+from mcpn.space.markings.explicit import KernelNet, count, explore
 from mcpn.space.markings.graph import StateGraph
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
@@ -198,3 +200,25 @@ def test_counts_have_limits_that_say_which() -> None:
         count(switches(30), max_states=1000)
     with pytest.raises(LimitError, match="limit on memory"):
         count(switches(30), max_memory=3_000_000)
+
+
+@given(nets(), st.lists(st.integers(1, 60), min_size=1, max_size=6))
+def test_an_exploration_that_stops_now_and_then_finds_the_same(net: PetriNet, budgets: list[int]) -> None:
+    prepared = KernelNet(net)
+    whole = prepared.kernel.explore(prepared.initial, False, 1 << 20, 1 << 30)
+    explorer = prepared.kernel.explorer(prepared.initial, 1 << 30)
+    for firings in cycle(budgets):
+        if explorer.run(firings):
+            break
+        assert explorer.explored <= explorer.states <= whole.states
+    found = explorer.take()
+    assert (found.states, found.edges, found.dead, found.stable) == (
+        whole.states,
+        whole.edges,
+        whole.dead,
+        whole.stable,
+    )
+    assert (found.trouble, found.most_tokens) == (whole.trouble, whole.most_tokens)
+    assert found.take_markings().tolist() == whole.take_markings().tolist()
+    with pytest.raises(ValueError, match="taken"):
+        explorer.run(1)

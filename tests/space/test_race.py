@@ -6,6 +6,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -16,8 +17,10 @@ from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.diagrams import symbolic
+from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import cuthill_mckee
-from mcpn.space.diagrams.race import Race
+from mcpn.space.diagrams.race import SIDE_BY_SIDE, Race
+from mcpn.space.diagrams.runners import ByOrder, OneByOne
 from mcpn.space.diagrams.symbolic import reach, reach_briefly
 from tests.net.nets import nets
 
@@ -33,6 +36,7 @@ class Worker:
     done: int = 0
     budgets: list[int] = field(default_factory=list)
     cancelled: threading.Event = field(default_factory=threading.Event)
+    outlook: float = inf
     patient: bool = False  # goes on until it is cancelled
     begun: threading.Event = field(default_factory=threading.Event)
     after: Worker | None = None  # goes on when that one has begun to be patient
@@ -43,11 +47,11 @@ class Worker:
 
     def run(self, steps: int) -> int:
         self.budgets.append(steps)
-        if self.patient and steps >= 500_000:
+        if self.patient and steps >= SIDE_BY_SIDE // 2:
             self.begun.set()
             assert self.cancelled.wait(30)
             raise Cancelled
-        if self.after is not None and steps >= 1_000_000:
+        if self.after is not None and steps >= SIDE_BY_SIDE:
             assert self.after.begun.wait(30)
         self.done += steps
         if self.done >= self.memory:
@@ -68,7 +72,7 @@ def winner(needs: list[int]) -> int:
     budget, done = 50_000, [0] * len(needs)
     while True:
         done = [
-            had + budget // (rank + 1 if rank < 4 else int((rank + 1) ** 1.5))
+            had + budget // (rank + 1 if rank < 3 else int((rank + 1) ** 1.5))
             for rank, had in enumerate(done)
         ]
         ended = [rank for rank, (had, need) in enumerate(zip(done, needs, strict=True)) if had >= need]
@@ -77,7 +81,7 @@ def winner(needs: list[int]) -> int:
         budget *= 2
 
 
-@given(st.lists(st.integers(1, 3_000_000), min_size=1, max_size=9), st.integers(1, 4))
+@given(st.lists(st.integers(1, 3 * SIDE_BY_SIDE), min_size=1, max_size=9), st.integers(1, 4))
 def test_the_winner_does_not_depend_on_the_machine(needs: list[int], workers: int) -> None:
     runners = [Worker(rank, need) for rank, need in enumerate(needs)]
     assert Race(iter(runners), 1 << 60, workers).run() == winner(needs)
@@ -93,8 +97,79 @@ def test_later_orders_are_not_made_where_the_first_wins() -> None:
 
 def test_who_can_no_longer_win_is_stopped() -> None:
     endless = Worker(1, 1 << 60, patient=True)
-    assert Race(iter([Worker(0, 2_000_000, after=endless), endless]), 1 << 60, 2).run() == 0
+    assert Race(iter([Worker(0, 2 * SIDE_BY_SIDE, after=endless), endless]), 1 << 60, 2).run() == 0
     assert endless.cancelled.is_set()
+
+
+def test_one_near_its_end_comes_first_and_the_others_are_given_little() -> None:
+    others = [Worker(rank, 1 << 60) for rank in range(3)]
+    near = Worker(3, 150_000, outlook=1.5)
+    assert Race(iter([*others, near]), 1 << 60, 1).run() == 3
+    assert near.budgets == [50_000 // 8, 100_000, 200_000]
+    assert [worker.budgets[1] for worker in others] == [100_000 // 8, 100_000 // 8, 100_000 // 8]
+    assert [len(worker.budgets) for worker in others] == [2, 2, 2]
+
+
+def test_one_near_its_end_works_alone() -> None:
+    beside = Worker(1, 1 << 60)
+    first = Worker(0, 2 * SIDE_BY_SIDE, outlook=1.5)
+    assert Race(iter([first, beside]), 1 << 60, 2).run() == 0
+    assert len(first.budgets) == len(beside.budgets) + 1
+
+
+def test_an_error_in_one_ends_the_others() -> None:
+    endless = Worker(1, 1 << 60, patient=True)
+    failing = Worker(0, 1 << 60)
+
+    def run(steps: int) -> int:
+        if steps >= SIDE_BY_SIDE:
+            assert endless.begun.wait(30)
+            raise ZeroDivisionError
+        raise BudgetExceeded
+
+    failing.run = run  # type: ignore[method-assign]
+    with pytest.raises(ZeroDivisionError):
+        Race(iter([failing, endless]), 1 << 60, 2).run()
+    assert endless.cancelled.is_set()
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_a_runner_that_was_cancelled_works_no_more(begun: bool) -> None:
+    net = scattered(40)
+    order = tuple(range(len(net.places)))
+    closing = ByOrder(net, Encoding, "file", order, 1 << 30)
+    exploring = OneByOne(net, "file", order, 1 << 30)
+    for runner in (closing, exploring):
+        if begun:
+            with pytest.raises(BudgetExceeded):
+                runner.run(2)
+        runner.cancel()
+        with pytest.raises(Cancelled):
+            runner.run(1 << 40)
+    assert closing._encoding is not None
+    assert closing._encoding.store.steps <= 2
+    assert exploring._explorer is not None
+    assert exploring._explorer.explored < 40
+
+
+def test_closures_and_explorations_say_when_they_are_near_their_end() -> None:
+    builder = NetBuilder("cells")  # the queue of 2^10 markings runs dry at its end
+    for i in range(10):
+        builder.place(f"p{i}", initial=1)
+        builder.place(f"q{i}")
+        builder.transition(f"t{i}", consume=[f"p{i}"], produce=[f"q{i}"])
+    net = builder.build()
+    exploring = OneByOne(net, "file", tuple(range(20)), 1 << 40)
+    seen = []
+    while True:
+        try:
+            exploring.run(200)
+        except BudgetExceeded:
+            seen.append(exploring.outlook)
+        else:
+            break
+    assert seen[0] == inf
+    assert seen[-1] < 1
 
 
 def test_memory_is_let_go_from_the_last_on_and_who_has_none_is_out() -> None:

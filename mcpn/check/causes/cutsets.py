@@ -12,12 +12,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import Enum
 from functools import cached_property
-from typing import Generic, NamedTuple
+from typing import NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.mission.flatten import Section
-from mcpn.space.algebra import S
+from mcpn.net.compose import MissionNet
+from mcpn.net.mortal import mortal
+from mcpn.space.algebra import S, Space
 from mcpn.space.images import ImageStore
 from mcpn.space.local.layout import remembered
 
@@ -50,54 +52,51 @@ class Nonmonotone(NamedTuple):
     larger: CutSet
 
 
-class CutSets(Generic[S]):
-    """The cut sets of a mission and its objectives.
+class CutSets(Prospects[S]):
+    """What a mission whose hardware may die may still reach, and the cut sets that this tells.
 
     Args:
-        mortal: The mission in a space of its net whose hardware may die.
+        mission_net: The mission's net.
+        space: The alternatives graph of :func:`mcpn.net.mortal.mortal` of it.
     """
 
-    def __init__(self, mortal: Prospects[S]) -> None:
-        self.mortal = mortal
-        self.space = mortal.space
-        self.hardware = mortal.hardware
+    def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
+        super().__init__(mortal(mission_net), space)
         self.images = ImageStore(len(self.hardware))
-        self._places = mortal.places("dead", self.hardware)
 
     @cached_property
     def _from_start(self) -> S:
         """States to which runs lead along which nothing dies after the mission has begun."""
-        before = self.space.marked([self.mortal.mission_net.beginning])
-        return self.space.reached(before, transitions=self.mortal.everything)
+        before = self.space.marked([self.mission_net.beginning])
+        return self.space.reached(before, transitions=self.everything)
 
     @cached_property
     def _at_worst(self) -> S:
         """States after runs without repairs and without avoidable failures, with all that is out dead."""
-        mortal, space = self.mortal, self.space
-        transitions = mortal.unrepaired | mortal.dying
-        found = space.reached(space.initial, transitions=transitions, guards=mortal.forced)
-        return (found & mortal.begun) - space.enabling(mortal.dying)
+        space, transitions = self.space, self.unrepaired | self.dying
+        found = space.reached(space.initial, transitions=transitions, guards=self.forced)
+        return (found & self.begun) - space.enabling(self.dying)
 
-    def losing(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
+    def defeating(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
         """The sets of hardware whose loss at a moment, for ``ENTRY`` that of a section, loses a goal.
 
         The family holds all larger sets too, but for ``SOMETIME`` (:meth:`nonmonotone`).
         """
-        mortal, hopeful = self.mortal, self.mortal.hopeful(goal, repairs=True)
+        hopeful = self.hopeful(goal, repairs=True)
         if moment is Moment.SOMETIME:
             return self._dead((goal.running & self._at_worst) - hopeful)
         if moment is Moment.START:
             survived = self._from_start & goal.won
         elif moment is Moment.ENTRY:
             assert section is not None, "an entry is that of a section"
-            survived = mortal.entered(section) & goal.running & hopeful
+            survived = self.entered(section) & goal.running & hopeful
         else:
-            survived = goal.running & mortal.begun & hopeful
+            survived = goal.running & self.begun & hopeful
         return self.images.everything - self._dead(survived)
 
     def _dead(self, states: S) -> Zdd:
         """The sets of hardware that is dead in some states."""
-        return self.space.image(states, self._places, self.images)
+        return self.space.image(states, self.places("dead", self.hardware), self.images)
 
     @remembered
     def minimal(self, family: Zdd) -> list[CutSet]:

@@ -18,7 +18,6 @@ from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
-from mcpn.net.mortal import mortal
 from mcpn.notebook import Told
 from mcpn.space.algebra import Space
 from mcpn.space.markings.explicit import Progress
@@ -145,12 +144,12 @@ def find_causes(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
     step("finding what hardware the mission needs")
-    prospects, cuts = Prospects(mission_net, stable), CutSets(Prospects(mortal(mission_net), dying))
+    prospects, cuts = Prospects(mission_net, stable), CutSets(mission_net, dying)
 
     def causes(goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
         step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
         wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
-        losing = {moment: cuts.losing(dying, moment, section) for moment in wanted}
+        losing = {moment: cuts.defeating(dying, moment, section) for moment in wanted}
         return GoalCauses(
             goal.name,
             {moment.value: cuts.minimal(lost) for moment, lost in losing.items()},
@@ -163,7 +162,7 @@ def find_causes(
     def survival(section: Section | None) -> Survival:
         name = None if section is None else section.name
         step(f"finding what the mission survives from {f'section {name}' if name else 'the start'} on")
-        lost = cuts.losing(cuts.mortal.mission, Moment.ENTRY if section else Moment.START, section)
+        lost = cuts.defeating(cuts.mission, Moment.ENTRY if section else Moment.START, section)
         cut_sets, survived = cuts.minimal(lost), cuts.images.everything - lost
         always = at_most = None
         if survived:
@@ -171,12 +170,14 @@ def find_causes(
             at_most = cuts.images.sized(survived)
         return Survival(name, cut_sets, always, at_most, partial(prospects.most_failures, section))
 
-    alive, mortals = prospects.objectives, cuts.mortal.objectives
     return Causes(
         mission_net,
         prospects,
-        causes(prospects.mission, cuts.mortal.mission),
-        {name: causes(alive[name], mortals[name], of) for name, of in prospects.sections.items()},
+        causes(prospects.mission, cuts.mission),
+        {
+            name: causes(prospects.objectives[name], cuts.objectives[name], of)
+            for name, of in prospects.sections.items()
+        },
         [survival(section) for section in (None, *mission_net.graph.sections)],
         choice,
     )

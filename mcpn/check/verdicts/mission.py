@@ -46,6 +46,23 @@ UNDECIDED = {
 """Why nothing else is known where one of these verdicts fails and there is no space to be asked."""
 
 
+RUNS = {
+    "deadlock_free": (
+        False,
+        "a marking that is no end of the mission allows no event",
+        "every marking but the mission's ends allows some event",
+    ),
+    "success_reachable": (True, "a run leads to success", "no run leads to mission success"),
+    "can_always_finish": (
+        False,
+        "after this run the mission can no longer end",
+        "from every marking some run leads to an end of the mission",
+    ),
+    "failure_reachable": (True, "a run leads to failure", "no run leads to mission failure"),
+}
+"""Whether a verdict holds by a run that is looked for, and what is said where there is one and where not."""
+
+
 @dataclass(frozen=True)
 class Verdict:
     """One verdict.
@@ -228,38 +245,24 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
     finished = success | failure
     step("looking for states from which the mission cannot end")
-    for name, goal, good, there_is, there_is_none in (
-        (
-            "deadlock_free",
-            space.dead - finished,
-            False,
-            "a marking that is no end of the mission allows no event",
-            "every marking but the mission's ends allows some event",
-        ),
-        (
-            "success_reachable",
-            success,
-            True,
-            "a run leads to success",
-            f"no run leads to mission success{'' if success else _no_way_to_success(mission_net.graph)}",
-        ),
-        (
-            "can_always_finish",
-            space.everything - space.reaching(finished),
-            False,
-            "after this run the mission can no longer end",
-            "from every marking some run leads to an end of the mission",
-        ),
-        ("failure_reachable", failure, True, "a run leads to failure", "no run leads to mission failure"),
-    ):
+    goals = {
+        "deadlock_free": space.dead - finished,
+        "success_reachable": success,
+        "can_always_finish": space.everything - space.reaching(finished),
+        "failure_reachable": failure,
+    }
+    for name, goal in goals.items():
         step(f"looking for a run that decides {name}")
+        good, found, nothing = RUNS[name]
         run = None
         if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+        elif goal is success:
+            nothing += _no_way_to_success(mission_net.graph)
         if run is None:
-            yield Verdict(name, not good, there_is_none)
+            yield Verdict(name, not good, nothing)
         else:
-            yield Verdict(name, good, there_is, (Run(space.net, transitions_of(run), settles=settles),))
+            yield Verdict(name, good, found, (Run(space.net, transitions_of(run), settles=settles),))
 
 
 def _no_way_to_success(graph: ObjectivesGraph) -> str:

@@ -181,7 +181,7 @@ class Usage:
 
     @cached_property
     def contentions(self) -> tuple[Contention, ...]:
-        """Every contention, each pair of activities once per resource and context."""
+        """Every contention, each pair of activities once per resource and context; context by context."""
         found: dict[Contention, None] = {}
         for resource, (a, _), (b, _), context, source in self._concurrent_demands():
             pair = (a, b) if a < b else (b, a)
@@ -189,7 +189,8 @@ class Usage:
         for section, first, second, activity in self.started_twice():
             context = f"parallel block {section.name}"
             found.setdefault(Contention(f"activity {activity}", (first, second), context, section.source))
-        return tuple(found)
+        contexts = {context: number for number, context in enumerate(dict.fromkeys(c.context for c in found))}
+        return tuple(sorted(found, key=lambda c: (contexts[c.context], c.rivals, c.wanted)))
 
     @cached_property
     def _contended(self) -> frozenset[Demand]:

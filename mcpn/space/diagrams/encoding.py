@@ -114,14 +114,10 @@ class Encoding(Levels):
         """Levels of those places that have one."""
         return [self.level[p] for p in places if p in self.level]
 
-    def partners(self, places: Iterable[int]) -> list[int]:
-        """Levels of the partners of those places that have none."""
-        return [self.level[self.partner[p]] for p in places if p in self.partner]
-
     def event(self, consume: tuple[int, ...], produce: tuple[int, ...], read: tuple[int, ...]) -> int:
         """An event of the store."""
         # A dropped place and its partner change together, so the partner's arcs say it all.
-        zero = sorted(set(self.partners(read)))
+        zero = sorted({self.level[self.partner[p]] for p in read if p in self.partner})
         return self.store.event(self.levels(consume), self.levels(produce), self.levels(read), zero)
 
     @cached_property

@@ -1,13 +1,16 @@
 """The race of orders: closures under growing budgets of steps, side by side on the cores that there are.
 
 No order of places is good for every net, and none tells beforehand how good it is. So all of them work, in
-rounds: each order is given steps (:attr:`mcpn._kernel.Store.steps`), the fewer the later it stands among the
-candidates, and twice as many in each round. An order that its budget ended goes on in the next round from
-what its store remembers. One explorer of markings one by one runs beside them: state spaces that are small
-but have no small diagram are its own.
+rounds: each order is given steps (:attr:`mcpn._kernel.Store.steps`), the fewer the later it stands, and twice
+as many in each round. An order that its budget ended goes on in the next round from what its store remembers.
+One explorer of markings one by one runs beside them: state spaces that are small but have no small diagram
+are its own.
 
-The race is repeatable whatever the machine: the winner is the first, in the order of the candidates, of those
-that end in the earliest round in which any does.
+At first they stand as the candidates do. From the second round on, those whose progress says that they are
+near their end stand before the others (:attr:`Runner.outlook`).
+
+The race is repeatable whatever the machine: budgets and progress are counts, and the winner is the first, as
+they stand in that round, of those that end in the earliest round in which any does.
 """
 
 from __future__ import annotations
@@ -25,11 +28,14 @@ if TYPE_CHECKING:
 
 FIRST_BUDGET = 50_000
 GROWTH = 2
-SIDE_BY_SIDE = 1_000_000
+SIDE_BY_SIDE = 8_000_000
 """Budgets from which on runners work side by side; before, one that wins spares the others their turns."""
 
-FAVOURED = 4
-"""Runners of which each gets half, a third, a quarter of the first one's budget; later ones get less."""
+FAVOURED = 3
+"""Runners of which the second gets half, the third a third of the first one's budget; later ones get less."""
+
+NEAR = 2.0
+"""A runner whose outlook is not beyond comes alone before the others, which are given little."""
 
 Result = TypeVar("Result", covariant=True)
 
@@ -40,6 +46,10 @@ class Runner(Protocol[Result]):
     @property
     def bytes(self) -> int:
         """What it holds to go on from."""
+
+    @property
+    def outlook(self) -> float:
+        """How often its work so far must double until it ends, by its progress; infinite where none shows."""
 
     def run(self, steps: int) -> Result:
         """Works for so many steps at most.
@@ -89,11 +99,29 @@ class Race(Generic[Result]):
             budget *= GROWTH
 
     def _spread(self, budget: int) -> bool:
-        return self.workers > 1 and budget >= SIDE_BY_SIDE and len(self._drawn) - len(self._out) > 1
+        if self.workers == 1 or budget < SIDE_BY_SIDE or len(self._drawn) - len(self._out) < 2:
+            return False
+        return self._drawn[self._standing()[0]].outlook > NEAR
+
+    def _standing(self) -> list[int]:
+        """Ranks of those that still work, the nearest to their end first."""
+        working = (rank for rank in range(len(self._drawn)) if rank not in self._out)
+        return sorted(working, key=lambda rank: self._drawn[rank].outlook)
+
+    def _budgets(self, budget: int) -> Iterator[tuple[int, int]]:
+        """Those that work in a round, and what each is given: little beside one that is near its end."""
+        near = False
+        for place, rank in enumerate(self._standing()):
+            behind = near and self._drawn[rank].outlook > NEAR
+            yield rank, part(budget, max(place, FAVOURED) if behind else place)
+            near = near or self._drawn[rank].outlook <= NEAR
+        for place, runner in enumerate(self.runners, len(self._drawn)):
+            self._drawn.append(runner)
+            yield len(self._drawn) - 1, part(budget, place)
 
     def _attempt(self, rank: int, budget: int) -> Result | None:
         try:
-            return self._drawn[rank].run(max(budget // share(rank), 1))
+            return self._drawn[rank].run(budget)
         except MemoryLimit as error:
             self.limit = error
             self._out.add(rank)
@@ -103,58 +131,53 @@ class Race(Generic[Result]):
         return None
 
     def _in_turn(self, budget: int) -> Result | None:
-        rank = 0
-        while True:
-            if rank == len(self._drawn):
-                runner = next(self.runners, None)
-                if runner is None:
-                    return None
-                self._drawn.append(runner)
-            if rank not in self._out and (found := self._attempt(rank, budget)) is not None:
+        for rank, steps in self._budgets(budget):
+            if (found := self._attempt(rank, steps)) is not None:
                 return found
-            rank += 1
+        return None
 
     def _side_by_side(self, budget: int) -> Result | None:
         from concurrent.futures import ThreadPoolExecutor, as_completed
 
-        ranks = [rank for rank in range(len(self._drawn)) if rank not in self._out]
+        given = list(self._budgets(budget))
         with ThreadPoolExecutor(self.workers) as pool:
             working: dict[Future[Result | None], int] = {
-                pool.submit(self._attempt, rank, budget): rank for rank in ranks
+                pool.submit(self._attempt, rank, steps): place for place, (rank, steps) in enumerate(given)
             }
             best: tuple[int, Result] | None = None
             try:
                 for future in as_completed(working):
                     if future.cancelled() or (found := future.result()) is None:
                         continue
-                    rank = working[future]
-                    if best is None or rank < best[0]:
-                        best = rank, found
-                        self._stop(working, rank)
+                    place = working[future]
+                    if best is None or place < best[0]:
+                        best = place, found
+                        self._stop([*working], given, place)
             except BaseException:
-                self._stop(working, -1)
+                self._stop([*working], given, -1)
                 raise
         return None if best is None else best[1]
 
-    def _stop(self, working: dict[Future[Result | None], int], beyond: int) -> None:
-        """Ends those that stand after a rank: they can no longer win."""
-        for future, rank in working.items():
-            if rank > beyond and not future.cancel() and not future.done():
+    def _stop(self, working: list[Future[Result | None]], given: list[tuple[int, int]], beyond: int) -> None:
+        """Ends those that stand after a place: they can no longer win."""
+        for future, (rank, _) in list(zip(working, given, strict=True))[beyond + 1 :]:
+            if not future.cancel() and not future.done():
                 self._drawn[rank].cancel()
 
     def _make_room(self) -> None:
         """Lets the last of the runners forget what is too much to hold."""
         held = 0
-        for rank, runner in enumerate(self._drawn):
+        for rank in self._standing():
+            runner = self._drawn[rank]
             held += runner.bytes
-            if held > self.memory and rank not in self._out:
+            if held > self.memory:
                 held -= runner.bytes
                 runner.forget()
 
 
-def share(rank: int) -> int:
-    """By what the first runner's budget is divided for another: the late ones seldom win."""
-    return rank + 1 if rank < FAVOURED else isqrt((rank + 1) ** 3)
+def part(budget: int, place: int) -> int:
+    """What of the first runner's budget is for another: the late ones seldom win."""
+    return max(budget // (place + 1 if place < FAVOURED else isqrt((place + 1) ** 3)), 1)
 
 
 def cores() -> int:

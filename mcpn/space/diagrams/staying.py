@@ -19,12 +19,13 @@ come to, and removal transition by transition took longer on most sets.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from mcpn._kernel import BudgetExceeded, Zdd
-from mcpn.net.petri import PetriNet
 from mcpn.net.repeatable import repeatable
+
+if TYPE_CHECKING:
+    from mcpn.space.diagrams.base import Diagrams
 
 SHARE = 4
 """Layers of some transitions alone are worth while where they are at most one in so many."""
@@ -32,32 +33,6 @@ FIRST_CHECK = 8
 """After how many layers what may fire on cycles is looked at again."""
 GROWTH = 2
 """By how many times both ways may take longer each time, and what may fire on cycles is looked at later."""
-
-
-class Graph(Protocol):
-    """What is asked of a space of diagrams."""
-
-    net: PetriNet
-    nothing: Zdd
-    steps_of_layers: int
-    most_steps: int
-    steps: int
-
-    @property
-    def dead(self) -> Zdd:
-        """States without an edge."""
-
-    def reaching(self, goal: Zdd, along: Zdd | None = None) -> Zdd:
-        """States from which some run through ``along`` leads into a goal, the goal's own included."""
-
-    def reached(self, begin: Zdd, along: Zdd | None = None) -> Zdd:
-        """States of ``along`` to which some run through it leads, those it begins from included."""
-
-    def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
-        """Those of some states with an edge of some transitions that leads to one of them."""
-
-    def firing(self, states: Zdd) -> frozenset[int]:
-        """Transitions that fire on edges from some states, or more."""
 
 
 class Staying:
@@ -69,7 +44,7 @@ class Staying:
         asked: Where given, it is enough to know whether some of these are among them.
     """
 
-    def __init__(self, space: Graph, along: Zdd, asked: Zdd | None) -> None:
+    def __init__(self, space: Diagrams, along: Zdd, asked: Zdd | None) -> None:
         self.space = space
         self.asked = asked
         self.rest = along
@@ -100,7 +75,7 @@ class Staying:
 class _ByCycles:
     """The same by what runs come to; given up where it has no advantage over layers."""
 
-    def __init__(self, space: Graph, along: Zdd, asked: Zdd | None) -> None:
+    def __init__(self, space: Diagrams, along: Zdd, asked: Zdd | None) -> None:
         self.space = space
         self.along = along
         self.asked = asked

@@ -8,31 +8,28 @@ is new.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain, islice
 from typing import Any, TypeAlias
 
-from mcpn._kernel import BudgetExceeded, Cancelled, MemoryLimit, StateLimit, Zdd
+from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.order import Order, candidates
 from mcpn.space.diagrams.race import FIRST_BUDGET, Race, cores
-from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.markings.explicit import Counts
 from mcpn.space.markings.firing import unsafe_at_start
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
 BRIEF = 300_000
 """Steps of each of two orders that are often good, where the space is only wanted if it is soon there."""
-EXPLORER_RANK, MOST_WORKERS = 2, 4
+MOST_WORKERS = 4
 Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
-
-STEPS_OF_A_STATE = 2
-"""About how many steps of a closure take the time of exploring one marking."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +43,7 @@ class SymbolicSpace:
         order: The order's name.
         places: The order itself.
         peak_nodes: Most nodes at once while they were reached.
+        explored: The sizes, where the markings were explored one by one.
     """
 
     encoding: Encoding
@@ -54,35 +52,30 @@ class SymbolicSpace:
     order: str
     places: Order
     peak_nodes: int
+    explored: Counts | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
         stable = None if self.stable is None else self.stable.to_bytes()
-        told = self.order, self.places, self.peak_nodes, self.encoding.memory_limit, self.encoding.counters
+        told = (
+            *(self.order, self.places, self.peak_nodes, self.explored),
+            *(self.encoding.memory_limit, self.encoding.counters),
+        )
         return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
 
     @cached_property
     def states(self) -> int:
         """Number of reachable markings."""
-        return self.reachable.count()
-
-    @cached_property
-    def fired(self) -> dict[int, int]:
-        """In how many markings each transition fires, priorities respected."""
-        encoding = self.encoding
-        internal = [t for t in encoding.transitions if encoding.net.transitions[t].internal]
-        events = [t for t in encoding.transitions if not encoding.net.transitions[t].internal]
-        counts = dict.fromkeys(range(len(encoding.net.transitions)), 0)
-        where = self.reachable if self.stable is None else self.stable
-        for chosen, markings in ((internal, self.reachable), (events, where)):
-            wanted = [(t, c) for t in chosen if (c := encoding.enabling[t]) is not None]
-            counts.update(zip([t for t, _ in wanted], markings.counts([c for _, c in wanted]), strict=True))
-        return counts
+        return self.reachable.count() if self.explored is None else self.explored.states
 
     @property
     def edges(self) -> int:
-        """Number of firings."""
-        return sum(self.fired.values())
+        """Number of firings, priorities respected."""
+        if self.explored is not None:
+            return self.explored.edges
+        from mcpn.space.diagrams.spaces import DiagramMarkings
+
+        return sum(DiagramMarkings(self).firings(self.reachable).values())
 
     @cached_property
     def dead(self) -> Zdd:
@@ -98,11 +91,13 @@ class SymbolicSpace:
     @property
     def dead_states(self) -> int:
         """Number of markings that enable no transition."""
-        return self.dead.count()
+        return self.dead.count() if self.explored is None else self.explored.dead
 
     @cached_property
     def max_tokens(self) -> int:
         """Most tokens in a marking."""
+        if self.explored is not None:
+            return self.explored.max_tokens
         weights, always = self.encoding.weigh(dict.fromkeys(range(len(self.encoding.net.places)), 1))
         return self.reachable.largest(weights) + always
 
@@ -121,6 +116,7 @@ def _revived(
     order: str,
     places: Order,
     peak: int,
+    explored: Counts | None,
     memory: int,
     counters: tuple[tuple[int, ...], bool] | None,
 ) -> SymbolicSpace:
@@ -132,7 +128,7 @@ def _revived(
         encoding = TokenEncoding(net, places, memory, *counters)
     sets = [None if told is None else encoding.store.from_bytes(told) for told in (reachable, stable)]
     assert sets[0] is not None, "what is reachable is always told"
-    return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak)
+    return SymbolicSpace(encoding, sets[0], sets[1], order, places, peak, explored)
 
 
 def reach(
@@ -163,7 +159,8 @@ def reach(
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
     space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit)
-    refuse_unsafe(space)
+    if space.explored is None:  # exploration looks at each firing
+        refuse_unsafe(space)
     return space
 
 
@@ -191,7 +188,7 @@ def closure(
     """
     try:
         if order:
-            return _close(encode(net, order, memory_limit), "given", order)
+            return close(encode(net, order, memory_limit), "given", order)
         return _race(net, (encode, *others), memory_limit, seed)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
@@ -205,7 +202,7 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
 
     for candidate in islice(candidates(net, None), 0, 3, 2):  # the second is the first reversed
         try:
-            space = _close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
+            space = close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
             refuse_unsafe(space)
         except UnsafeError:
             return None
@@ -218,9 +215,11 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
 def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
+    from mcpn.space.diagrams.runners import runners
+
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(_runners(net, encodes, seed, memory_limit // workers), memory_limit, workers, first)
+        race = Race(runners(net, encodes, seed, memory_limit // workers), memory_limit, workers, first)
         found = race.run()
         if isinstance(found, UnsafeError):
             raise found
@@ -230,108 +229,19 @@ def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int
     raise LimitError(f"no order of places stays within memory: {limit}")
 
 
-def _runners(
-    net: PetriNet, encodes: Sequence[Encode], seed: int | None, memory_limit: int
-) -> Iterator[_ByOrder | _OneByOne]:
-    """Orders of places, the most often good first, and exploration one by one among them."""
-    orders = candidates(net, seed)
-    encode, *others = encodes
-    leading = [
-        _ByOrder(net, encode, name, order, memory_limit) for name, order in islice(orders, EXPLORER_RANK)
-    ]
-    yield leading[0]
-    for other in others:
-        yield _ByOrder(net, other, leading[0].name, leading[0].order, memory_limit)
-    yield from leading[1:]
-    if encode is Encoding:  # markings of 1-safe nets
-        yield _OneByOne(net, leading[0].name, leading[0].order, memory_limit)
-    for name, order in orders:
-        yield _ByOrder(net, encode, name, order, memory_limit)
-
-
-@dataclass
-class _ByOrder:
-    """The closure on a diagram of one order, for the race."""
-
-    net: PetriNet
-    encode: Encode
-    name: str
-    order: Order
-    memory_limit: int
-    _encoding: Encoding | None = None
-    _cancelled: bool = False
-
-    @property
-    def bytes(self) -> int:
-        return 0 if self._encoding is None else self._encoding.store.bytes
-
-    def run(self, steps: int) -> SymbolicSpace:
-        if self._encoding is None:
-            self._encoding = self.encode(self.net, self.order, self.memory_limit)
-        if self._cancelled:
-            raise Cancelled
-        return _close(self._encoding, self.name, self.order, steps)
-
-    def forget(self) -> None:
-        self._encoding = None
-
-    def cancel(self) -> None:
-        self._cancelled = True
-        if self._encoding is not None:
-            self._encoding.store.cancel()
-
-
-@dataclass
-class _OneByOne:
-    """Exploration of one marking after the other, whose end is put on a diagram, for the race."""
-
-    net: PetriNet
-    name: str
-    order: Order
-    memory_limit: int
-    bytes: int = 0
-    _cancelled: bool = False
-
-    def run(self, steps: int) -> SymbolicSpace | UnsafeError:
-        prepared = KernelNet(self.net)
-        try:
-            found = prepared.kernel.explore(
-                prepared.initial, False, steps // STEPS_OF_A_STATE, self.memory_limit, self._go_on
-            )
-        except StateLimit as error:
-            raise BudgetExceeded(str(error)) from error
-        if found.trouble is not None:
-            return prepared.unsafe(found)
-        encoding = Encoding(self.net, self.order, self.memory_limit)
-        reachable = encoding.store.from_markings(found.take_markings(), encoding.places)
-        stable = reachable.without(_unstable(encoding)) if self.net.priorities else None
-        name = f"{self.name}, after exploring one by one"
-        return SymbolicSpace(encoding, reachable, stable, name, self.order, encoding.store.peak_nodes)
-
-    def _go_on(self, _states: int, _edges: int) -> None:
-        if self._cancelled:
-            raise Cancelled
-
-    def forget(self) -> None:
-        """Nothing is kept from round to round."""
-
-    def cancel(self) -> None:
-        self._cancelled = True
-
-
-def _unstable(encoding: Encoding) -> list[int]:
+def unstable_where(encoding: Encoding) -> list[int]:
     """When some internal transition is enabled."""
     enabling, transitions = encoding.enabling, encoding.net.transitions
     return [c for t, c in enabling.items() if c is not None and transitions[t].internal]
 
 
-def _close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> SymbolicSpace:
+def close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> SymbolicSpace:
     """Reaches every marking in so many steps, or any number for 0."""
     net, store = encoding.net, encoding.store
     if not net.priorities:
         everything = encoding.initial().saturate(distinct(encoding.events.values()), max_steps=budget)
         return SymbolicSpace(encoding, everything, None, name, order, store.peak_nodes)
-    internal, unstable = encoding.internal, _unstable(encoding)
+    internal, unstable = encoding.internal, unstable_where(encoding)
     peak = spent = 0
 
     def closed(markings: Zdd) -> Zdd:

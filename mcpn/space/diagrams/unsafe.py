@@ -5,6 +5,7 @@ from __future__ import annotations
 from mcpn._kernel import Zdd
 from mcpn.errors import UnsafeError
 from mcpn.space.diagrams.encoding import Encoding
+from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace
 
 
@@ -47,58 +48,27 @@ def _divided(space: SymbolicSpace, suspects: list[Suspect]) -> list[tuple[Zdd, l
 
 def _unsafe(space: SymbolicSpace, suspects: list[Suspect]) -> UnsafeError:
     """The error for the nearest unsafe firing: layers of a breadth-first search, then back through them."""
-    encoding, net = space.encoding, space.encoding.net
-    seen = layer = encoding.initial()
+    markings, net = DiagramMarkings(space), space.encoding.net
+    seen = layer = markings.initial
     layers = [layer]
     while True:
         for t, place, condition in suspects:
-            if layer.first([condition]) < 0:
-                continue
-            conflict = layer & (
-                space.reachable if net.transitions[t].internal or space.stable is None else space.stable
-            )
-            before = conflict.subset(*_sides(encoding, t, place))
-            marking = before.pick()
-            if marking is None:
-                continue
-            run = _back(space, layers, marking)
-            names = net.marked(encoding.marking(marking))
-            return UnsafeError(net.places[place].name, net.transitions[t].name, names, run)
-        layer = _step(space, layer) - seen
+            firing = layer if net.transitions[t].internal else layer & markings.stable
+            found = (firing - firing.without([condition])).pick()
+            if found is not None:
+                names = net.marked(markings.marking(found))
+                run = _back(markings, layers, found)
+                return UnsafeError(net.places[place].name, net.transitions[t].name, names, run)
+        layer = markings.after(layer) - seen
         seen |= layer
         layers.append(layer)
 
 
-def _sides(encoding: Encoding, transition: int, place: int) -> tuple[list[int], list[int]]:
-    safe = encoding.net.safe_transitions[transition]
-    marked = {*safe.consume, *safe.read, *(() if place in safe.overflow else (place,))}
-    return sorted(encoding.levels(marked)), sorted(set(encoding.partners(marked)))
-
-
-def _step(space: SymbolicSpace, layer: Zdd) -> Zdd:
-    net, events = space.encoding.net, space.encoding.events
-    if space.stable is None:
-        return layer.images(list(events.values()))
-    internal = layer.images([e for t, e in events.items() if net.transitions[t].internal])
-    return internal | (layer & space.stable).images(
-        [e for t, e in events.items() if not net.transitions[t].internal]
-    )
-
-
-def _back(space: SymbolicSpace, layers: list[Zdd], marking: list[int]) -> list[str]:
+def _back(markings: DiagramMarkings, layers: list[Zdd], marking: list[int]) -> list[str]:
     """A run through the layers to a marking of the last one."""
-    encoding, net = space.encoding, space.encoding.net
     run: list[str] = []
-    goal = encoding.store.singleton(marking)
     for layer in reversed(layers[:-1]):
-        for t, event in encoding.events.items():
-            usable = layer
-            if space.stable is not None and not net.transitions[t].internal:
-                usable = layer & space.stable
-            if usable.images([event]) & goal:
-                earlier = (goal.images([encoding.undoing[t]]) & usable).pick()
-                assert earlier is not None
-                goal = encoding.store.singleton(earlier)
-                run.append(net.transitions[t].name)
-                break
+        t, before = next(markings.crossing(layer, markings.single(marking)))
+        marking = before.pick() or []
+        run.append(markings.net.transitions[t].name)
     return run[::-1]

@@ -19,11 +19,7 @@ from mcpn.space.local.sections import NOWHERE, Kind
 
 
 class TwoOutcomes(Exception):
-    """An event on the way has several outcomes, of which a run follows one, and not the one that leads on.
-
-    Args:
-        run: The edges before that event.
-    """
+    """An event after a run has several outcomes: the run would follow one, another leads on."""
 
     def __init__(self, run: list[Edge]) -> None:
         super().__init__("an event has several outcomes")
@@ -82,7 +78,8 @@ class CompositeSpace(Glued):
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
         found = images.nothing
         for name, part in states.parts.items():
-            found |= images.of_diagram(part, self.layout.store, self.stages[name].bits(tuple(places)))
+            bits = [self.stages[name].bit(place) for place in places]
+            found |= images.of_diagram(part, self.layout.store, bits)
         return found
 
     def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
@@ -109,7 +106,7 @@ class CompositeSpace(Glued):
         found: dict[int, dict[str, Zdd]] = {}
         for name, part in (self.before(into) & among).parts.items():
             stage = self.stages[name]
-            goal = into.parts.get(name, self.empty) | self.ends_into(stage, into.parts)
+            goal = into.of(name) | self.ends_into(stage, into.parts)
             for t, before in stage.named(*stage.type.crossing(part, goal, stage.faulty)):
                 found.setdefault(t, {})[name] = before
         return ((t, CompositeSet(self, found[t])) for t in sorted(found))
@@ -168,7 +165,7 @@ class CompositeSpace(Glued):
             TwoOutcomes: The mission is not confluent, and the run would pass such an event.
         """
         allowed, wanted = self.filtered(transitions, guards), frozenset(transitions or ())
-        within = (self.everything if along is None else along).parts
+        within = self.everything if along is None else along
 
         def taken(edge: Edge) -> bool:
             t = edge.transition
@@ -180,7 +177,7 @@ class CompositeSpace(Glued):
         while hops:  # each edge out of a section leads one section nearer
             _, targets = hops.pop()
             name, stage = state[0], self.stages[state[0]]
-            back = partial(stage.back, allowed=allowed(name), within=within.get(name, self.empty))
+            back = partial(stage.back, allowed=allowed(name), within=within.of(name))
             layers = layers_back(self.layout.store.singleton(state[1]), targets[name], back)
             assert layers is not None, "there is a run"
             onward: list[Mapping[str, Zdd]] = [{name: layer} for layer in reversed(layers[:-1])]
@@ -194,7 +191,7 @@ class CompositeSpace(Glued):
         return None if hops is None else run
 
     def _hops(
-        self, begin: Member, goal: CompositeSet, within: Mapping[str, Zdd], allowed: Filter
+        self, begin: Member, goal: CompositeSet, within: CompositeSet, allowed: Filter
     ) -> list[tuple[Parts, Parts]] | None:
         """By number of sections to leave before the goal: from which states, and to which."""
         hops: list[tuple[Parts, Parts]] = []
@@ -202,8 +199,7 @@ class CompositeSpace(Glued):
         while targets:
             closed = Parts()
             for name, target in targets.items():
-                along = within.get(name, self.empty)
-                found = self.stages[name].type.reaching(target, along, allowed(name))
+                found = self.stages[name].type.reaching(target, within.of(name), allowed(name))
                 closed.add(name, found - seen.get(name, self.empty))
                 seen.add(name, found)
             hops.append((closed, targets))

@@ -74,6 +74,10 @@ class CompositeSet:
     def __hash__(self) -> int:
         return hash(frozenset(self.parts.items()))
 
+    def of(self, name: str) -> Zdd:
+        """The states of one section."""
+        return self.parts.get(name, self.space.empty)
+
     def count(self) -> int:
         """How many states the set has."""
         return sum(self.space.stages[name].closed(part).count() for name, part in self.parts.items())
@@ -137,7 +141,7 @@ class Glued:
         def of(name: str) -> Allowed:
             own = [*enumerate(self.stages[name].transitions)]
             local = None if wanted is None else frozenset(i for i, t in own if t in wanted)
-            guarded = ((i, limits[t].parts.get(name, self.empty)) for i, t in own if t in limits)
+            guarded = ((i, limits[t].of(name)) for i, t in own if t in limits)
             return Allowed(local, beside, tuple(guarded))
 
         return cache(of)
@@ -149,23 +153,23 @@ class Glued:
         routes = (route for route in stage.routes.values() if route in parts)
         return stage.ends({route: self.stages[route].entries(parts[route]) for route in routes})
 
-    def leaving(self, into: Mapping[str, Zdd], within: Mapping[str, Zdd], allowed: Filter) -> Parts:
+    def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> Parts:
         """States of a set with an event that leads out of their section, into another set."""
         found = Parts()
         for name in dict.fromkeys(stage for route in into for stage in self.into[route]):
-            if name in within:
+            if name in within.parts:
                 stage = self.stages[name]
                 ends = self.ends_into(stage, into)
-                found.add(name, stage.type.before_step(ends, allowed(name)) & within[name])
+                found.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
         return found
 
-    def entering(self, states: Mapping[str, Zdd], within: Mapping[str, Zdd], allowed: Filter) -> Parts:
+    def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> Parts:
         """States of a set just after an event that leads into their section, out of another set."""
         found = Parts()
         for name, part in states.items():
             for route, hardware in self.stages[name].leave(part, allowed(name)):
-                if route in within:
-                    found.add(route, self.stages[route].entered(hardware) & within[route])
+                if route in within.parts:
+                    found.add(route, self.stages[route].entered(hardware) & within.of(route))
         return found
 
     def before(
@@ -175,10 +179,10 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States with an edge into some states."""
-        allowed, within = self.filtered(transitions, guards), self.everything.parts
-        found = self.leaving(states.parts, within, allowed)
+        allowed = self.filtered(transitions, guards)
+        found = self.leaving(states.parts, self.everything, allowed)
         for name, part in states.parts.items():
-            found.add(name, self.stages[name].back(part, allowed(name), within.get(name, self.empty)))
+            found.add(name, self.stages[name].back(part, allowed(name), self.everything.of(name)))
         return CompositeSet(self, found)
 
     def after(
@@ -189,7 +193,7 @@ class Glued:
     ) -> CompositeSet:
         """States that an edge leads to from some states."""
         allowed = self.filtered(transitions, guards)
-        found = self.entering(states.parts, self.everything.parts, allowed)
+        found = self.entering(states.parts, self.everything, allowed)
         for name, part in states.parts.items():
             found.add(name, self.stages[name].forth(part, allowed(name)))
         return CompositeSet(self, found)
@@ -225,12 +229,11 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
-        within = (self.everything if along is None else along).parts
+        within = self.everything if along is None else along
         allowed, found = self.filtered(transitions, guards), Parts(goal.parts)
 
         def work(name: str) -> Iterator[str]:
-            along = within.get(name, self.empty)
-            found[name] = self.stages[name].type.reaching(found[name], along, allowed(name))
+            found[name] = self.stages[name].type.reaching(found[name], within.of(name), allowed(name))
             leaving = self.leaving({name: found[name]}, within, allowed)
             return (before for before, states in leaving.items() if found.add(before, states))
 
@@ -245,12 +248,11 @@ class Glued:
         guards: Guards[CompositeSet] = None,
     ) -> CompositeSet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
-        along = self.everything if along is None else along
-        allowed, within = self.filtered(transitions, guards), along.parts
-        found = Parts((begin & along).parts)
+        within = self.everything if along is None else along
+        allowed, found = self.filtered(transitions, guards), Parts((begin & within).parts)
 
         def work(name: str) -> Iterator[str]:
-            found[name] = self.stages[name].type.reached(found[name], within[name], allowed(name))
+            found[name] = self.stages[name].type.reached(found[name], within.of(name), allowed(name))
             entering = self.entering({name: found[name]}, within, allowed)
             return (route for route, states in entering.items() if found.add(route, states))
 
@@ -260,11 +262,10 @@ class Glued:
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
         found = dict((along & self.everything).parts)
-        ends = self.dead.parts
 
         def work(name: str) -> Iterator[str]:
             stage, part, before = self.stages[name], found[name], None
-            onward = ends.get(name, self.empty) | stage.type.before_step(self.ends_into(stage, found), ALL)
+            onward = self.dead.of(name) | stage.type.before_step(self.ends_into(stage, found), ALL)
             while before != part:
                 before = part
                 part = stage.back(part, ALL, part) | (part & onward)

@@ -23,17 +23,13 @@ from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
 from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
-from mcpn.space.stable.joining import EndlessRun, parting_behind
+from mcpn.space.stable.joining import EndlessRun, parting_among
 from mcpn.space.stable.nearest import fault_by
 from mcpn.steps import step
 
 
 def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, SymbolicSpace]) -> None:
-    """Raises an error where internal evolution of the mission depends on the interleaving, or need not end.
-
-    Args:
-        composite: The mission's composite.
-        explored: By type, the markings of its local net.
+    """Looks for an event without one outcome, on the markings of each type's local net.
 
     Raises:
         ConfluenceError: An event that the mission comes to has two outcomes; both runs are given.
@@ -51,7 +47,7 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
             begun |= _begun(composite, stage)
         transient = begun.saturate(encoding.internal)
         try:
-            found = parting_behind(encoding, begun, conflicts)
+            found = parting_among(encoding, begun, conflicts)
             marking, endless = (None, bool(space.endless)) if found is None else (found[0], False)
         except EndlessRun:
             endless = True
@@ -63,21 +59,21 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
 
 def _begun(composite: CompositeSpace, stage: Stage) -> Zdd:
     """Markings just after the events of a section that the mission comes to, and after its entry."""
-    type_, parts, hardware = stage.type, composite.everything.parts, composite.empty
+    type_, everything, hardware = stage.type, composite.everything, composite.empty
     for before in composite.into[stage.name]:  # a section whose entry has no end has no state
-        for route, states in composite.stages[before].leave(parts.get(before, composite.empty)):
+        for route, states in composite.stages[before].leave(everything.of(before)):
             if route == stage.name:
                 hardware |= states
     events, entering = type_.encoding.events, type_.from_slots(hardware, stage.slots, None)
     own = distinct(events[t] for t in type_.graph.waiting)
-    return parts.get(stage.name, composite.empty).images(own) | entering.images([events[type_.net.start]])
+    return everything.of(stage.name).images(own) | entering.images([events[type_.net.start]])
 
 
 def _raise_before(
     composite: CompositeSpace, stages: Sequence[Stage], transient: Zdd, marking: Marking
 ) -> NoReturn:
     """Raises the error of an event after which sections of a type come to a marking of such runs."""
-    type_, layout, parts = stages[0].type, composite.layout, composite.everything.parts
+    type_, layout, everything = stages[0].type, composite.layout, composite.everything
     encoding = type_.encoding
     here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient
     behind = here.saturate(encoding.internal_back, within=transient)
@@ -85,12 +81,12 @@ def _raise_before(
         for t in type_.graph.waiting:
             before, met = behind.images([encoding.undoing[t]]), Parts()
             if t != type_.net.start:
-                met.add(stage.name, before & parts.get(stage.name, composite.empty))
+                met.add(stage.name, before & everything.of(stage.name))
             else:
                 hardware = type_.to_slots(before & type_.before, stage.slots, None)
                 for earlier in (composite.stages[name] for name in composite.into[stage.name]):
                     leaving = earlier.type.before_step(earlier.ends({stage.name: hardware}), ALL)
-                    met.add(earlier.name, leaving & parts.get(earlier.name, composite.empty))
+                    met.add(earlier.name, leaving & everything.of(earlier.name))
             if met:
                 event = stage.transitions[t] if t != type_.net.start else None
                 _raise(composite, CompositeSet(composite, met), event)

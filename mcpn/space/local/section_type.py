@@ -40,6 +40,11 @@ class Allowed(NamedTuple):
     beside: frozenset[int] | None = None
     guards: tuple[tuple[int, Zdd], ...] = ()
 
+    @property
+    def own(self) -> tuple[frozenset[int] | None, dict[int, Zdd]]:
+        """The transitions of the local net, and their guards, as its alternatives graph is asked."""
+        return self.local, dict(self.guards)
+
 
 ALL = Allowed()
 
@@ -92,7 +97,7 @@ class SectionType:
     @remembered
     def after(self, states: Zdd, allowed: Allowed) -> Zdd:
         """States, inside or at the ends, one event of the section after some states inside."""
-        return self.graph.after(states, allowed.local, dict(allowed.guards))
+        return self.graph.after(states, *allowed.own)
 
     @remembered
     def ending(self, goal: Zdd) -> Zdd:
@@ -104,8 +109,7 @@ class SectionType:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        ending = self.ending(goal)
-        return self.inside & self.graph.firing_into(ending, allowed.local, dict(allowed.guards))
+        return self.inside & self.graph.firing_into(self.ending(goal), *allowed.own)
 
     @remembered
     def crossing(
@@ -131,7 +135,7 @@ class SectionType:
     @remembered
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
-        steps = self.graph.ahead(along, allowed.local, dict(allowed.guards))
+        steps = self.graph.ahead(along, *allowed.own)
         beside = [toggle.event for toggle in self.layout.beside(allowed.beside)]
         return chained(begin & along, [*steps, lambda states: states.saturate(beside, within=along)])
 
@@ -141,7 +145,7 @@ class SectionType:
         if not along:
             return goal
         within = along | goal
-        steps = self.graph.back(along, allowed.local, dict(allowed.guards))
+        steps = self.graph.back(along, *allowed.own)
         beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
         return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
 

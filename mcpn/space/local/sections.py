@@ -96,11 +96,6 @@ class Stage(Levels):
         level, opposite = self._own.get(slot, (slot, False))
         return level, reverse != opposite
 
-    @remembered
-    def bits(self, places: tuple[int, ...]) -> tuple[Bit, ...]:
-        """The same of some places."""
-        return tuple(map(self.bit, places))
-
     def closed(self, part: Zdd) -> Zdd:
         """A set of its states with its own slots unmarked, so that each state is there once."""
         return part.subset(unmarked=self.slots)

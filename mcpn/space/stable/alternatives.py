@@ -8,8 +8,9 @@ every transient marking behind an event is explored once, and its one stable end
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,8 +20,10 @@ from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet
 from mcpn.space.markings.firing import MaskedNet
-from mcpn.space.markings.graph import Ints, Mask, StateGraph, Words, pack
+from mcpn.space.markings.graph import Ints, Mask, StateGraph, pack
 from mcpn.space.stable.parting import parting_runs
+
+State = TypeVar("State", bound=Hashable)
 
 DEFAULT_MAX_STATES = 5_000_000
 DEFAULT_MAX_TRANSIENT = 20_000_000
@@ -65,20 +68,13 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
     """
     ends = _stable_ends(graph)
     is_event = np.array([not t.internal for t in graph.net.transitions], np.bool_)
-    start = int(ends[0])
-    numbers, queue = {start: 0}, [start]
-    offsets, targets, labels = [0], list[int](), list[int]()
-    for state in queue:  # grows while it is walked
-        for t, after in graph.successors(state):
-            if is_event[t]:
-                end = int(ends[after])
-                if numbers.setdefault(end, len(queue)) == len(queue):
-                    queue.append(end)
-                targets.append(numbers[end])
-                labels.append(t)
-        offsets.append(len(targets))
+
+    def edges(state: int) -> Iterator[tuple[int, int]]:
+        return ((t, int(ends[after])) for t, after in graph.successors(state) if is_event[t])
+
     proof = "every transient marking of the markings graph has one stable end"
-    return _graph(graph.net, graph.markings[queue], offsets, targets, labels, "reduction", proof)
+    states, arrays = numbered(int(ends[0]), edges)
+    return AlternativesGraph(graph.net, graph.markings[states], *arrays, "reduction", proof)
 
 
 def _stable_ends(graph: StateGraph) -> Ints:
@@ -294,26 +290,18 @@ def direct(
     walk = _Proving(net, min(max(100 * max_states, 100_000), DEFAULT_MAX_TRANSIENT))
     masked = walk.masked
     begin = masked.initial()
-    start = walk.stabilise(begin, masked.covered(begin), None)
-    numbers, queue, covers = {start: 0}, [start], [masked.covered(start)]
-    offsets, targets, labels = [0], list[int](), list[int]()
-    for state, marking in enumerate(queue):  # grows while it is walked
-        for t in masked.allowed(covers[state]):
+
+    def edges(marking: int) -> Iterator[tuple[int, int]]:
+        covered = masked.covered(marking)
+        for t in masked.allowed(covered):
             after = walk.step(marking, t)
-            end = walk.stabilise(after, masked.covered_after(covers[state], after, t), (marking, t))
-            if numbers.setdefault(end, len(queue)) == len(queue):
-                queue.append(end)
-                covers.append(masked.covered(end))
-            targets.append(numbers[end])
-            labels.append(t)
-        offsets.append(len(targets))
-        if len(queue) > max_states:
-            raise LimitError(f"more than {max_states} stable states: the limit on states was hit")
-        if progress and state % 1000 == 999:
-            progress(len(queue), len(targets))
-    words = pack(queue, len(net.places))
+            yield t, walk.stabilise(after, masked.covered_after(covered, after, t), (marking, t))
+
+    start = walk.stabilise(begin, masked.covered(begin), None)
+    states, arrays = numbered(start, edges, max_states, progress)
+    words = pack(states, len(net.places))
     how = "every transient marking behind each event explored once, its stable end unique"
-    return _graph(net, words, offsets, targets, labels, "direct", how)
+    return AlternativesGraph(net, words, *arrays, "direct", how)
 
 
 def _settled(
@@ -331,14 +319,29 @@ def _settled(
     return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
 
 
-def _graph(
-    net: PetriNet,
-    markings: Words,
-    offsets: list[int],
-    targets: list[int],
-    labels: list[int],
-    method: str,
-    proof: str | None,
-) -> AlternativesGraph:
-    starts, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    return AlternativesGraph(net, markings, starts, ends, events, method, proof)
+def numbered(
+    start: State,
+    edges: Callable[[State], Iterable[tuple[int, State]]],
+    max_states: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[list[State], tuple[Ints, Ints, Ints]]:
+    """States in breadth-first order, and edges in compressed sparse rows: offsets, targets, labels.
+
+    Raises:
+        LimitError: There are more states than allowed.
+    """
+    numbers, queue = {start: 0}, [start]
+    offsets, targets, labels = [0], list[int](), list[int]()
+    for number, state in enumerate(queue):  # grows while it is walked
+        for label, target in edges(state):
+            if numbers.setdefault(target, len(queue)) == len(queue):
+                queue.append(target)
+            targets.append(numbers[target])
+            labels.append(label)
+        offsets.append(len(targets))
+        if max_states is not None and len(queue) > max_states:
+            raise LimitError(f"more than {max_states} stable states: the limit on states was hit")
+        if progress and number % 1000 == 999:
+            progress(len(queue), len(targets))
+    rows, ends, events = (np.array(values, np.int64) for values in (offsets, targets, labels))
+    return queue, (rows, ends, events)

@@ -24,7 +24,7 @@ from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
-from mcpn.space.stable.joining import EndlessRun, Joining, Parting, mask_of, open_pairs, parting_behind
+from mcpn.space.stable.joining import EndlessRun, Joining, Parting, mask_of, open_pairs, parting_among
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
@@ -144,7 +144,7 @@ def proof_by_joining(space: SymbolicSpace) -> str | None:
     events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
     begun = encoding.initial() | space.stable.images(distinct(events))
     try:
-        found = parting_behind(encoding, begun, conflicts)
+        found = parting_among(encoding, begun, conflicts)
     except EndlessRun:
         return None
     if found is not None:

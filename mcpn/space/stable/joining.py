@@ -332,7 +332,7 @@ def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -
     return known
 
 
-def parting_behind(
+def parting_among(
     encoding: Encoding, begun: Zdd, pairs: Sequence[tuple[int, int]]
 ) -> tuple[Marking, Parting] | None:
     """Follows the conflicts behind some markings until each rejoins, or one is found that does not.

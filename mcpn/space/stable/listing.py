@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
-
-import numpy as np
 
 from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
 from mcpn.space.markings.graph import pack
-from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, numbered
 
 
 def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:
@@ -29,21 +28,14 @@ def written_out(space: Space[Any], method: str, max_states: int | None = None) -
     size, limit = space.everything.count(), DEFAULT_MAX_STATES if max_states is None else max_states
     if size > limit:
         raise LimitError(f"{size} states, more than {limit}: the limit on states was hit")
-    queue = [space.initial.pick()]
-    numbers = {_key(queue[0]): 0}
-    offsets, targets, labels = [0], list[int](), list[int]()
-    for state in queue:  # grows while it is walked
+
+    def edges(state: Any) -> Iterator[tuple[int, Any]]:
         for edge in sorted(space.edges(state), key=lambda edge: edge.transition):
-            key = _key(edge.target)
-            if numbers.setdefault(key, len(queue)) == len(queue):
-                queue.append(edge.target)
-            targets.append(numbers[key])
-            labels.append(edge.transition)
-        offsets.append(len(targets))
-    markings = (sum(1 << p for p, tokens in enumerate(space.marking(state)) if tokens) for state in queue)
-    words = pack(markings, len(space.net.places))
-    starts, ends, fired = (np.array(values, np.int64) for values in (offsets, targets, labels))
-    return AlternativesGraph(space.net, words, starts, ends, fired, method, None)
+            yield edge.transition, _key(edge.target)
+
+    states, arrays = numbered(_key(space.initial.pick()), edges)
+    markings = (sum(1 << p for p, tokens in enumerate(space.marking(state)) if tokens) for state in states)
+    return AlternativesGraph(space.net, pack(markings, len(space.net.places)), *arrays, method, None)
 
 
 def _key(state: Any) -> Any:
