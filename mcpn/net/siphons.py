@@ -33,6 +33,11 @@ from mcpn.net.structure import Sparse, incidence
 MAX_STEPS = 20_000
 MAX_ROWS = 1_000
 
+COMPARISONS_OF_A_STEP = 2_000
+COMBINATIONS_OF_A_ROW = 100
+COMPARISONS_OF_A_ROW = 20_000
+"""What each step or row that a limit allows stands for in work: comparisons of sets, and sums of vectors."""
+
 Places: TypeAlias = tuple[int, ...]
 
 
@@ -90,9 +95,18 @@ def _closed(around: Sequence[tuple[int, int]], places: int, max_steps: int, what
     found: list[int] = []
     seen: set[int] = set()
     stack = [1 << p for p in range(places)]
+    compared = 0
     while stack:
         chosen = stack.pop()
-        if chosen in seen or any(known & chosen == known for known in found):
+        if chosen in seen:
+            continue
+        compared += len(found)
+        if compared > max_steps * COMPARISONS_OF_A_STEP:
+            raise LimitError(
+                f"more than {max_steps * COMPARISONS_OF_A_STEP} comparisons of sets:"
+                f" the limit on the search for {what} was hit"
+            )
+        if any(known & chosen == known for known in found):
             continue
         seen.add(chosen)
         if len(seen) > max_steps:
@@ -213,12 +227,19 @@ def _semiflows(effects: list[Sparse], max_rows: int, what: str) -> tuple[Sparse,
     """Non-negative combinations of effects that add up to nothing (Farkas; Martinez and Silva 1982)."""
     rows: list[tuple[Sparse, Sparse]] = [({i: 1}, dict(effect)) for i, effect in enumerate(effects)]
     left = {key for _, effect in rows for key in effect}
+    made = 0
     while left:
         column = _cheapest(sorted(left), rows)
         left.discard(column)
         kept = [row for row in rows if not row[1].get(column)]
         ups = [row for row in rows if row[1].get(column, 0) > 0]
         downs = [row for row in rows if row[1].get(column, 0) < 0]
+        made += len(ups) * len(downs)
+        if made > max_rows * COMBINATIONS_OF_A_ROW:
+            raise LimitError(
+                f"more than {max_rows * COMBINATIONS_OF_A_ROW} combinations of vectors:"
+                f" the limit on {what} was hit"
+            )
         for up in ups:
             for down in downs:
                 a, b = -down[1][column], up[1][column]
@@ -228,7 +249,7 @@ def _semiflows(effects: list[Sparse], max_rows: int, what: str) -> tuple[Sparse,
                 kept.append(
                     ({k: v // divisor for k, v in flow.items()}, {k: v // divisor for k, v in effect.items()})
                 )
-        rows = _minimal(kept)
+        rows = _minimal(kept, max_rows * COMPARISONS_OF_A_ROW, what)
         if len(rows) > max_rows:
             raise LimitError(f"more than {max_rows} vectors: the limit on {what} was hit")
     flows = [dict(sorted(flow.items())) for flow, _ in rows]
@@ -253,10 +274,14 @@ def _sum(left: Sparse, a: int, right: Sparse, b: int) -> Sparse:
     return {key: value for key, value in total.items() if value}
 
 
-def _minimal(rows: list[tuple[Sparse, Sparse]]) -> list[tuple[Sparse, Sparse]]:
+def _minimal(rows: list[tuple[Sparse, Sparse]], max_compared: int, what: str) -> list[tuple[Sparse, Sparse]]:
     """Rows whose support holds that of no other; one for each support."""
     found: list[tuple[int, tuple[Sparse, Sparse]]] = []
+    compared = 0
     for row in sorted(rows, key=lambda row: len(row[0])):
+        compared += len(found)
+        if compared > max_compared:
+            raise LimitError(f"more than {max_compared} comparisons of vectors: the limit on {what} was hit")
         support = _bits(row[0])
         if not any(known & support == known for known, _ in found):
             found.append((support, row))

@@ -154,3 +154,20 @@ def test_limits_say_which() -> None:
     with pytest.raises(LimitError, match="P-semiflows"):
         p_semiflows(textbook(("ab", "cd"), ("cd", "ab"), ("ac", "bd")), max_rows=1)
     assert len(surroundings(wide)) == 6
+
+
+def test_sets_that_all_differ_are_not_compared_for_ever() -> None:
+    builder = NetBuilder("pairs")  # a siphon takes one place of each pair: 2^14 of them
+    for i in range(14):
+        builder.place(f"a{i}", initial=1)
+        builder.place(f"b{i}", initial=1)
+    for i in range(14):
+        after = (i + 1) % 14
+        taken, put = [f"a{i}", f"b{i}"], [f"a{after}", f"b{after}"]
+        builder.transition(f"t{i}", consume=taken, produce=put)
+    net = builder.build()
+    for find, what in ((siphons, "siphons"), (traps, "traps")):
+        with pytest.raises(LimitError, match=f"comparisons of sets: the limit on the search for {what}"):
+            find(net)
+    with pytest.raises(LimitError, match="the limit on P-semiflows was hit"):
+        p_semiflows(net, max_rows=200)
