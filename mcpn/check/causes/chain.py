@@ -15,7 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csc_array, csr_array, eye_array, kron
+from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import splu
 
 from mcpn.check.causes.prospects import Prospects
@@ -214,8 +214,13 @@ class Chain:
         """Solves ``(leaving + s) x = rates x + b`` in some states for several ``s``, of given ``b``."""
         leaving = self.leaving[states] + np.multiply.outer(decays, ~self.hasty[states])
         scale, many = 1.0 / leaving.reshape(-1, 1), len(decays)
-        step = kron(eye_array(many), self._matrix[states][:, states]).multiply(scale)
-        solve = splu(csc_array(eye_array(len(scale)) - step)).solve
+        step = self._matrix[states][:, states].tocoo()
+        # The systems stand on one diagonal; made at once, for each operation of scipy takes its time.
+        number, block = np.arange(len(scale)), np.repeat(np.arange(many) * len(states), step.nnz)
+        rows, columns = (np.tile(at, many) + block for at in (step.row, step.col))
+        values = np.concatenate([np.ones(len(scale)), -np.tile(step.data, many) * scale[rows, 0]])
+        ends = np.concatenate([number, rows]), np.concatenate([number, columns])
+        solve = splu(csc_array((values, ends), shape=(len(scale),) * 2)).solve
         return lambda right: solve(np.tile(right, (many, 1)) * scale).reshape(many, *right.shape)
 
     @cached_property

@@ -33,7 +33,7 @@ from mcpn.space.markings.graph import Ints, Mask
 MOST_HARDWARE = 16
 """Hardware resources whose status is remembered from one section to the next, at most."""
 
-MOST_DENSE = 1024
+MOST_DENSE = 4096
 """Unknowns of a system that is solved directly; a larger one by iteration."""
 
 PRECISION = 1e-13
@@ -178,8 +178,13 @@ class Outlook:
     def degraded_modes(self) -> float:
         """The expected number of jumps into another, degraded mode; infinite where it may go on for ever."""
         gained, stays = self._by_entry(lambda chain: chain.modes), self._by_entry(lambda chain: chain.stays)
-        found = totals(gained, self._reaching, lambda *of: self._solved(*of)[:, 0], stays > 0)
-        return float(found[self.model.first[self.model.entry]])
+        start = self.model.first[self.model.entry]
+
+        def solved(inner: Mask, gained: Floats) -> Floats:
+            # A system is solved only if it decides what is gained from the start.
+            return self._solved(inner, gained)[:, 0] if inner[start] else np.zeros(len(gained))
+
+        return float(totals(gained, self._reaching, solved, stays > 0)[start])
 
     def _by_entry(self, said: Callable[[Chain], Floats | Mask]) -> Floats:
         """What is said of the chains by status of a section's own hardware, by entry; 0 at the ends."""
