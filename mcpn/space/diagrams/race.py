@@ -123,7 +123,7 @@ class Race(Generic[Result]):
         try:
             return self._drawn[rank].run(budget)
         except MemoryLimit as error:
-            self.limit = error
+            self.limit = self.limit or error
             self._out.add(rank)
             self._drawn[rank].forget()
         except (BudgetExceeded, Cancelled):
