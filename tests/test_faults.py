@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from mcpn.check.modes import situation
+from mcpn.check.verdicts.modes import situation
 from mcpn.mission.model import (
     Activity,
     Alternative,

@@ -16,9 +16,9 @@ from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
 from mcpn.check.logic.questions import Questions
-from mcpn.check.nets import Behaviour
 from mcpn.check.spaces import Engine, On, space_of
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
+from mcpn.check.verdicts.nets import Behaviour
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
 from mcpn.errors import InputError

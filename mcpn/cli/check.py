@@ -91,7 +91,7 @@ def check(
 
 
 def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
-    from mcpn.check.nets import Structure, check_net
+    from mcpn.check.verdicts.nets import Structure, check_net
     from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 
     if structure:

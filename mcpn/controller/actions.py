@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from mcpn.check.modes import Situation
+from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.run import Passage
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, Section

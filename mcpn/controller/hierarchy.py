@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from mcpn.check.modes import Situation
+from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import Action
 from mcpn.controller.machine import Machine, controller
 from mcpn.errors import LimitError

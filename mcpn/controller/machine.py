@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mcpn.check.modes import Situation, situation
+from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.actions import Action, Ordering
 from mcpn.controller.run import Runner
 from mcpn.net.compose import MissionNet

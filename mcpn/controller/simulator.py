@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
-from mcpn.check.modes import Situation, situation
+from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.actions import Action, Ordering
 from mcpn.controller.run import Runner
 from mcpn.errors import LimitError

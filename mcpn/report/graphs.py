@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from mcpn.check.modes import Situation, situation
+from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.compose import MissionNet

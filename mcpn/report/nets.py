@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from mcpn.check.nets import NetCheck, Structure
+from mcpn.check.verdicts.nets import NetCheck, Structure
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import Sparse
 from mcpn.report.terminal import Terminal

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-from mcpn.check.modes import Situation
+from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import Action
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.net.compose import MissionNet

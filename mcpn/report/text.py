@@ -10,9 +10,9 @@ from mcpn.report.words import in_words, modes_in_words
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
-    from mcpn.check.modes import Mode
     from mcpn.check.spaces import Choice
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
+    from mcpn.check.verdicts.modes import Mode
     from mcpn.net.compose import MissionNet
     from mcpn.net.events import Event
     from mcpn.net.petri import PetriNet

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from mcpn.check.modes import Mode, Situation, said_by
+from mcpn.check.verdicts.modes import Mode, Situation, said_by
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.run import Run

@@ -6,7 +6,7 @@ from typing import Any
 
 from hypothesis import assume, given
 
-from mcpn.check.nets import Behaviour, check_net
+from mcpn.check.verdicts.nets import Behaviour, check_net
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space

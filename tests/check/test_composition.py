@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import event, given, reject
 
-from mcpn.check.modes import Mode
 from mcpn.check.verdicts.mission import MissionCheck, Verdict, check
+from mcpn.check.verdicts.modes import Mode
 from mcpn.errors import LimitError
 from mcpn.mission.model import Block, Mission, Objective, Parallel
 from mcpn.net.compose import MissionNet, compose

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
-from mcpn.check.nets import EXAMINATIONS
 from mcpn.check.spaces import Asked, space_of
+from mcpn.check.verdicts.nets import EXAMINATIONS
 from mcpn.errors import Source
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.symbolic import reach_briefly

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from mcpn.check.causes.effects import Severity, changes
 from mcpn.check.causes.fmeca import Row, fmeca
-from mcpn.check.modes import Situation
 from mcpn.check.spaces import Engine
+from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Mission

@@ -6,7 +6,7 @@ from collections import deque
 
 from hypothesis import assume, given
 
-from mcpn.check.nets import NetCheck, Structure, check_net
+from mcpn.check.verdicts.nets import NetCheck, Structure, check_net
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.report.nets import marking_after

@@ -11,9 +11,9 @@ from hypothesis import given
 from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
-from mcpn.check.modes import functioning_modes
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
+from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.errors import LimitError
 from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.model import (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from mcpn.check.logic.questions import Questions
-from mcpn.check.modes import Situation
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import check
+from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import InputError
 from mcpn.mission.model import SUCCEED, Handler, Objective
 from mcpn.net.compose import MissionNet, compose

@@ -8,7 +8,7 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.modes import Situation
+from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import Action
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine

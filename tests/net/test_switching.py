@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import event, given
 
-from mcpn.check.modes import Situation, situation
+from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import (
     Activity,

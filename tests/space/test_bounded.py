@@ -14,7 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.nets import Behaviour, check_net
+from mcpn.check.verdicts.nets import Behaviour, check_net
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.formats import read_net

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TypeAlias
 
-from mcpn.check.modes import Situation
+from mcpn.check.verdicts.modes import Situation
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import FAIL, SUCCEED

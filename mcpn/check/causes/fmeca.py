@@ -17,7 +17,7 @@ from typing import Generic, TypeAlias
 
 from mcpn.check.causes.effects import Case, Severity, changes, joined, local_effect, worth_telling
 from mcpn.check.causes.prospects import Goal, Prospects
-from mcpn.check.modes import Situation, said_by
+from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.events import What
 from mcpn.net.templates import Role

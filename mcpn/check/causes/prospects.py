@@ -15,7 +15,7 @@ from functools import cached_property
 from itertools import product
 from typing import Any, Generic, Literal, TypeAlias
 
-from mcpn.check.modes import Mode, said_by
+from mcpn.check.verdicts.modes import Mode, said_by
 from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.net.compose import MissionNet

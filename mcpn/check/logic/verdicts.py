@@ -23,8 +23,8 @@ from mcpn.check.logic.formulas import EU, as_reachability
 from mcpn.check.logic.local import LocalCheck
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first, simplified
-from mcpn.check.nets import EXAMINATIONS, Behaviour
 from mcpn.check.spaces import Asked
+from mcpn.check.verdicts.nets import EXAMINATIONS, Behaviour
 from mcpn.errors import InputError, McpnError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
@@ -78,7 +78,7 @@ def answer_all(
     Args:
         questions: About the net.
         properties: What is asked.
-        examinations: Names of :data:`mcpn.check.nets.EXAMINATIONS`.
+        examinations: Names of :data:`mcpn.check.verdicts.nets.EXAMINATIONS`.
 
     Returns:
         The answers in the order in which they are found. Taking them raises UnboundedError, UnsafeError (of

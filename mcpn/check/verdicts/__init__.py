@@ -1,1 +1,1 @@
-"""Verdicts on a mission, each with the run that shows it: one check for every engine."""
+"""Verdicts on a mission and on any net, each with the run that shows it: one check for every engine."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.modes import Mode, functioning_modes
 from mcpn.check.spaces import Asked, Choice, Engine, alternatives_by, answered, markings_by
+from mcpn.check.verdicts.modes import Mode, functioning_modes
 from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.facts.warnings import in_order, never_entered, never_used, of_objectives

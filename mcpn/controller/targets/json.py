@@ -33,7 +33,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from mcpn.check.modes import Situation
+from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import Action
 from mcpn.controller.hierarchy import Controller, SectionMachine
 from mcpn.mission.model import Parameter

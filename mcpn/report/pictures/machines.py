@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from mcpn.check.modes import Situation, situation
+from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.actions import Action
 from mcpn.controller.hierarchy import Controller, SectionMachine, section_machine
 from mcpn.mission.graph import ObjectivesGraph, names_in

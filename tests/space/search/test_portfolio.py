@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mcpn.check.nets import check_net
+from mcpn.check.verdicts.nets import check_net
 from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search import portfolio
