@@ -1,8 +1,6 @@
 """The space of a graph in arrays: sets are masks over the states that the explicit engine has listed.
 
-Every operation is linear in the size of the graph. Endless runs are found by strongly connected components
-(Clarke, Emerson, Sistla, *Automatic verification of finite-state concurrent systems*, TOPLAS 1986), so that
-this space shares no algorithm with that of diagrams.
+Every operation is linear in the size of the graph.
 """
 
 from __future__ import annotations
@@ -215,18 +213,7 @@ class ArraySpace:
 
     def staying(self, along: ArraySet, asked: ArraySet | None = None) -> ArraySet:
         """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`."""
-        from scipy.sparse import coo_matrix
-        from scipy.sparse.csgraph import connected_components
-
-        graph, states = self.graph, self.graph.states
-        inside = along.mask[graph.sources] & along.mask[graph.targets]
-        ends = graph.sources[inside], graph.targets[inside]
-        matrix = coo_matrix((np.ones(len(ends[0]), np.int8), ends), (states, states))
-        number, component = connected_components(matrix.tocsr(), directed=True, connection="strong")
-        turns = inside & (component[graph.sources] == component[graph.targets])
-        cyclic = np.zeros(number, np.bool_)
-        cyclic[component[graph.sources[turns]]] = True
-        return ArraySet(graph.reaching(along.mask & (cyclic[component] | graph.dead), inside))
+        return ArraySet(self.graph.staying(along.mask))
 
     def _carrying(self, transitions: Collection[int]) -> Mask:
         wanted = np.zeros(len(self.net.transitions), np.bool_)

@@ -142,6 +142,30 @@ class StateGraph(Drawn):
             found[frontier] = True
         return found
 
+    def staying(self, along: Mask) -> Mask:
+        """States from which some maximal run stays in a set: it is endless, or ends in a state without edges.
+
+        States without a next one in the set are dropped, and those that led to these alone after them.
+
+        Args:
+            along: The set, shape (states,).
+
+        Returns:
+            Shape (states,). Linear in the size of the graph.
+        """
+        offsets, order = self.incoming
+        inside = along[self.sources] & along[self.targets]
+        onward = np.bincount(self.sources[inside], minlength=self.states)
+        dropped = ~along
+        frontier = np.flatnonzero(along & (onward == 0) & ~self.dead)
+        while len(frontier):
+            dropped[frontier] = True
+            edges = order[rows(offsets, frontier)]
+            before = self.sources[edges[inside[edges]]]
+            np.subtract.at(onward, before, 1)
+            frontier = _fresh(before[onward[before] == 0], dropped)
+        return ~dropped
+
     def run_to(self, goal: Mask, start: int = 0, along: Mask | None = None) -> list[int] | None:
         """A shortest run into the goal.
 
