@@ -42,6 +42,7 @@ from tests.shares import returns_early
 from tests.small import activity, robot
 
 LAMBDA, MU, D = 0.25, 0.5, 1.6
+RATES, DURATIONS = st.sampled_from([0.01, 0.1, 0.3]), st.sampled_from([0.5, 1.0, 2.0])
 
 
 def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
@@ -287,6 +288,48 @@ def test_sections_in_a_loop(direct: int, monkeypatch: pytest.MonkeyPatch) -> Non
     found = mission([h], ways, first, replace(objective("y", "a"), failure="x"))
     assert_same(numbers(found), sections_numbers(found))
     assert sections_numbers(found).success == pytest.approx(1)
+
+
+@st.composite
+def loops(draw: st.DrawFn) -> MissionNet:
+    """Sections in a row, each in up to three ways; where one fails, any may come, also itself again."""
+    hardware = [
+        Hardware(name=f"h{i}", failure_rate=draw(RATES), repair_rate=draw(RATES))
+        for i in range(draw(st.integers(2, 4)))
+    ]
+    names_of_hardware = st.sampled_from([h.name for h in hardware])
+    ways = st.lists(names_of_hardware, min_size=1, max_size=3, unique=True)
+    count = draw(st.integers(2, 5))
+    names = [f"x{i}" for i in range(count)]
+    activities: dict[str, list[tuple[str, ...]]] = {
+        f"a{i}": [(name,) for name in draw(ways)] for i in range(draw(st.integers(1, 3)))
+    }
+    blocks = [
+        replace(
+            objective(name, draw(st.sampled_from(sorted(activities))), draw(DURATIONS)),
+            failure_probability=0.1,
+            failure=draw(st.sampled_from([*names, None])),
+        )
+        for name in names
+    ]
+    return mission(hardware, activities, *blocks)
+
+
+def test_rounding_is_no_degraded_mode() -> None:
+    """Each section leads to the other when it fails; an error of rounding once made the number infinite."""
+    hardware = [Hardware(name=f"h{i}", failure_rate=0.01, repair_rate=0.1) for i in range(3)]
+    ways: dict[str, list[tuple[str, ...]]] = {"a": [("h2",), ("h0",)], "b": [("h1",)]}
+    first = replace(objective("x", "a", 0.5), failure="y", failure_probability=0.1)
+    second = replace(objective("y", "b", 2.0), failure="x", failure_probability=0.1)
+    found = mission(hardware, ways, first, second)
+    assert math.isfinite(numbers(found).degraded_modes)
+    assert_same(numbers(found), sections_numbers(found))
+
+
+@fewer(0.5)
+@given(loops())
+def test_sections_that_lead_back_are_those_of_the_whole(found: MissionNet) -> None:
+    assert_same(numbers(found), sections_numbers(found))
 
 
 class Simulation:
