@@ -49,7 +49,8 @@ def assert_exact(build: Callable[..., object], size: int, message: str, limit: s
     build(**{limit: size})
     if size == 1:  # no limit is below one
         return
-    with pytest.raises(LimitError, match=message.format(limit=f"{size - 1:,}")):
+    number = f"{size - 1:,}".replace(",", ",?")  # some messages write thousands apart
+    with pytest.raises(LimitError, match=message.format(limit=number)):
         build(**{limit: size - 1})
 
 
