@@ -6,6 +6,7 @@
 
 #include "state_table.hpp"
 #include "store.hpp"
+#include "words.hpp"
 
 namespace mcpn {
 
@@ -170,7 +171,7 @@ template <unsigned kWords> void Explorer::spread() {
         found_.trouble = {next_, t, false};
         return;
       }
-      const std::uint64_t hashed = StateTable::hash(after, words);
+      const std::uint64_t hashed = hash_words(after, words);
       table_->fetch_slot(hashed);
       fired_.push_back({hashed, next_, t});
     });

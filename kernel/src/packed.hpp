@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tokens.hpp"
+#include "words.hpp"
 
 namespace mcpn::search {
 
@@ -56,15 +57,7 @@ class Packed {
   std::uint64_t bytes() const { return packed_.capacity() * 8 + slots_.capacity() * 4; }
 
  private:
-  std::uint64_t hash(const std::uint64_t* row) const {
-    std::uint64_t x = 0x9E3779B97F4A7C15ull;
-    for (std::uint64_t i = 0; i < words_; ++i) {
-      x = (x ^ row[i]) * 0xBF58476D1CE4E5B9ull;
-      x ^= x >> 29;
-    }
-    x *= 0x94D049BB133111EBull;
-    return x ^ x >> 32;
-  }
+  std::uint64_t hash(const std::uint64_t* row) const { return hash_words(row, words_); }
   void widen() {
     slots_.assign(slots_.size() * 2, kNone);
     for (std::uint64_t number = 0; number < count_; ++number) {

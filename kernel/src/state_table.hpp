@@ -8,6 +8,7 @@
 
 #include "explorer.hpp"
 #include "store.hpp"
+#include "words.hpp"
 
 namespace mcpn {
 
@@ -19,16 +20,7 @@ class StateTable {
  public:
   StateTable(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kFree) {}
 
-  std::uint64_t hash(const Word* marking) const { return hash(marking, found_.words); }
-  static std::uint64_t hash(const Word* marking, std::uint64_t words) {
-    std::uint64_t x = 0x9E3779B97F4A7C15ull;
-    for (std::uint64_t i = 0; i < words; ++i) {
-      x = (x ^ marking[i]) * 0xBF58476D1CE4E5B9ull;
-      x ^= x >> 29;
-    }
-    x *= 0x94D049BB133111EBull;
-    return x ^ x >> 32;
-  }
+  std::uint64_t hash(const Word* marking) const { return hash_words(marking, found_.words); }
 
   // Asks the memory for what number() will look at: first for the slot of each of some hashes, later for the marking
   // that this slot names. Tables outgrow caches, so that each look would wait otherwise.
