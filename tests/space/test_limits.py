@@ -171,7 +171,7 @@ def test_siphons_traps_and_semiflows() -> None:
 
 
 def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
-    # The start, and behind the event eight: three tokens that each take one internal step, in any order.
+    # Behind the event seven, and their end: three tokens that each take one internal step, in any order.
     builder = NetBuilder("cube", priorities=True)
     builder.place("begin", initial=1)
     for i in range(3):
@@ -183,10 +183,11 @@ def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
     assert explore(net).states == 9
 
     def built(max_states: int) -> None:
-        monkeypatch.setattr("mcpn.space.stable.alternatives.DEFAULT_MAX_TRANSIENT", max_states)
+        monkeypatch.setattr("mcpn.space.stable.faults.TRANSIENT_OF_A_STATE", 0)
+        monkeypatch.setattr("mcpn.space.stable.faults.LEAST_TRANSIENT", max_states)
         assert direct(net).states == 2
 
-    assert_exact(built, 9, "more than {limit} markings behind events")
+    assert_exact(built, 7, "more than {limit} transient markings")
 
 
 @pytest.mark.parametrize(
