@@ -18,7 +18,6 @@ from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
 from mcpn.steps import step
 
@@ -215,8 +214,11 @@ def markings_by(
     if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
-        listed = explore_markings if tokens else explore
-        return ArraySpace(listed(net, max_states=by.limit, progress=progress))
+        if not tokens:
+            return ArraySpace(explore(net, max_states=by.limit, progress=progress))
+        from mcpn.space.markings.counted import explore_markings
+
+        return ArraySpace(explore_markings(net, max_states=by.limit, progress=progress))
     return DiagramMarkings(reach_markings(net) if tokens else reach(net))
 
 
