@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from random import Random
 
 from mcpn._kernel import force as kernel_force
 from mcpn.errors import InputError, Problem, Source
@@ -101,6 +100,8 @@ def write_order(path: Path, net: PetriNet, order: Order, name: str) -> None:
 
 def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
     if seed is not None:
+        from random import Random
+
         start = list(range(len(net.places)))
         Random(seed).shuffle(start)
         yield f"force-seed-{seed}", force(net, tuple(start))
