@@ -18,14 +18,14 @@ from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order, candidates
-from mcpn.space.diagrams.symbolic import Encode, SymbolicSpace, close, unstable_where
+from mcpn.space.diagrams.symbolic import Encode, Listed, SymbolicSpace, close, unstable_where
 from mcpn.space.markings.explicit import Counts, KernelNet
 
 if TYPE_CHECKING:
     from mcpn._kernel import Explorer
 
 EXPLORER_RANK = 2
-FIRINGS_OF_A_STEP = 4
+FIRINGS_OF_A_STEP = 8
 """About how many firings of an exploration take the time of one step of a closure."""
 
 LEAST_STEPS = 50_000
@@ -36,6 +36,9 @@ WITHIN_REACH = 6.0
 
 FARTHEST = 7.0
 """Doublings beyond which the progress of a closure says nothing."""
+
+FIRST_LOOK = 1_000_000
+"""Steps of a closure before which its progress says nothing."""
 
 LEAST_PROGRESS = 1 / 50
 """What share of all levels a doubling must close for the progress of a closure to say something."""
@@ -104,7 +107,7 @@ class ByOrder:
 
     def _look_out(self, steps: int, levels: int, left: int) -> None:
         self._spent += steps
-        if self._seen_at and self._spent < 2 * self._seen_at:
+        if self._spent < max(FIRST_LOOK, 2 * self._seen_at):
             return
         self.outlook = inf
         if self._seen_at:
@@ -171,10 +174,13 @@ class OneByOne:
         encoding = self._encoding = Encoding(self.net, self.order, self.memory_limit)
         if self._cancelled:
             raise Cancelled
-        reachable = encoding.store.from_markings(found.take_markings(), encoding.places)
-        stable = reachable.without(unstable_where(encoding)) if self.net.priorities else None
         name = f"{self.name}, after exploring one by one"
         sizes = Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
+        listed = Listed(found.take_markings())
+        if not self.net.priorities:
+            return SymbolicSpace(encoding, listed, None, name, self.order, 0, sizes)
+        reachable = listed.put_on(encoding)
+        stable = reachable.without(unstable_where(encoding))
         return SymbolicSpace(encoding, reachable, stable, name, self.order, encoding.store.peak_nodes, sizes)
 
     def _look_out(self, explored: int, fresh: int) -> None:

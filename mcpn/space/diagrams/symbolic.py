@@ -33,13 +33,29 @@ Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
 
 
+class Listed:
+    """Markings that were listed one by one: rows of bits, put on a diagram when it is asked for.
+
+    Args:
+        rows: As :meth:`mcpn._kernel.Exploration.take_markings` gives them.
+    """
+
+    def __init__(self, rows: Any) -> None:
+        self._rows = rows
+
+    def put_on(self, encoding: Encoding) -> Zdd:
+        """The diagram of these markings; the rows are given up."""
+        rows, self._rows = self._rows, None
+        return encoding.store.from_markings(rows, encoding.places)
+
+
 @dataclass(frozen=True)
 class SymbolicSpace:
     """The reachable markings of a net.
 
     Args:
         encoding: The net on the levels of the store.
-        reachable: The reachable markings.
+        reached: The reachable markings, as a diagram or as a list that becomes one when it is asked for.
         stable: Those that enable no internal transition, where the net has priorities.
         order: The order's name.
         places: The order itself.
@@ -48,7 +64,7 @@ class SymbolicSpace:
     """
 
     encoding: Encoding
-    reachable: Zdd
+    reached: Zdd | Listed
     stable: Zdd | None
     order: str
     places: Order
@@ -63,6 +79,26 @@ class SymbolicSpace:
             *(self.encoding.memory_limit, self.encoding.counters),
         )
         return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
+
+    @cached_property
+    def reachable(self) -> Zdd:
+        """The reachable markings.
+
+        Raises:
+            LimitError: They were listed, and their diagram does not fit into memory.
+        """
+        if isinstance(self.reached, Zdd):
+            return self.reached
+        try:
+            return self.reached.put_on(self.encoding)
+        except MemoryLimit as error:
+            raise LimitError(str(error)) from error
+
+    @property
+    def nodes(self) -> int | None:
+        """Nodes of the diagram, where there is one."""
+        drawn = isinstance(self.reached, Zdd) or "reachable" in vars(self)
+        return self.reachable.nodes() if drawn else None
 
     @cached_property
     def states(self) -> int:
@@ -201,7 +237,7 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
         return None
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    for candidate in islice(candidates(net, None), 0, 3, 2):  # the second is the first reversed
+    for candidate in islice(candidates(net, None), 2):
         try:
             space = close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
             refuse_unsafe(space)
