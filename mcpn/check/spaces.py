@@ -214,7 +214,7 @@ def markings_by(
     if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
-        if not tokens:
+        if not tokens or net.priorities:  # the net must be 1-safe
             return ArraySpace(explore(net, max_states=by.limit, progress=progress))
         from mcpn.space.markings.counted import explore_markings
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
-from random import Random
 
 from mcpn._kernel import closing as kernel_closing
 from mcpn._kernel import force as kernel_force
@@ -107,6 +106,8 @@ def write_order(path: Path, net: PetriNet, order: Order, name: str) -> None:
 
 def _drawn(net: PetriNet, seed: int | None) -> Iterator[tuple[str, Order]]:
     if seed is not None:
+        from random import Random
+
         start = list(range(len(net.places)))
         Random(seed).shuffle(start)
         yield f"force-seed-{seed}", force(net, tuple(start))
