@@ -200,7 +200,12 @@ def markings_by(
 
         listed = explore_markings if tokens else explore
         return ArraySpace(listed(net, max_states=by.limit, progress=progress))
-    return DiagramMarkings(reach_markings(net) if tokens else reach(net))
+    space = reach_markings(net) if tokens else reach(net)
+    if by.why is not None and space.listed is not None:  # no diagram was asked for by name
+        from mcpn.space.arrays import ArraySpace
+
+        return ArraySpace(space.listed)
+    return DiagramMarkings(space)
 
 
 def alternatives_by(

@@ -154,7 +154,8 @@ class OneByOne:
         if steps < self.least_steps:
             raise BudgetExceeded(f"{steps} steps are too few to begin")
         if self._explorer is None:
-            self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit)
+            edges = not self.net.priorities  # formulas may be asked of the graph
+            self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit, edges)
         if self._cancelled:
             raise Cancelled
         explorer = self._explorer
@@ -171,10 +172,13 @@ class OneByOne:
         encoding = self._encoding = Encoding(self.net, self.order, self.memory_limit)
         if self._cancelled:
             raise Cancelled
-        reachable = encoding.store.from_markings(found.take_markings(), encoding.places)
-        stable = reachable.without(unstable_where(encoding)) if self.net.priorities else None
         name = f"{self.name}, after exploring one by one"
         sizes = Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
+        graph = prepared.graph(found)
+        if len(graph.offsets):
+            return SymbolicSpace(encoding, None, None, name, self.order, 0, sizes, graph)
+        reachable = encoding.store.from_markings(graph.markings, encoding.places)
+        stable = reachable.without(unstable_where(encoding)) if self.net.priorities else None
         return SymbolicSpace(encoding, reachable, stable, name, self.order, encoding.store.peak_nodes, sizes)
 
     def _look_out(self, explored: int, fresh: int) -> None:

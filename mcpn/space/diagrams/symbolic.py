@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain, islice
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
@@ -22,6 +22,9 @@ from mcpn.space.diagrams.order import Order, candidates
 from mcpn.space.diagrams.race import FIRST_BUDGET, Race, cores
 from mcpn.space.markings.explicit import Counts
 from mcpn.space.markings.firing import unsafe_at_start
+
+if TYPE_CHECKING:
+    from mcpn.space.markings.graph import StateGraph
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 2_000_000
@@ -38,21 +41,34 @@ class SymbolicSpace:
 
     Args:
         encoding: The net on the levels of the store.
-        reachable: The reachable markings.
+        made: The reachable markings, unless they are listed.
         stable: Those that enable no internal transition, where the net has priorities.
         order: The order's name.
         places: The order itself.
         peak_nodes: Most nodes at once while they were reached.
         explored: The sizes, where the markings were explored one by one.
+        listed: Their graph then, if it fits.
     """
 
     encoding: Encoding
-    reachable: Zdd
+    made: Zdd | None
     stable: Zdd | None
     order: str
     places: Order
     peak_nodes: int
     explored: Counts | None = None
+    listed: StateGraph | None = None
+
+    @cached_property
+    def reachable(self) -> Zdd:
+        """The reachable markings."""
+        if self.made is not None:
+            return self.made
+        assert self.listed is not None, "markings are made or listed"
+        try:
+            return self.encoding.store.from_markings(self.listed.markings, self.encoding.places)
+        except MemoryLimit as error:
+            raise LimitError(str(error)) from error
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
