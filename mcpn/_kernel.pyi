@@ -1,6 +1,7 @@
 """Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets."""
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -276,8 +277,12 @@ class Exploration:
         """Most tokens by place, of a :class:`CountedNet`."""
 
     @property
-    def trouble(self) -> tuple[int, int, bool] | None:
-        """Where it ended early: a state, the transition fired there, and whether what followed is endless."""
+    def trouble(self) -> tuple[int, list[int], Literal["unsafe", "endless", "parted"]] | None:
+        """Where it ended early: a state, the firings from there on, and what the last of them is.
+
+        It is unsafe; or it closes a circle of internal firings; or it and the one before it are two ways from
+        one marking, each to one stable end, and not to the same.
+        """
 
     def run(self, state: int) -> list[int]:
         """The transitions by which a state was found: a shortest run."""
@@ -353,11 +358,17 @@ class SafeNet:
     def settle(
         self,
         initial: Sequence[int],
+        every: bool,
         max_states: int,
+        max_transient: int,
         max_bytes: int,
         progress: Callable[[int, int], object] | None = ...,
     ) -> Exploration:
-        """Stable markings and events only: each event is run to completion along one interleaving."""
+        """Stable markings and events only, of a net with priorities.
+
+        Each event is run to completion along one interleaving, or along every one, which proves that all have
+        one end. A run along one interleaving that is very long is called endless, too.
+        """
 
 class CountedNet:
     """A net with several tokens in a place; a marking is a row of words, a field for each place.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Mapping
 from errno import ENOTDIR
 from pathlib import Path
@@ -48,9 +47,11 @@ def write_atomically(path: Path, data: bytes | str) -> None:
     Raises:
         InputError: It cannot be written; what stood there before is untouched.
     """
+    from tempfile import mkstemp  # which loads what packs and unpacks archives
+
     try:
         content = data.encode() if isinstance(data, str) else data
-        handle, beside = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        handle, beside = mkstemp(prefix=f".{path.name}.", dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(content)

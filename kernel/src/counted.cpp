@@ -55,7 +55,7 @@ Exploration CountedNet::explore(const std::vector<std::int64_t>& initial, bool e
     for (const std::uint32_t t : enabled) {
       after = marking;
       if (!fire(after.data(), rules_[t])) {
-        found.trouble = {state, t, false};
+        found.trouble = {state, {t}, "unsafe"};
         return found;
       }
       const State target = table.number(after.data(), state, t);

@@ -12,7 +12,6 @@ namespace mcpn {
 
 namespace {
 
-constexpr std::uint32_t kMostSteps = 100'000;  // internal firings in a row before they are taken for endless
 constexpr std::size_t kBatch = 256;  // firings whose results are looked up together, and states that they are of
 constexpr std::uint32_t kBatchesFromLookToLook = 64;
 
@@ -20,6 +19,7 @@ template <class F> void each_bit(const std::vector<Word>& bits, F body) {
   for (std::uint32_t w = 0; w < bits.size(); ++w)
     for (Word left = bits[w]; left; left &= left - 1) body(w * 64 + std::uint32_t(std::countr_zero(left)));
 }
+
 
 }  // namespace
 
@@ -168,7 +168,7 @@ template <unsigned kWords> void Explorer::spread() {
       std::copy_n(marking, words, after);
       if (!net_.fire(after, t)) {
         after_.resize(at);
-        found_.trouble = {next_, t, false};
+        found_.trouble = {next_, {t}, "unsafe"};
         return;
       }
       const std::uint64_t hashed = hash_words(after, words);
@@ -212,71 +212,6 @@ std::vector<std::uint32_t> SafeNet::labels(const Word* markings, std::size_t sta
     std::fill(enabled.begin(), enabled.end(), 0);
     if (!collect(markings, first_, enabled) && priorities_) collect(markings, second_, enabled);
     each_bit(enabled, [&](std::uint32_t t) { found.push_back(t); });
-  }
-  return found;
-}
-
-// Fires internal transitions until none is enabled; `enabled` holds those that are, and is empty at the end.
-bool SafeNet::complete(std::vector<Word>& marking, std::vector<Word>& enabled, std::uint32_t fired,
-                       std::optional<bool>& trouble) const {
-  for (std::uint32_t step = 0;; ++step) {
-    for (const std::uint32_t t : losers_[fired]) enabled[t / 64] &= ~(Word(1) << t % 64);
-    for (const std::uint32_t t : winners_[fired])
-      if (covers(marking.data(), t)) enabled[t / 64] |= Word(1) << t % 64;
-    const auto lowest = std::find_if(enabled.begin(), enabled.end(), [](Word word) { return word != 0; });
-    if (lowest == enabled.end()) return true;
-    if (step > kMostSteps) {
-      trouble = true;
-      return false;
-    }
-    fired = std::uint32_t(lowest - enabled.begin()) * 64 + std::uint32_t(std::countr_zero(*lowest));
-    if (!fire(marking.data(), fired)) {
-      trouble = false;
-      return false;
-    }
-  }
-}
-
-Exploration SafeNet::settle(const std::vector<std::uint32_t>& initial, const Limits& limits) const {
-  Exploration found;
-  found.words = words_;
-  StateTable table(found, limits);
-  std::optional<bool> trouble;
-  std::vector<Word> enabled(firings_.size() / 64 + 1), running(enabled.size()), after = marking_of(initial);
-  if (collect(after.data(), first_, running)) {
-    const auto lowest = std::find_if(running.begin(), running.end(), [](Word word) { return word != 0; });
-    const auto t = std::uint32_t(lowest - running.begin()) * 64 + std::uint32_t(std::countr_zero(*lowest));
-    if (!fire(after.data(), t) || !complete(after, running, t, trouble)) {
-      found.trouble = {0, t, trouble.value_or(false)};
-      return found;
-    }
-  }
-  table.number(after.data(), 0, 0);
-  found.offsets.push_back(0);
-  std::vector<Word> marking(words_);
-  for (State state = 0; state < found.states(); ++state) {
-    std::copy_n(found.markings.data() + std::uint64_t(state) * words_, words_, marking.data());
-    std::fill(enabled.begin(), enabled.end(), 0);
-    collect(marking.data(), second_, enabled);
-    each_bit(enabled, [&](std::uint32_t t) {
-      if (found.trouble) return;
-      after = marking;
-      std::fill(running.begin(), running.end(), 0);
-      if (!fire(after.data(), t) || !complete(after, running, t, trouble)) {
-        found.trouble = {state, t, trouble.value_or(false)};
-        return;
-      }
-      const State target = table.number(after.data(), state, t);
-      if ((++found.edges & 0xFFF) == 0 && !limits.go_on(found.states(), found.edges)) throw Interrupted();
-      table.grow(found.targets, 1);
-      table.grow(found.labels, 1);
-      found.targets.push_back(target);
-      found.labels.push_back(t);
-    });
-    if (found.trouble) return found;
-    table.grow(found.offsets, 1);
-    found.offsets.push_back(found.edges);
-    if ((state & 0x3F) == 0x3F && !limits.go_on(found.states(), found.edges)) throw Interrupted();
   }
   return found;
 }

@@ -38,8 +38,8 @@ struct Exploration {
   std::vector<std::uint32_t> labels;   // of 1-safe nets by SafeNet::labels
   struct Trouble {
     State state;
-    std::uint32_t transition;
-    bool endless;  // else unsafe
+    std::vector<std::uint32_t> firings;  // from that state on
+    const char* kind;                    // what the last of them is: see settling.hpp
   };
   std::optional<Trouble> trouble;  // exploration ended there
 
@@ -65,12 +65,9 @@ class SafeNet {
   // The transitions on the edges of some markings, given as rows of words, in the order in which exploration lists them.
   std::vector<std::uint32_t> labels(const Word* markings, std::size_t states) const;
 
-  // Stable markings only, and the events between them: each event is run to completion along one interleaving,
-  // the lowest internal transition first. Sound where internal evolution is confluent.
-  Exploration settle(const std::vector<std::uint32_t>& initial, const Limits& limits) const;
-
  private:
   friend class Explorer;
+  friend class Settling;
   struct Part { std::uint32_t word; Word need, take, put; };  // of a transition in one word of a marking
   struct Level {                                               // transitions of one priority
     std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need
@@ -84,8 +81,6 @@ class SafeNet {
   }
   bool fire(Word* marking, std::uint32_t t) const;  // false: unsafe
   bool collect(const Word* marking, const Level& level, std::vector<Word>& enabled) const;
-  bool complete(std::vector<Word>& marking, std::vector<Word>& enabled, std::uint32_t fired,
-                std::optional<bool>& trouble) const;
   std::vector<Word> marking_of(const std::vector<std::uint32_t>& places) const;
 
   std::uint32_t places_, words_;

@@ -12,6 +12,7 @@
 
 #include "counted.hpp"
 #include "explorer.hpp"
+#include "settling.hpp"
 #include "store.hpp"
 
 namespace nb = nanobind;
@@ -182,9 +183,9 @@ void bind_explorer(nb::module_& module) {
       .def_ro("stable", &Exploration::stable)
       .def_ro("most_tokens", &Exploration::most_tokens)
       .def_ro("bounds", &Exploration::bounds)
-      .def_prop_ro("trouble", [](const Exploration& e) -> std::optional<std::tuple<State, std::uint32_t, bool>> {
+      .def_prop_ro("trouble", [](const Exploration& e) -> std::optional<std::tuple<State, Places, const char*>> {
         if (!e.trouble) return std::nullopt;
-        return std::tuple(e.trouble->state, e.trouble->transition, e.trouble->endless);
+        return std::tuple(e.trouble->state, e.trouble->firings, e.trouble->kind);
       })
       .def("run", [](const Exploration& e, State state) {
         std::vector<std::uint32_t> fired;
@@ -230,10 +231,12 @@ void bind_explorer(nb::module_& module) {
         if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
         return array(net.labels(markings.data(), markings.shape(0)));
       }, nb::arg("markings"))
-      .def("settle", [](const SafeNet& net, const Places& initial, std::uint64_t max_states, std::uint64_t max_bytes,
-                        const nb::object& progress) {
-        return run([&](const Limits& limits) { return net.settle(checked(net, initial), limits); }, max_states, max_bytes, progress);
-      }, nb::arg("initial"), nb::arg("max_states"), nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
+      .def("settle", [](const SafeNet& net, const Places& initial, bool every, std::uint64_t max_states,
+                        std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
+        return run([&](const Limits& limits) { return Settling(net, every, limits, max_transient).run(checked(net, initial)); },
+                   max_states, max_bytes, progress);
+      }, nb::arg("initial"), nb::arg("every"), nb::arg("max_states"), nb::arg("max_transient"), nb::arg("max_bytes"),
+         nb::arg("progress").none() = nb::none());
 
   nb::class_<CountedNet>(module, "CountedNet")
       .def("__init__", [](CountedNet* self, const std::vector<Field>& fields, const std::vector<Counted>& transitions,

@@ -203,16 +203,27 @@ struct Checker::Search {
 
 bool Checker::until(std::uint32_t number, std::uint32_t start) {
   const std::uint32_t left = operators_[number].inside[0], right = operators_[number].inside[1];
+  return search(number, start, false, [&](std::uint32_t state) {
+    return holds(right, state) ? Met::end : holds(left, state) ? Met::way : Met::wall;
+  });
+}
+
+bool Checker::always(std::uint32_t number, std::uint32_t start) {
+  const std::uint32_t operand = operators_[number].inside[0];
+  return search(number, start, true, [&](std::uint32_t state) { return holds(operand, state) ? Met::way : Met::wall; });
+}
+
+// Whether a path leads along ways to an end, or, where paths may stay, to a circle or to where nothing may fire.
+template <class Look> bool Checker::search(std::uint32_t number, std::uint32_t start, bool may_stay, Look look) {
   Search search(*this);
   for (std::uint32_t state = start;;) {  // a marking that the search has not entered and whose value is not known
-    bool success = false;
-    if (holds(right, state)) {
-      learn(number, state, true);
-      success = true;
-    } else if (holds(left, state)) {
+    const Met met = look(state);
+    bool success = met == Met::end;
+    if (met == Met::way) {
       search.enter(state);
+      success = may_stay && out_[state].count == 0;
     } else {
-      learn(number, state, false);
+      learn(number, state, success);
     }
     for (bool fresh = false; !success && !fresh;) {
       if (search.path.empty()) return false;
@@ -222,38 +233,8 @@ bool Checker::until(std::uint32_t number, std::uint32_t start) {
       } else if (const auto value = known(number, state)) {
         success = *value;
       } else if (const std::uint32_t at = search.number(state)) {
+        success = may_stay;  // a circle
         search.path.back().low = std::min(search.path.back().low, at);
-      } else {
-        fresh = true;
-      }
-    }
-    if (success) {
-      search.succeed(number);
-      return true;
-    }
-  }
-}
-
-bool Checker::always(std::uint32_t number, std::uint32_t start) {
-  const std::uint32_t operand = operators_[number].inside[0];
-  Search search(*this);
-  for (std::uint32_t state = start;;) {
-    bool success = false;
-    if (holds(operand, state)) {
-      search.enter(state);
-      success = out_[state].count == 0;  // a run that ends here
-    } else {
-      learn(number, state, false);
-    }
-    for (bool fresh = false; !success && !fresh;) {
-      if (search.path.empty()) return false;
-      state = search.next();
-      if (state == kNone) {
-        search.leave(number);
-      } else if (const auto value = known(number, state)) {
-        success = *value;
-      } else if (search.number(state)) {
-        success = true;  // a cycle
       } else {
         fresh = true;
       }

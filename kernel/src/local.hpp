@@ -39,15 +39,16 @@ class Checker {
   struct Out { std::uint64_t begin; std::uint32_t count = kNone; };
   struct Frame { std::uint32_t state, next, first, low; };
   struct Search;
+  enum class Met : std::uint8_t { wall, way, end };  // what a search does with a marking: turn back, go on, succeed
 
   void begin();
   bool holds(std::uint32_t number, std::uint32_t state);
   bool holds_goal(std::uint32_t node, std::uint32_t state);
   bool until(std::uint32_t number, std::uint32_t state);
   bool always(std::uint32_t number, std::uint32_t state);
+  template <class Look> bool search(std::uint32_t number, std::uint32_t start, bool may_stay, Look look);
   const Out& expand(std::uint32_t state);
   std::uint32_t target(std::uint32_t state, std::uint32_t edge);
-  Frame entered(std::uint32_t state, std::uint32_t number);
   std::optional<bool> known(std::uint32_t number, std::uint32_t state) const;
   void learn(std::uint32_t number, std::uint32_t state, bool value);
   void step();
@@ -57,7 +58,7 @@ class Checker {
   Marking initial_;
   Goals goals_;
   std::vector<Operator> operators_;
-  std::uint64_t max_bytes_, steps_ = 0, most_steps_ = 0, seed_ = 0, edge_bytes_ = 0;
+  std::uint64_t max_bytes_, steps_ = 0, most_steps_ = 0, seed_ = 0;
   std::size_t width_ = 0;  // of kWidths
   const GoOn* go_on_ = nullptr;
   std::unique_ptr<Packed> packed_;

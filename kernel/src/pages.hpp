@@ -61,6 +61,8 @@ template <class T> class Appended {
 
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
+  T& operator[](std::size_t at) { return values_[at]; }
+  const T& operator[](std::size_t at) const { return values_[at]; }
   void push_back(T value) {
     if (size_ == capacity_) reserve(capacity_ + capacity_ / 4 + 1024);
     values_[size_++] = value;

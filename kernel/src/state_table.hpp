@@ -18,7 +18,9 @@ template <class V> std::uint64_t room(const V& values) { return values.capacity(
 // beside the number, so that most other markings are told apart without being looked at, and none is hashed again.
 class StateTable {
  public:
-  StateTable(Exploration& found, const Limits& limits) : found_(found), limits_(limits), slots_(1u << 16, kFree) {}
+  // What it holds is named in errors; what stands beside it counts towards the same limit on memory.
+  StateTable(Exploration& found, const Limits& limits, const char* what = "states", const StateTable* beside = nullptr)
+      : found_(found), limits_(limits), what_(what), beside_(beside), slots_(1u << 16, kFree) {}
 
   std::uint64_t hash(const Word* marking) const { return hash_words(marking, found_.words); }
 
@@ -41,7 +43,7 @@ class StateTable {
         return State(slots_[at]);
     const State state = State(found_.states());
     if (state >= limits_.states)
-      throw StateLimit("more than " + std::to_string(limits_.states) + " states: the limit on states was hit");
+      throw StateLimit("more than " + std::to_string(limits_.states) + " " + what_ + ": the limit on states was hit");
     if (state == ~State(0) - 1) throw StateLimit("more states than 32 bits can name");
     grow(found_.markings, words);
     grow(found_.parents, 1);
@@ -81,9 +83,9 @@ class StateTable {
 
  private:
   void require(std::uint64_t more) const {
-    if (bytes() + more > limits_.bytes)
+    if (bytes() + (beside_ ? beside_->bytes() : 0) + more > limits_.bytes)
       throw MemoryLimit("more than " + std::to_string(limits_.bytes) + " bytes: the limit on memory was hit at " +
-                        std::to_string(found_.states()) + " states");
+                        std::to_string(found_.states()) + " " + what_);
   }
   static bool same(const Word* marking, const Word* known, std::uint64_t words) {
     for (std::uint64_t i = 0; i < words; ++i)
@@ -107,6 +109,8 @@ class StateTable {
   static constexpr std::uint64_t kFree = ~0ull, kSpread = 0x9E3779B97F4A7C15ull;
   Exploration& found_;
   const Limits& limits_;
+  const char* what_;
+  const StateTable* beside_;
   Table<std::uint64_t> slots_;
   int shift_ = 64 - 16;  // as many bits of a place as there are slots
 };

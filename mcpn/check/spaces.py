@@ -18,7 +18,6 @@ from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.markings.counted import explore_markings
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
 from mcpn.steps import step
 
@@ -36,6 +35,9 @@ Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
 
 SMALL = 100_000
 """Markings up to which a markings graph is listed without being asked for."""
+
+TRANSIENT = 40
+"""Markings to expect for each section and set of hardware; missions have 50 to 1,000."""
 
 Found = TypeVar("Found")
 
@@ -110,11 +112,11 @@ def _choices(
         yield Choice("explicit", max_states=max_states)
         return
     limit = SMALL if max_states is None else min(SMALL, max_states)
-    many = _too_much_hardware(mission_net, limit)
+    sections = len(mission_net.graph.sections)
+    many = _too_much_hardware(mission_net, limit) or _many_sections(mission_net)
     if many is None:
         yield Choice("explicit", "the markings graph is small", limit, brief=True)
         many = f"there are more than {limit} markings"
-    sections = len(mission_net.graph.sections)
     own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
     yield Choice("local", f"{many}, so {own} explored on its own", max_states)
     yield Choice("symbolic", max_states=max_states)
@@ -127,6 +129,20 @@ def _too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
     """
     faulty = sum(h.faulty for h in mission_net.mission.hardware)
     return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
+
+
+def _many_sections(mission_net: MissionNet) -> str | None:
+    """Why a mission is not expected to be small, where that is not worth finding out by listing.
+
+    In each section that is entered any set of hardware may be out of service, each in a stable state of its
+    own, with transient markings on the ways to it.
+    """
+    faulty, sections = sum(h.faulty for h in mission_net.mission.hardware), len(mission_net.graph.sections)
+    if 2**faulty * sections * TRANSIENT <= SMALL:
+        return None
+    return (
+        f"{faulty} hardware resources that may fail in {sections} sections are expected to have many markings"
+    )
 
 
 def space_of(
@@ -198,8 +214,11 @@ def markings_by(
     if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
-        listed = explore_markings if tokens else explore
-        return ArraySpace(listed(net, max_states=by.limit, progress=progress))
+        if not tokens:
+            return ArraySpace(explore(net, max_states=by.limit, progress=progress))
+        from mcpn.space.markings.counted import explore_markings
+
+        return ArraySpace(explore_markings(net, max_states=by.limit, progress=progress))
     space = reach_markings(net) if tokens else reach(net)
     if by.why is not None and space.listed is not None:  # no diagram was asked for by name
         from mcpn.space.arrays import ArraySpace

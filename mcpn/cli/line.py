@@ -4,21 +4,56 @@ from __future__ import annotations
 
 import os
 import sys
-import traceback
-from collections.abc import Sequence
+from collections import UserDict
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from importlib import import_module
 from typing import Any
 
 import click
 
 from mcpn import __version__
-from mcpn.cli import begin, causes, check, ctl, outputs, report, simulate, spaces
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
 from mcpn.report.terminal import plain
 
 TRACEBACK = "MCPN_TRACEBACK"
 """Variable of the environment that shows where an internal error comes from."""
+
+
+COMMANDS = {
+    "alternatives": "spaces",
+    "causes": "causes",
+    "check": "check",
+    "compare": "spaces",
+    "controller": "outputs",
+    "convert": "outputs",
+    "ctl": "ctl",
+    "init": "begin",
+    "report": "report",
+    "schema": "begin",
+    "simulate": "simulate",
+    "states": "spaces",
+}
+"""By command, the module of this package that has it."""
+
+
+class _Commands(UserDict[str, click.Command]):
+    """The commands, each loaded when it is asked for."""
+
+    def __missing__(self, name: str) -> click.Command:
+        command: click.Command = getattr(import_module(f"mcpn.cli.{COMMANDS[name]}"), name)
+        self[name] = command
+        return command
+
+    def __contains__(self, name: object) -> bool:
+        return name in COMMANDS
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
 
 
 class _CommandLine(click.Group):
@@ -39,27 +74,10 @@ class _CommandLine(click.Group):
             ctx.exit(EXIT_FAILED)
 
 
-@click.group(cls=_CommandLine, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_CommandLine, commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mcpn")
 def command_line() -> None:
     """Verify robot missions and generate their controllers."""
-
-
-for command in (
-    check.check,
-    causes.causes,
-    spaces.states,
-    spaces.alternatives,
-    ctl.ctl,
-    outputs.controller,
-    outputs.convert,
-    report.report,
-    simulate.simulate,
-    spaces.compare,
-    begin.init,
-    begin.schema,
-):
-    command_line.add_command(command)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -110,7 +128,9 @@ def _answer(arguments: list[str]) -> int:
     except Exception as error:
         if os.environ.get(TRACEBACK):
             raise
-        last = traceback.extract_tb(error.__traceback__)[-1]
+        from traceback import extract_tb
+
+        last = extract_tb(error.__traceback__)[-1]
         where = f"{os.path.basename(last.filename)}:{last.lineno}"
         what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         _tell(f"internal error, a fault of mcpn: {what} ({where}; {TRACEBACK}=1 shows where it comes from)")

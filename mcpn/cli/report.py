@@ -128,7 +128,7 @@ def findings(
         checked = check(mission_net, engine=engine, max_states=max_states, progress=steps.at)
     chosen = checked.choice.engine
     told = counted if chosen == "local" else exploring
-    warnings = [*map(str, (*find_warnings(mission_net.mission), *checked.unselectable))]
+    warnings = [*map(str, (*find_warnings(mission_net.usage), *checked.unselectable))]
     warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
         notes.append("No causes and no controller: the reaction to an event is not always the same.")

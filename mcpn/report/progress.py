@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import os
 import re
-import shutil
 import sys
 import threading
 import time
@@ -35,6 +34,8 @@ def progress_on_terminal(
     if sys.stderr is None or not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
         yield None
         return
+    from shutil import get_terminal_size  # which loads what packs and unpacks archives
+
     started = time.monotonic()
     latest = (0, 0)
     ended = threading.Event()
@@ -44,7 +45,7 @@ def progress_on_terminal(
         while not ended.wait(wait):
             wait = _TICK
             text = describe(*latest, time.monotonic() - started)
-            width = shutil.get_terminal_size().columns - 1
+            width = get_terminal_size().columns - 1
             sys.stderr.write(f"\r{text[:width]}\x1b[K")
             sys.stderr.flush()
         if time.monotonic() - started > SILENT_SECONDS:

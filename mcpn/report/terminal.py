@@ -8,9 +8,7 @@ whole and plain, so that other programs find names in them. ``COLUMNS`` in the e
 from __future__ import annotations
 
 import os
-import shutil
 import sys
-import textwrap
 from collections.abc import Sequence
 
 import click
@@ -36,6 +34,27 @@ def _decorated() -> bool:
     return wanted and sys.stdout is not None and sys.stdout.isatty()
 
 
+def _width() -> int:
+    """How many characters a line may have."""
+    from shutil import get_terminal_size  # which loads what packs and unpacks archives
+
+    return max(LEAST_WIDTH, get_terminal_size().columns)
+
+
+def _wrapped(text: str, width: int, first: int, others: int) -> list[str]:
+    """A text in lines, the first and the others with so many spaces before them; names are never broken."""
+    from textwrap import wrap
+
+    return wrap(
+        text,
+        width,
+        initial_indent=" " * first,
+        subsequent_indent=" " * others,
+        break_long_words=False,
+        break_on_hyphens=False,
+    ) or [""]
+
+
 class Terminal:
     """Standard output, for people."""
 
@@ -44,7 +63,7 @@ class Terminal:
         self.colour = _decorated()
         self.watched = sys.stdout is not None and sys.stdout.isatty()
         bounded = self.watched or "COLUMNS" in os.environ
-        self.width = max(LEAST_WIDTH, shutil.get_terminal_size().columns) if bounded else None
+        self.width = _width() if bounded else None
 
     def print(self, text: str = "", *, style: str | None = None, indent: int = 0, hang: int = 2) -> None:
         """Prints a text, wrapped between words; names are never broken.
@@ -58,14 +77,7 @@ class Terminal:
         text = plain(text)
         lines = [" " * indent + text]
         if self.width is not None:
-            lines = textwrap.wrap(
-                text,
-                self.width,
-                initial_indent=" " * indent,
-                subsequent_indent=" " * (indent + hang),
-                break_long_words=False,
-                break_on_hyphens=False,
-            ) or [""]
+            lines = _wrapped(text, self.width, indent, indent + hang)
         for line in lines:
             click.echo(self._styled(line, style), color=self.colour)
 

@@ -181,7 +181,7 @@ def static_warnings(mission_net: MissionNet) -> list[str]:
     from mcpn.mission.facts.warnings import find_warnings
 
     contentions = (f"{c.source}: {c}" for c in mission_net.usage.contentions)
-    return list(dict.fromkeys([*map(str, find_warnings(mission_net.mission)), *contentions]))
+    return list(dict.fromkeys([*map(str, find_warnings(mission_net.usage)), *contentions]))
 
 
 def _sizes(check: MissionCheck, seconds: float) -> str:

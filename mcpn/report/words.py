@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from mcpn.check.verdicts.modes import Mode, Situation, said_by
-from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.run import Run
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
 
 
 def in_words(mission_net: MissionNet, run: Run) -> Iterator[tuple[Event | str, str]]:

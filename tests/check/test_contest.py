@@ -152,7 +152,7 @@ def test_what_was_listed_before_a_diagram_held_it_answers_the_same(
         asked = read(formula, net)
         assert questions.evaluation.holds(asked) == (net.initial in satisfying(formula, net, edges))
         assert {
-            questions.space.marking(s) for s in np.flatnonzero(questions.evaluation.states(asked).mask)
+            questions.space.marking(int(s)) for s in np.flatnonzero(questions.evaluation.states(asked).mask)
         } == (satisfying(formula, net, edges))
     sums = [Counter(data.draw(st.lists(st.sampled_from(range(len(net.places)))))) for _ in range(2)]
     for weights in sums:

@@ -58,7 +58,7 @@ def staying(edges: Edges, along: set[int]) -> set[int]:
 def compare(states: int, edges: Edges, goal: set[int], along: set[int]) -> None:
     graph = listed(states, edges)
     inside, wanted = mask(states, along), mask(states, goal)
-    rows = graph.offsets, graph.targets
+    rows = graph.offsets, graph.targets.astype(np.uint32)
     back = _kernel.incoming(*rows)
     assert members(graph.before(wanted)) == {s for s, t in edges if t in goal}
     found = reaching(edges, goal, along)

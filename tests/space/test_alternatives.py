@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.markings.explicit import explore
 from mcpn.space.markings.graph import StateGraph
+from mcpn.space.stable import faults
 from mcpn.space.stable.alternatives import by_reduction, direct
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
@@ -93,7 +95,10 @@ def test_premises_are_decided_as_by_plain_search(drawn: PetriNet) -> None:
             by_reduction(graph)
         with pytest.raises(expected) as walked:
             direct(net)
-        for caught in (reduced.value, walked.value):
+        # As where too much is behind the event to be listed.
+        with pytest.raises(expected) as kept, mock.patch.object(faults, "MOST_LISTED", 0):
+            direct(net)
+        for caught in (reduced.value, walked.value, kept.value):
             if isinstance(caught, DivergenceError):
                 assert divergent
                 check_divergence(net, caught)

@@ -12,12 +12,12 @@ from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot, Software
 from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import Event
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.markings.explicit import explore
 from mcpn.space.run import Completion
-from mcpn.space.stable.alternatives import by_reduction, direct, fault_after
+from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.space.stable.clash import Clash, Rival, explained, find_clash
+from mcpn.space.stable.faults import fault_after
 from mcpn.testing import missions
 from tests import small
 from tests.draws import fewer
@@ -45,14 +45,12 @@ def faults(net: PetriNet) -> list[SemanticsError]:
     """The error of each event that has not one outcome, behind those that have one."""
     completion, start, found = Completion(net), list(net.initial), list[SemanticsError]()
     deque(completion.settle(start), 0)
-    runs: dict[Marking, list[Event]] = {tuple(start): []}
+    runs: dict[Marking, list[int]] = {tuple(start): []}
     queue = deque(runs)
     while queue:
         marking = queue.popleft()
         for t in net.enabled(marking):
-            happened = net.transitions[t].event
-            assert happened is not None, "the marking is stable"
-            run = [*runs[marking], happened]
+            run = [*runs[marking], t]
             if (error := fault_after(net, run)) is not None:
                 found.append(error)
             elif (after := completion.after(marking, t)[1]) not in runs:

@@ -26,6 +26,7 @@ from mcpn.space.stable.confluence import (
     open_conflicts,
     proof_by_joining,
 )
+from mcpn.space.stable.faults import fault_after
 from mcpn.space.stable.nearest import fault_by, nearest_fault
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
@@ -269,15 +270,18 @@ def test_a_fault_before_any_event_is_the_nearest() -> None:
     assert "at the start the outcome depends" in str(error)
 
 
-def test_a_run_of_events_ends_at_the_first_that_has_two_outcomes() -> None:
+@pytest.mark.parametrize("fault", [fault_by, fault_after])
+def test_a_run_of_events_ends_at_the_first_that_has_two_outcomes(
+    fault: Callable[[PetriNet, list[int]], SemanticsError | None],
+) -> None:
     net = torn_behind(("A", "B"), ("C",))
-    first, last, other, none = map(Event.parse, ("A", "B", "C", "NONE"))
-    assert fault_by(net, []) is None
-    assert fault_by(net, [first]) is None
-    for run in ([first, last], [first, last, none], [other], [other, none]):
-        error = fault_by(net, run)
+    first, last, other = (net.transition_index[name] for name in ("A-B: A", "A-B: B", "C: C"))
+    assert fault(net, []) is None
+    assert fault(net, [first]) is None
+    for run, said in (([first, last], ("A", "B")), ([other], ("C",)), ([other, first], ("C",))):
+        error = fault(net, run)
         assert isinstance(error, ConfluenceError)
-        assert error.events == tuple(str(event) for event in run if event is not none)
+        assert error.events == said
 
 
 def test_without_a_diagram_it_is_proved_edge_by_edge(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable
 from functools import partial
 from itertools import combinations
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from mcpn._kernel import MemoryLimit, SafeNet
 from mcpn.check.spaces import Choice, space_of
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, UnboundedError
@@ -171,7 +173,7 @@ def test_siphons_traps_and_semiflows() -> None:
 
 
 def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
-    # The start, and behind the event eight: three tokens that each take one internal step, in any order.
+    # Behind the event seven, and their end: three tokens that each take one internal step, in any order.
     builder = NetBuilder("cube", priorities=True)
     builder.place("begin", initial=1)
     for i in range(3):
@@ -183,10 +185,29 @@ def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
     assert explore(net).states == 9
 
     def built(max_states: int) -> None:
-        monkeypatch.setattr("mcpn.space.stable.alternatives.DEFAULT_MAX_TRANSIENT", max_states)
+        monkeypatch.setattr("mcpn.space.stable.faults.TRANSIENT_OF_A_STATE", 0)
+        monkeypatch.setattr("mcpn.space.stable.faults.LEAST_TRANSIENT", max_states)
         assert direct(net).states == 2
 
-    assert_exact(built, 9, "more than {limit} markings behind events")
+    assert_exact(built, 7, "more than {limit} transient markings")
+
+
+def test_stable_and_transient_markings_share_the_memory() -> None:
+    # A ring: as many transient markings as stable ones, so that with them about twice the memory is needed.
+    size = 4000
+    steps = [([i], [i], [(i + 1) % (2 * size)], i % 2 == 1, False) for i in range(2 * size)]
+    net = SafeNet(2 * size, steps, True)
+
+    def least(every: bool) -> int:
+        def fits(limit: int) -> bool:
+            try:
+                return net.settle([0], every, size, size, limit).states == size
+            except MemoryLimit:
+                return False
+
+        return bisect_left(range(1 << 26), True, key=fits)
+
+    assert least(True) > 1.5 * least(False)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,19 @@
-"""Where two runs part: on any small graph of markings, against the definitions."""
+"""Where two runs part: on any small graph of markings, and on its net, against the definitions."""
 
 from __future__ import annotations
 
+from unittest import mock
+
+import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
+from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
+from mcpn.net.events import Event
+from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.space.stable import faults
+from mcpn.space.stable.alternatives import direct
+from mcpn.space.stable.faults import fault_after
 from mcpn.space.stable.parting import parting_runs
 
 Graph = dict[int, dict[int, int]]
@@ -69,3 +78,100 @@ def test_runs_part_at_two_transitions_that_decide_the_end(graph: Graph) -> None:
         after = markings[parted + 1]
         assert ends(graph, after) == {markings[-1]}
         assert len(run) == parted + 1 + distances(graph, after)[markings[-1]]
+
+
+def machine(graph: Graph, behind: int, *, beside: bool, overfull: int | None) -> PetriNet:
+    """The graph as a state machine that some events lead to.
+
+    Args:
+        graph: The graph.
+        behind: How many events.
+        beside: Whether another token takes one internal step meanwhile.
+        overfull: A marking from which a firing is unsafe.
+    """
+    builder = NetBuilder("machine", priorities=True)
+    places = [builder.place(f"m{marking}", initial=int(marking == behind == 0)) for marking in range(7)]
+    for number in range(behind):
+        builder.place(f"e{number}", initial=int(number == 0))
+    for number in range(behind):
+        after = f"e{number + 1}" if number + 1 < behind else places[0]
+        builder.transition(f"event{number}", consume=[f"e{number}"], produce=[after], event=Event.parse("E"))
+    for marking, successors in graph.items():
+        for t, successor in successors.items():
+            builder.transition(f"t{t}", consume=[places[marking]], produce=[places[successor]])
+    if beside:
+        builder.place("here", initial=1)
+        builder.place("there")
+        # First of all transitions by its name and last by its number: it comes into each run late.
+        builder.transition("along", consume=["here"], produce=["there"])
+    if overfull is not None:
+        builder.place("full", initial=1)
+        builder.transition("over", consume=[places[overfull]], produce=["full"])
+    return builder.build()
+
+
+@pytest.mark.parametrize("listed", [faults.MOST_LISTED, 0])
+@given(graphs(), st.integers(0, 2), st.booleans(), st.none() | st.integers(0, 6))
+def test_every_interleaving_is_judged(
+    listed: int, graph: Graph, behind: int, beside: bool, overfull: int | None
+) -> None:
+    if overfull not in graph:
+        overfull = None
+    net = machine(graph, behind, beside=beside, overfull=overfull)
+    events = [net.transition_index[f"event{number}"] for number in range(behind)]
+    cyclic, split = has_cycle(graph), len(ends(graph, 0)) > 1
+    possible: set[type[SemanticsError]] = {
+        kind
+        for kind, holds in (
+            (DivergenceError, cyclic),
+            (ConfluenceError, split),
+            (UnsafeError, overfull is not None),
+        )
+        if holds
+    }
+    event(f"{sorted(kind.__name__ for kind in possible)}")
+    with mock.patch.object(faults, "MOST_LISTED", listed):
+        told: list[SemanticsError | None] = [fault_after(net, events)]
+        try:
+            direct(net)
+        except SemanticsError as error:
+            told.append(error)
+        else:
+            told.append(None)
+    for found in told:
+        assert (found is None and not possible) or type(found) in possible
+        if isinstance(found, ConfluenceError):
+            decides(net, found)
+        elif isinstance(found, DivergenceError):
+            passed = fired(net, found.runs[0])
+            assert passed[-1] in passed[:-1]
+        elif isinstance(found, UnsafeError):
+            last = fired(net, found.run)[-1]
+            assert max(net.fire(last, net.transition_index[found.transition])) > 1
+
+
+def fired(net: PetriNet, run: tuple[str, ...]) -> list[tuple[int, ...]]:
+    passed = [net.initial]
+    for name in run:
+        assert net.transition_index[name] in net.enabled(passed[-1])
+        passed.append(net.fire(passed[-1], net.transition_index[name]))
+    return passed
+
+
+def decides(net: PetriNet, error: ConfluenceError) -> None:
+    """Behind the two transitions at which the runs part there is one end each, and not the same."""
+    one, other = (fired(net, run) for run in error.runs)
+    parted = next(i for i, (a, b) in enumerate(zip(*error.runs, strict=False)) if a != b)
+    assert one[-1] != other[-1]
+    for passed in (one, other):
+        assert net.transitions[net.enabled(passed[parted])[0]].internal
+        assert all(not net.transitions[t].internal for t in net.enabled(passed[-1]))
+        found, queue = set[tuple[int, ...]](), [passed[parted + 1]]
+        seen = set(queue)
+        for marking in queue:
+            internal = [t for t in net.enabled(marking) if net.transitions[t].internal]
+            found |= set() if internal else {marking}
+            new = {net.fire(marking, t) for t in internal} - seen
+            seen |= new
+            queue += sorted(new)
+        assert found == {passed[-1]}

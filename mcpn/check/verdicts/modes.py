@@ -11,11 +11,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import compress
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from mcpn.net.compose import MissionNet
-from mcpn.space.algebra import S, Space
 from mcpn.space.images import ImageStore
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+    from mcpn.space.algebra import S, Space
 
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""

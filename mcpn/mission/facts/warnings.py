@@ -13,17 +13,17 @@ MOST_NAMED = 3
 """How many copies of one objective a message names."""
 
 
-def find_warnings(mission: Mission) -> list[Problem]:
+def find_warnings(of: Mission | Usage) -> list[Problem]:
     """What is suspicious in a valid mission, though it can be verified as it stands.
 
     Args:
-        mission: A valid mission.
+        of: A valid mission, or its static facts where they are there.
 
     Returns:
         Activities that nothing starts, resources and protocols that nothing uses, events that interrupt
         nothing, objectives that no route reaches, alternatives that are never tried, each with its line.
     """
-    return in_order(_warnings(mission))
+    return in_order(_warnings(of if isinstance(of, Usage) else Usage(of, flatten(of))))
 
 
 def in_order(problems: Iterable[Problem]) -> list[Problem]:
@@ -61,9 +61,8 @@ def never_used(resource: Element) -> Problem:
     return Problem(resource.source, f"resource {resource.name} is never used")
 
 
-def _warnings(mission: Mission) -> Iterator[Problem]:
-    graph = flatten(mission)
-    usage = Usage(mission, graph)
+def _warnings(usage: Usage) -> Iterator[Problem]:
+    mission, graph = usage.mission, usage.graph
     started = frozenset(usage.started)
     ways = [way for name in started for way in usage.activities[name].alternatives]
     consumed = {resource for way in ways for resource in way.consumes}

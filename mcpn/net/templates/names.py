@@ -27,6 +27,7 @@ class Names:
     def __init__(self, elements: Iterable[tuple[str, str]]) -> None:
         self._owners: dict[str, tuple[str, str]] = {}
         self._resources: set[str] = set()
+        self._given: dict[tuple[str, ...], str] = {}
         for kind, name in elements:
             self._owners.setdefault(_stem(kind, name), (kind, name))
             if kind in ("hardware", "software"):
@@ -45,6 +46,12 @@ class Names:
             ``stem_part``, unless the stem is another element's, or text of this form may be another
             element's name with a part, or other resources would give the same text.
         """
+        whole = kind, element, *part
+        if whole not in self._given:
+            self._given[whole] = self._name(kind, element, *part)
+        return self._given[whole]
+
+    def _name(self, kind: str, element: str, *part: str) -> str:
         stem = _stem(kind, element)
         plain = "_".join((stem, *part))
         longer = _boundaries(plain, len(stem) + 1) if part else ()

@@ -6,15 +6,15 @@ places (:mod:`mcpn.space.diagrams.counters`), of the widths that :mod:`mcpn.spac
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
-from mcpn.space.diagrams.counters import MOST_BITS, TokenEncoding
 from mcpn.space.diagrams.order import Order
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, closure, reach
-from mcpn.space.markings.widths import Widths
-from mcpn.space.search.searches import Searches
+
+# Counters are loaded where a place may hold several tokens, as in missions none does.
 
 WALK_STEPS = 20_000
 """Firings of the walk that looks for a second token in a place before a net is taken for 1-safe."""
@@ -57,6 +57,8 @@ def reach_markings(
 
 def surely_unsafe(net: PetriNet) -> bool:
     """Whether the initial marking or a short walk puts several tokens in a place; it takes milliseconds."""
+    from mcpn.space.search.searches import Searches
+
     searches = Searches(net)
     return not searches.fits or searches.walk_unsafe(steps=WALK_STEPS) is not None
 
@@ -74,21 +76,28 @@ def reach_tokens(
         UnboundedError: The net is unbounded.
         LimitError: A limit was hit.
     """
+    from mcpn.space.diagrams.counters import MOST_BITS, TokenEncoding
+    from mcpn.space.markings.widths import Widths
+
     widths = Widths(net, first=FIRST_BITS, most=MOST_BITS)
     while True:
         encodes = [partial(TokenEncoding, widths=tuple(widths.bits), low_first=low) for low in (True, False)]
         space = closure(net, *encodes, order=order, seed=seed, memory_limit=memory_limit)
-        narrow = _overflowing(space)
+        assert isinstance(space.encoding, TokenEncoding), "asked for counters"
+        narrow = _overflowing(space, space.encoding.overflows)
         if not narrow:
             return space
         widths.widen(narrow)
 
 
-def _overflowing(space: SymbolicSpace) -> list[int]:
-    """Places in which some reachable firing would put more tokens than their counters can say."""
-    encoding = space.encoding
-    assert isinstance(encoding, TokenEncoding), "asked of counters"
-    left, found = list(encoding.overflows), list[int]()
+def _overflowing(space: SymbolicSpace, overflows: Iterable[tuple[int, int]]) -> list[int]:
+    """Places in which some reachable firing would put more tokens than their counters can say.
+
+    Args:
+        space: The reachable markings.
+        overflows: Places with the conditions of such firings.
+    """
+    left, found = list(overflows), list[int]()
     while left and (first := space.reachable.first([condition for _, condition in left])) >= 0:
         found.append(left[first][0])
         left = [pair for pair in left[first + 1 :] if pair[0] not in found]

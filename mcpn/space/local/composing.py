@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
@@ -26,11 +27,12 @@ from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junct
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
-from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph
 from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.confluence import direct_with_proof
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
+
+if TYPE_CHECKING:
+    from mcpn.space.stable.alternatives import AlternativesGraph
 
 
 def composite_space(
@@ -115,6 +117,9 @@ def local_graph(
         SemanticsError: It is not safe, or not confluent.
         LimitError: It has too many states.
     """
+    from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES  # which lists states in arrays
+    from mcpn.space.stable.confluence import direct_with_proof
+
     local = part_of(mission_net, name).net()
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_section(name), in_mission_words(local):

@@ -21,8 +21,8 @@ from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
 from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
-from mcpn.space.stable.alternatives import fault_after
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
+from mcpn.space.stable.faults import fault_after
 from mcpn.space.stable.joining import EndlessRun, parting_among
 from mcpn.space.stable.nearest import fault_by
 from mcpn.steps import step
@@ -105,7 +105,7 @@ def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None
     fired = [edge.transition for edge in run]
     for last in net.enabled(composite.marking(run[-1].target if run else begin)):
         if transition in (None, last):
-            events = [event for t in (*fired, last) if (event := net.transitions[t].event)]
+            events = [t for t in (*fired, last) if not net.transitions[t].internal]
             found = fault_by(net, events) or fault_after(net, events)
             if found is not None:
                 raise found

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
@@ -21,7 +21,9 @@ from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.local.layout import Layout, idle_places, remembered
-from mcpn.space.stable.alternatives import AlternativesGraph, direct
+
+if TYPE_CHECKING:
+    from mcpn.space.stable.alternatives import AlternativesGraph
 
 Exit = str
 """The role of the place that a section marks when it ends: ``success``, ``failure``, or a handler's."""
@@ -219,6 +221,8 @@ class SectionType:
 
     def listed(self) -> AlternativesGraph:
         """The stable states of the local net, one by one."""
+        from mcpn.space.stable.alternatives import direct  # which lists them in arrays
+
         # The composite has proved what the mission reaches confluent.
         return direct(self.net.net, proof=False, max_states=self.size)
 

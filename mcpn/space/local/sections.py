@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
@@ -178,17 +178,23 @@ class WholeNet:
         has the interfaces of its own activities alone: there names are compared.
         """
         net, theirs, ours = self.mission_net.net, self._elements(kind, type_), self._elements(kind, None)
+        drawn = cache(lambda: self._drawn(part, type_))
         found = [NOWHERE] * len(getattr(type_.net.net, kind))
         for element in names.keys() & theirs.keys():
             here, there = theirs[element], ours[names[element]]
             if len(there) != len(here):
-                same = part.net(self.templates)  # as the type's local net, place by place, but for names
-                own = getattr((mortal(same) if len(type_.layout.roles) > 1 else same).net, kind)
+                same_names = part.used is type_.part.used and names[element] == element
+                own = getattr((type_.net if same_names else drawn()).net, kind)
                 index = net.place_index if kind == "places" else net.transition_index
                 there = [index.get(own[i].name, NOWHERE) for i in here]
             for i, where in zip(here, there, strict=True):
                 found[i] = where
         return found
+
+    def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
+        """A section's local net: place by place that of its type, but for names."""
+        net = part.net(self.templates)
+        return mortal(net) if len(type_.layout.roles) > 1 else net
 
     @remembered
     def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:

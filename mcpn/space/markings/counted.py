@@ -155,6 +155,6 @@ def _explored(
             return found, fields
         state, beyond, _ = found.trouble
         marking = net.initial
-        for t in (*found.run(state), beyond):
+        for t in (*found.run(state), *beyond):
             marking = net.fire(marking, t)
         widths.widen([p for p, (_, _, width) in enumerate(fields) if marking[p] >> width])

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
-from mcpn.space.markings.firing import unsafe_at_start
+from mcpn.space.markings.firing import unsafe_after, unsafe_at_start
 
 if TYPE_CHECKING:
     from mcpn.space.markings.graph import Ints, StateGraph, Words
@@ -32,17 +32,22 @@ class KernelNet:
 
     Args:
         net: The net.
+        events: Whether events may happen; else there is internal evolution alone.
 
     Raises:
         UnsafeError: The initial marking holds two tokens in a place.
     """
 
-    def __init__(self, net: PetriNet) -> None:
+    def __init__(self, net: PetriNet, *, events: bool = True) -> None:
         self.net = net
         if error := unsafe_at_start(net):
             raise error
         self.initial = [p for p, tokens in enumerate(net.initial) if tokens]
-        self.transitions = [i for i, t in enumerate(net.safe_transitions) if not t.blocked]
+        self.transitions = [
+            i
+            for i, t in enumerate(net.safe_transitions)
+            if not t.blocked and (events or net.transitions[i].internal)
+        ]
 
     @cached_property
     def kernel(self) -> SafeNet:
@@ -58,17 +63,8 @@ class KernelNet:
     def unsafe(self, found: Exploration) -> UnsafeError:
         """The error for an exploration that ended at an unsafe firing."""
         assert found.trouble is not None, "asked for explorations that ended in trouble"
-        state, number, _ = found.trouble
-        net, run = self.net, [self.transitions[t] for t in found.run(state)]
-        transition = self.transitions[number]
-        marking = net.initial
-        for t in run:
-            marking = net.fire(marking, t)
-        after = net.fire(marking, transition)
-        place = next(p for p, tokens in enumerate(after) if tokens > 1)
-        names = [net.transitions[t].name for t in run]
-        name = net.transitions[transition].name
-        return UnsafeError(net.places[place].name, name, net.marked(marking), names)
+        state, last, _ = found.trouble
+        return unsafe_after(self.net, [self.transitions[t] for t in (*found.run(state), *last)])
 
     def arrays(self, found: Exploration) -> tuple[Words, Ints, Ints, Ints]:
         """Markings, offsets, targets and labels of a settled exploration, labels as the net numbers them."""

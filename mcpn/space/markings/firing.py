@@ -6,7 +6,7 @@ beside a place that changed are looked at again.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
@@ -18,6 +18,23 @@ def unsafe_at_start(net: PetriNet) -> UnsafeError | None:
         if place.initial > 1:
             return UnsafeError(place.name, "", net.marked(net.initial), [])
     return None
+
+
+def unsafe_after(net: PetriNet, run: Sequence[int]) -> UnsafeError:
+    """The error of a run whose last firing puts a second token in a place.
+
+    Args:
+        net: The net.
+        run: Transitions from the initial marking on.
+    """
+    *run, last = run
+    marking = net.initial
+    for t in run:
+        marking = net.fire(marking, t)
+    after = net.fire(marking, last)
+    place = next(p for p, tokens in enumerate(after) if tokens > 1)
+    names = [net.transitions[t].name for t in run]
+    return UnsafeError(net.places[place].name, net.transitions[last].name, net.marked(marking), names)
 
 
 class MaskedNet:

@@ -23,7 +23,8 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
-from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, confluence_error, direct
+from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, direct
+from mcpn.space.stable.faults import confluence_error
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting, mask_of, open_pairs, parting_among
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 from heapq import heappop, heappush
 
 from mcpn.errors import SemanticsError
-from mcpn.net.events import Event, What
+from mcpn.net.events import What
 from mcpn.net.petri import PetriNet
-from mcpn.space.stable.alternatives import confluence_error, divergence_error
+from mcpn.space.stable.faults import confluence_error, divergence_error
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting
 
 FIRINGS = 50_000
@@ -38,12 +38,12 @@ def nearest_fault(net: PetriNet, firings: int = FIRINGS) -> SemanticsError | Non
     return _Search(net, firings).nearest()
 
 
-def fault_by(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None:
+def fault_by(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
     """The error of the last of some events, where one run behind it shows that it has two ends, or none.
 
     Args:
         net: A 1-safe net with priorities.
-        events: The run from the initial marking; in each marking one transition carries the next event.
+        events: The transitions of the events from the initial marking on.
 
     Returns:
         The error with whole runs; ``None`` where nothing was found, which proves nothing.
@@ -51,11 +51,9 @@ def fault_by(net: PetriNet, events: Iterable[Event]) -> SemanticsError | None:
     search = _Search(net, FIRINGS)
     marking = search.masked.initial()
     error = search.settle(marking, [])
-    for event in events:
+    for t in events:
         if error is not None:
             return error
-        covered = search.masked.covered(search.end)
-        (t,) = [t for t in search.masked.allowed(covered) if net.transitions[t].event == event]
         error = search.settle(search.masked.fire(search.end, t)[0], [*search.prefix, t])
     return error
 

@@ -1,0 +1,181 @@
+"""Events without one outcome: what the kernel's proof, marking by marking, comes to, as errors with runs.
+
+The kernel explores every transient marking behind an event once, depth first, and remembers its one stable
+end (``kernel/src/settling.hpp``). It stops at an unsafe firing, at one that closes a circle, or at a marking
+that two ways leave for different ends. Everything behind both was explored then, and each has one end, so
+that these two transitions decide the outcome.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from mcpn._kernel import Exploration, MemoryLimit, StateLimit
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError
+from mcpn.net.petri import PetriNet
+from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet, Progress
+from mcpn.space.markings.firing import MaskedNet, unsafe_after
+from mcpn.space.run import Completion
+from mcpn.space.stable.parting import parting_runs
+
+LEAST_TRANSIENT = 100_000
+TRANSIENT_OF_A_STATE = 100
+"""How many transient markings the proof may explore: that many, or so many for each stable state allowed."""
+
+MOST_ENDS = 200_000
+"""Stable markings that may be found behind one event while its error is looked for."""
+
+MOST_LISTED = 20_000
+"""Transient markings behind one event that are listed to find the nearest at which runs part."""
+
+
+def settled(
+    prepared: KernelNet,
+    marking: Sequence[int] | None = None,
+    *,
+    every: bool,
+    max_states: int,
+    progress: Progress | None = None,
+) -> Exploration:
+    """Runs events to completion, from stable marking to stable marking, in the kernel.
+
+    Args:
+        prepared: A net with priorities.
+        marking: Where it begins; by default the initial marking.
+        every: Along every interleaving, which proves that all have one end, or along one.
+        max_states: How many stable markings there may be.
+        progress: Called now and then.
+
+    Returns:
+        Stable markings and events, or the trouble that it came to.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    begin = prepared.initial if marking is None else [p for p, tokens in enumerate(marking) if tokens]
+    most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT)
+    try:
+        return prepared.kernel.settle(begin, every, max_states, most, DEFAULT_MAX_MEMORY, progress)
+    except (StateLimit, MemoryLimit) as error:
+        raise LimitError(str(error)) from error
+
+
+def fault_found(prepared: KernelNet, found: Exploration) -> SemanticsError:
+    """The error for the trouble that the proof came to, with whole runs from the initial marking.
+
+    Args:
+        prepared: The net.
+        found: What :func:`settled` found of it along every interleaving.
+    """
+    assert found.trouble is not None, "asked of what has come to trouble"
+    state, firings, _ = found.trouble
+    walk = _Walk(prepared.net)
+    if not prepared.net.transitions[prepared.transitions[firings[0]]].internal:  # else before any event
+        walk.settle()
+        for t in found.run(state):
+            walk.fire(prepared.transitions[t])
+            walk.settle()
+    return walk.fault(prepared, found)
+
+
+def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
+    """The error of a run of events whose last has not one stable end, every interleaving after each explored.
+
+    Args:
+        net: A net with priorities.
+        events: The transitions of the events from the initial marking on.
+
+    Returns:
+        The error with whole runs from the initial marking, ``None`` where each event has one stable end.
+
+    Raises:
+        LimitError: Too many markings behind an event.
+    """
+    behind, walk = KernelNet(net, events=False), _Walk(net)
+    for t in (None, *events):
+        if t is not None:
+            walk.fire(t)
+        found = settled(behind, walk.marking, every=True, max_states=MOST_ENDS)
+        if found.trouble is not None:
+            return walk.fault(behind, found)
+        walk.settle()
+    return None
+
+
+class _Walk:
+    """A run from the initial marking, and where it is."""
+
+    def __init__(self, net: PetriNet) -> None:
+        self.net = net
+        self.completion = Completion(net)
+        self.marking = list(net.initial)
+        self.run: list[int] = []
+
+    def fire(self, t: int) -> None:
+        self.net.fire_in_place(self.marking, t)
+        self.run.append(t)
+
+    def settle(self) -> None:
+        self.run += self.completion.settle(self.marking)
+
+    def fault(self, prepared: KernelNet, found: Exploration) -> SemanticsError:
+        """The error for trouble that begins where the run is."""
+        assert found.trouble is not None, "asked of what has come to trouble"
+        _, firings, kind = found.trouble
+        last = [prepared.transitions[t] for t in firings]
+        names = [transition.name for transition in self.net.transitions]
+        if kind == "unsafe":
+            return unsafe_after(self.net, [*self.run, *last])
+        if kind == "endless":
+            return divergence_error([names[t] for t in (*self.run, *last)])
+        if not self.net.transitions[last[0]].internal:
+            self.fire(last.pop(0))
+        runs = self.parted(last)
+        return confluence_error(self.net, [[names[t] for t in (*self.run, *run)] for run in runs])
+
+    def parted(self, last: list[int]) -> Sequence[list[int]]:
+        """Two runs that part where the outcome is decided: in the nearest such marking, if soon found."""
+        after: dict[int, dict[int, int]] = {}
+        masked, start = MaskedNet(self.net), sum(1 << p for p, tokens in enumerate(self.marking) if tokens)
+        queue = [start]
+        for marking in queue:
+            if marking not in after:
+                enabled = masked.allowed(masked.covered(marking) & masked.internal)
+                after[marking] = {t: masked.fire(marking, t)[0] for t in enabled}
+                queue.extend(after[marking].values())
+            if len(after) > MOST_LISTED:
+                break
+        else:
+            return parting_runs(after, start)
+        *way, first, second = last
+        runs = []
+        for t in (first, second):
+            run, at = [*way, t], list(self.marking)
+            for u in run:
+                self.net.fire_in_place(at, u)
+            runs.append([*run, *self.completion.settle(at)])
+        return runs
+
+
+def confluence_error(net: PetriNet, runs: list[list[str]]) -> ConfluenceError:
+    """The error for two runs that differ in their stable end, told by where they part."""
+    first, second = runs
+    parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
+    of = {transition.name: transition for transition in net.transitions}
+    origins = [of[run[parted]].provenance for run in runs]
+    where = " and ".join(dict.fromkeys(str(o) for o in origins if o))
+    events = [str(e) for name in first[:parted] if (e := of[name].event)]
+    after = f"after {events[-1]}" if events else "at the start"
+    return ConfluenceError(
+        f"not confluent: {after} the outcome depends on the interleaving of "
+        f"{where or f'{first[parted]} and {second[parted]}'}",
+        runs,
+        events,
+    )
+
+
+def divergence_error(run: list[str]) -> DivergenceError:
+    """The error for an internal run that comes back to a marking it has passed."""
+    return DivergenceError(
+        f"divergent: an internal run comes back to a marking it has passed, after {len(run)} firings", [run]
+    )
