@@ -4,8 +4,8 @@ Run: python experiments/mcc.py FOLDER [--seconds 60] [--gigabytes 4] [NET...]
 
 FOLDER holds oracles.tsv and NAME/model.pnml. Each net runs in a process of its own; a line says whether
 states, edges, deadlock and most tokens are exactly the contest's, the seconds of the clock and of the
-processors from the parsed net to all counts, the process's peak memory, the nodes of the final diagram and
-the order of places that won the race.
+processors from the parsed net to all counts, the process's peak memory, the nodes of the final diagram (if
+there is one) and the order of places that won the race.
 It takes up to a minute for each net.
 """
 
@@ -20,19 +20,19 @@ import sys
 from pathlib import Path
 
 import mcpn
+from mcpn.net.formats import read_net
+from mcpn.net.petri import PetriNet
 
 QUICK = 2.0
 
 
-def solve(path: Path, gigabytes: float) -> None:
+def solve(net: PetriNet, gigabytes: float) -> None:
     """Counts one net and prints what was found as JSON."""
     import resource
     import time
 
-    from mcpn.net.formats import read_net
     from mcpn.space.diagrams.bounded import reach_markings
 
-    net = read_net(path)
     started, working = time.perf_counter(), time.process_time()
     space = reach_markings(net, memory_limit=int(gigabytes * 2**30))
     found = {
@@ -42,16 +42,15 @@ def solve(path: Path, gigabytes: float) -> None:
         "tokens": space.max_tokens,
         "seconds": time.perf_counter() - started,
         "cpu": time.process_time() - working,
-        "nodes": space.reachable.nodes(),
+        "nodes": space.nodes,
         "order": space.order,
         "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10,
     }
     print(json.dumps(found))
 
 
-def run(path: Path, seconds: float, gigabytes: float) -> dict[str, object]:
-    """One net in a process of its own."""
-    command = [sys.executable, __file__, "--solve", str(path), "--gigabytes", str(gigabytes)]
+def run(command: list[str], seconds: float) -> dict[str, object]:
+    """What a process of its own finds of one net."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
     except subprocess.TimeoutExpired:
@@ -74,7 +73,7 @@ def main() -> None:
     parser.add_argument("--solve", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.solve:
-        solve(options.solve, options.gigabytes)
+        solve(read_net(options.solve), options.gigabytes)
         return
     if options.folder is None:
         parser.error("the contest's folder is missing")
@@ -84,7 +83,9 @@ def main() -> None:
     solved = quick = wrong = 0
     print(f"{'net':28}{'answer':>8}{'seconds':>9}{'CPU':>9}{'MB':>7}{'nodes':>9}  order")
     for row in rows:
-        found = run(options.folder / row["model"] / "model.pnml", options.seconds, options.gigabytes)
+        path = str(options.folder / row["model"] / "model.pnml")
+        command = [sys.executable, __file__, "--solve", path, "--gigabytes", str(options.gigabytes)]
+        found = run(command, options.seconds)
         if "failed" in found:
             print(f"{row['model']:28}{'none':>8}  {found['failed']}", flush=True)
             continue
@@ -99,7 +100,7 @@ def main() -> None:
         quick += right and float(str(found["seconds"])) < QUICK
         print(
             f"{row['model']:28}{'right' if right else 'WRONG':>8}{found['seconds']:9.2f}"
-            f"{found['cpu']:9.2f}{found['megabytes']:7}{found['nodes']:9}  {found['order']}",
+            f"{found['cpu']:9.2f}{found['megabytes']:7}{found['nodes'] or '-':>9}  {found['order']}",
             flush=True,
         )
     print(f"{solved} of {len(rows)} solved, {quick} in under {QUICK:.0f} s, {wrong} wrong")

@@ -28,6 +28,22 @@ def force(groups: Sequence[Sequence[int]], start: Sequence[int], rounds: int) ->
         The order of least total span that was passed, with each span divided by the group's width.
     """
 
+def closing(groups: Sequence[Sequence[int]], start: Sequence[int]) -> list[int]:
+    """A greedy order: the next number is the one that brings groups under way nearest to their end.
+
+    Args:
+        groups: Numbers below ``len(start)``, each group without repeats.
+        start: Where equals stand.
+    """
+
+def sloan(groups: Sequence[Sequence[int]], start: Sequence[int]) -> list[int]:
+    """Sloan's order of the graph in which those of a group are neighbours.
+
+    Args:
+        groups: Numbers below ``len(start)``, each group without repeats.
+        start: The first of each component says where its ends are looked for.
+    """
+
 def stable_ends(
     offsets: npt.NDArray[np.int64], targets: npt.NDArray[np.int64], transient: npt.NDArray[np.bool_]
 ) -> tuple[npt.NDArray[np.int64], int]:

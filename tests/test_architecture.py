@@ -97,33 +97,45 @@ HEAVY = {
     "matplotlib",
     "pyeda",
     "asyncio",
+    "logging",
+    "tempfile",
+    "mcpn.net.compose",
+    "mcpn.space.diagrams.counters",
+    "mcpn.space.markings.widths",
+    "mcpn.space.search.portfolio",
+    "mcpn.check.logic.contest",
 }
-ARRAYS = {"numpy"}
+MISSION, TOKENS = {"mcpn.net.compose"}, {"mcpn.space.markings.widths"}
+ARRAYS, FILES = {"numpy"}, {"tempfile"}
+CONTEST = {"mcpn.check.logic.contest", "mcpn.space.search.portfolio"}
 LOADS: dict[str, set[str]] = {
     "states --json": set(),
     "states": set(),
     "states --engine symbolic": set(),
-    "states --engine explicit": set(),
+    "states --engine explicit": TOKENS,
     "check": ARRAYS,
     "check --engine symbolic": ARRAYS,
     "check --engine local": ARRAYS,
     "alternatives": ARRAYS,
-    "controller -o {folder}": ARRAYS,
-    "convert {folder}/net.pnml": set(),
+    "controller -o {folder}": ARRAYS | FILES,
+    "convert {folder}/net.pnml": FILES,
     "ctl AG(EF(success|failure))": set(),
     "ctl --engine explicit AG(EF(success|failure))": ARRAYS,
     "causes --engine local": ARRAYS,
     "causes": ARRAYS,
 }
-"""What each command loads of the heavy modules."""
+"""What each command loads of the heavy modules, beside what makes a mission's net."""
 
 
 LOADS_OF_NETS: dict[str, set[str]] = {
     "states": set(),
-    "check": set(),
+    "check": TOKENS | {"mcpn.space.search.portfolio"},
     "ctl EF(deadlock)": set(),
-    "ctl --examination StableMarking": set(),
+    "ctl --examination StableMarking": TOKENS | CONTEST,
+    "convert {folder}/net.pnml": FILES,
 }
+COMMANDS = {path.stem for path in (PACKAGE / "cli").glob("*.py")} - {"line", "shared", "__init__", "__main__"}
+"""Modules of commands."""
 NET = """pl a (1)
 tr t a -> b
 tr u b -> a
@@ -145,11 +157,23 @@ def loaded(arguments: list[str]) -> set[str]:
 def test_a_question_loads_what_it_needs(command: str, tmp_path: Path) -> None:
     mission = PACKAGE.parent / "experiments" / "ulysse" / "mission.xml"
     name, *options = command.format(folder=tmp_path).split()
-    assert loaded([name, str(mission), *options]) <= LOADS[command]
+    assert loaded([name, str(mission), *options]) <= LOADS[command] | MISSION
 
 
 @pytest.mark.parametrize("command", LOADS_OF_NETS)
 def test_a_question_of_a_net_loads_what_it_needs(command: str, tmp_path: Path) -> None:
     (tmp_path / "net.net").write_text(NET)
-    name, *options = command.split()
+    name, *options = command.format(folder=tmp_path).split()
     assert loaded([name, str(tmp_path / "net.net"), *options]) <= LOADS_OF_NETS[command]
+
+
+@pytest.mark.parametrize(("arguments", "modules"), [("--version", set()), ("check --help", {"check"})])
+def test_a_command_loads_no_other(arguments: str, modules: set[str]) -> None:
+    script = (
+        "import sys\n"
+        "from mcpn.cli.line import run\n"
+        f"assert run({arguments.split()!r}) == 0\n"
+        "print('loaded', *(name.removeprefix('mcpn.cli.') for name in sys.modules))\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert COMMANDS.intersection(run.stdout.splitlines()[-1].split()) == modules

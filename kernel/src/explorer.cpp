@@ -116,6 +116,8 @@ Explorer::Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial
       enabled_(net.firings_.size() / 64 + 1) {
   found_.words = net.words_;
   begin_ = net.marking_of(initial);
+  alone_ = edges == Edges::kNone && net.places_ < 64;  // no marking is all ones, as free slots are
+  if (alone_) table_->hold_markings();
 }
 
 Explorer::~Explorer() = default;
@@ -125,7 +127,8 @@ std::uint64_t Explorer::bytes() const { return table_->bytes(); }
 bool Explorer::run(std::uint64_t most_firings) {
   const std::uint64_t last = most_firings ? found_.edges + most_firings : 0;
   if (found_.states() == 0) {
-    table_->number(begin_.data(), 0, 0);
+    if (alone_) table_->note(begin_[0], table_->hash(begin_.data()), 0, 0);
+    else table_->number(begin_.data(), 0, 0);
     if (edges_ != Edges::kNone) found_.offsets.push_back(0);
   }
   for (std::uint32_t batches = 0; next_ < found_.states() && !found_.trouble; ++batches) {
@@ -182,6 +185,12 @@ template <unsigned kWords> void Explorer::spread() {
 
 // Numbers the results of a batch, in the order of their firings.
 void Explorer::number() {
+  if (alone_) {
+    const Word* after = after_.data();
+    for (const Fired& fired : fired_) table_->note(*after++, fired.hashed, fired.state, fired.transition);
+    found_.edges += fired_.size();
+    return;
+  }
   for (const Fired& fired : fired_) table_->fetch_marking(fired.hashed);
   if (edges_ != Edges::kNone) {
     try {

@@ -33,6 +33,8 @@ void bind_search(nb::module_& module);    // search_module.cpp
 namespace mcpn {
 using Groups = std::vector<std::vector<std::uint32_t>>;
 std::vector<std::uint32_t> force(const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds);
+std::vector<std::uint32_t> closing(const Groups& groups, const std::vector<std::uint32_t>& start);
+std::vector<std::uint32_t> sloan(const Groups& groups, const std::vector<std::uint32_t>& start);
 }
 
 namespace {
@@ -312,6 +314,16 @@ nb::object to_int(const std::vector<std::uint64_t>& limbs) {
   return nb::module_::import_("builtins").attr("int").attr("from_bytes")(data, "little");
 }
 
+void check_order(const Groups& groups, const std::vector<std::uint32_t>& start) {
+  std::vector<std::uint32_t> sorted = start;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if (sorted[i] != i) throw std::invalid_argument("an order holds each number once");
+  for (const auto& group : groups)
+    for (const std::uint32_t member : group)
+      if (member >= start.size()) throw std::invalid_argument("a group holds numbers of the order");
+}
+
 }  // namespace
 
 NB_MODULE(_kernel, module) {
@@ -325,16 +337,20 @@ NB_MODULE(_kernel, module) {
   bind_search(module);
 
   module.def("force", [](const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds) {
-    std::vector<std::uint32_t> sorted = start;
-    std::sort(sorted.begin(), sorted.end());
-    for (std::size_t i = 0; i < sorted.size(); ++i)
-      if (sorted[i] != i) throw std::invalid_argument("an order holds each number once");
-    for (const auto& group : groups)
-      for (const std::uint32_t member : group)
-        if (member >= start.size()) throw std::invalid_argument("a group holds numbers of the order");
+    check_order(groups, start);
     const nb::gil_scoped_release release;
     return force(groups, start, rounds);
   }, nb::arg("groups"), nb::arg("start"), nb::arg("rounds"));
+  module.def("closing", [](const Groups& groups, const std::vector<std::uint32_t>& start) {
+    check_order(groups, start);
+    const nb::gil_scoped_release release;
+    return closing(groups, start);
+  }, nb::arg("groups"), nb::arg("start"));
+  module.def("sloan", [](const Groups& groups, const std::vector<std::uint32_t>& start) {
+    check_order(groups, start);
+    const nb::gil_scoped_release release;
+    return sloan(groups, start);
+  }, nb::arg("groups"), nb::arg("start"));
 
   using Levels = std::vector<std::int64_t>;
 

@@ -16,6 +16,7 @@ template <class V> std::uint64_t room(const V& values) { return values.capacity(
 
 // Finds markings by their words: open addressing on the numbers of states. A slot holds half of the marking's hash
 // beside the number, so that most other markings are told apart without being looked at, and none is hashed again.
+// Where no number is asked for, a marking of one word stands in the slot itself.
 class StateTable {
  public:
   // What it holds is named in errors; what stands beside it counts towards the same limit on memory.
@@ -24,10 +25,14 @@ class StateTable {
 
   std::uint64_t hash(const Word* marking) const { return hash_words(marking, found_.words); }
 
+  // From now on markings stand in the slots; none is all ones, as free slots are.
+  void hold_markings() { holds_markings_ = true; }
+
   // Asks the memory for what number() will look at: first for the slot of each of some hashes, later for the marking
   // that this slot names. Tables outgrow caches, so that each look would wait otherwise.
   void fetch_slot(std::uint64_t hashed) const { __builtin_prefetch(&slots_[place(hashed)]); }
   void fetch_marking(std::uint64_t hashed) const {
+    if (holds_markings_) return;
     const std::uint64_t slot = slots_[place(hashed)];
     if (slot != kFree && slot >> 32 == hashed >> 32)
       __builtin_prefetch(found_.markings.data() + State(slot) * found_.words);
@@ -41,22 +46,22 @@ class StateTable {
       if (slots_[at] >> 32 << 32 == half &&
           same(marking, found_.markings.data() + State(slots_[at]) * words, words))
         return State(slots_[at]);
-    const State state = State(found_.states());
-    if (state >= limits_.states)
-      throw StateLimit("more than " + std::to_string(limits_.states) + " " + what_ + ": the limit on states was hit");
-    if (state == ~State(0) - 1) throw StateLimit("more states than 32 bits can name");
-    grow(found_.markings, words);
-    grow(found_.parents, 1);
-    grow(found_.via, 1);
-    found_.markings.insert(found_.markings.end(), marking, marking + words);
-    found_.parents.push_back(state == 0 ? 0 : parent);
-    found_.via.push_back(via);
+    const State state = add(marking, parent, via);
     slots_[at] = half | state;
     if (found_.states() * 3 > slots_.size() * 2) widen();
     return state;
   }
   State number(const Word* marking, State parent, std::uint32_t via) {
     return number(marking, hash(marking), parent, via);
+  }
+  // Takes note of a marking of one word that is new, where slots hold markings.
+  void note(Word marking, std::uint64_t hashed, State parent, std::uint32_t via) {
+    std::uint64_t at = place(hashed);
+    for (; slots_[at] != kFree; at = (at + 1) & (slots_.size() - 1))
+      if (slots_[at] == marking) return;
+    add(&marking, parent, via);
+    slots_[at] = marking;
+    if (found_.states() * 3 > slots_.size() * 2) widen();
   }
   // Makes room for so many more states, within the limit on memory.
   void prepare(std::uint64_t states) {
@@ -82,6 +87,20 @@ class StateTable {
   }
 
  private:
+  State add(const Word* marking, State parent, std::uint32_t via) {
+    const std::uint64_t words = found_.words;
+    const State state = State(found_.states());
+    if (state >= limits_.states)
+      throw StateLimit("more than " + std::to_string(limits_.states) + " " + what_ + ": the limit on states was hit");
+    if (state == ~State(0) - 1) throw StateLimit("more states than 32 bits can name");
+    grow(found_.markings, words);
+    grow(found_.parents, 1);
+    grow(found_.via, 1);
+    found_.markings.insert(found_.markings.end(), marking, marking + words);
+    found_.parents.push_back(state == 0 ? 0 : parent);
+    found_.via.push_back(via);
+    return state;
+  }
   void require(std::uint64_t more) const {
     if (bytes() + (beside_ ? beside_->bytes() : 0) + more > limits_.bytes)
       throw MemoryLimit("more than " + std::to_string(limits_.bytes) + " bytes: the limit on memory was hit at " +
@@ -99,7 +118,7 @@ class StateTable {
     --shift_;
     for (const std::uint64_t slot : slots_) {
       if (slot == kFree) continue;
-      std::uint64_t at = place(slot);
+      std::uint64_t at = place(holds_markings_ ? hash_words(&slot, 1) : slot);
       while (wider[at] != kFree) at = (at + 1) & (wider.size() - 1);
       wider[at] = slot;
     }
@@ -112,6 +131,7 @@ class StateTable {
   const char* what_;
   const StateTable* beside_;
   Table<std::uint64_t> slots_;
+  bool holds_markings_ = false;
   int shift_ = 64 - 16;  // as many bits of a place as there are slots
 };
 

@@ -214,13 +214,14 @@ def markings_by(
     if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
-        if not tokens:
+        if not tokens or net.priorities:  # the net must be 1-safe
             return ArraySpace(explore(net, max_states=by.limit, progress=progress))
         from mcpn.space.markings.counted import explore_markings
 
         return ArraySpace(explore_markings(net, max_states=by.limit, progress=progress))
-    space = reach_markings(net) if tokens else reach(net)
-    if by.why is not None and space.listed is not None:  # no diagram was asked for by name
+    edges = by.why is not None and not net.priorities  # no diagram was asked for by name
+    space = reach_markings(net, edges=edges) if tokens else reach(net, edges=edges)
+    if space.listed is not None:
         from mcpn.space.arrays import ArraySpace
 
         return ArraySpace(space.listed)

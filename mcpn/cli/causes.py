@@ -21,6 +21,7 @@ from mcpn.cli.shared import (
     mission_net_of,
     progress_line,
     tell_warnings,
+    without_threads_of_numpy,
 )
 from mcpn.errors import InputError
 
@@ -73,6 +74,8 @@ def causes(
     states of the whole mission, or with local those of each type of section. Of missions with more than 50
     objectives, runs and FMECA rows are of those that --objective names, or of all with --fmeca.
     """
+    if not rates:
+        without_threads_of_numpy()
     from dataclasses import asdict
 
     from mcpn.check.causes.find import find_causes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ from mcpn.cli.shared import (
 from mcpn.steps import step
 
 if TYPE_CHECKING:
-    from mcpn.check.logic.questions import Answer
+    from mcpn.check.logic.questions import Answer, Questions
     from mcpn.check.logic.verdicts import Verdict
     from mcpn.check.spaces import Asked
     from mcpn.net.compose import MissionNet
@@ -87,9 +88,7 @@ def ctl(
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
-    from mcpn.check.logic.contest import read_properties
     from mcpn.check.logic.questions import Questions
-    from mcpn.check.logic.verdicts import answer_all
 
     net, mission_net = _subject(file, import_root)
     questions = Questions(
@@ -103,13 +102,11 @@ def ctl(
     # Everything asked is understood before anything is answered.
     for text in formulas:
         questions.formula(text)
-    of_files = [each for path in dict.fromkeys(properties) for each in read_properties(path, questions.names)]
-    objects = []
-    for verdict in answer_all(questions, of_files, examinations):
+    objects, answers = [], []
+    for verdict in _of_contest(questions, properties, examinations):
         objects.append(_contest_object(verdict))
         if not as_json:
             click.echo(str(verdict))
-    answers = []
     with progress_line(as_json):
         for text in formulas:
             step(f"answering {text}")
@@ -133,6 +130,19 @@ def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet
         return read_net(file), None
     mission_net = mission_net_of(file, import_root)
     return mission_net.net, mission_net
+
+
+def _of_contest(
+    questions: Questions, properties: tuple[Path, ...], examinations: tuple[str, ...]
+) -> Iterator[Verdict]:
+    """The answers to property files, all of which are understood first, and to examinations."""
+    if properties or examinations:
+        from mcpn.check.logic.contest import read_properties
+        from mcpn.check.logic.verdicts import answer_all
+
+        files = dict.fromkeys(properties)
+        of_files = [each for path in files for each in read_properties(path, questions.names)]
+        yield from answer_all(questions, of_files, examinations)
 
 
 def _write_scenario(answer: Answer, path: Path) -> None:

@@ -19,6 +19,7 @@ from mcpn.cli.shared import (
     mission_net_of,
     net_of,
     progress_line,
+    without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
 
@@ -53,6 +54,7 @@ def controller(
     as_json: bool,
 ) -> None:
     """Generate the controller of MISSION: finite state machines that do what was verified."""
+    without_threads_of_numpy()
     from mcpn.controller.generate import generate
     from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import files

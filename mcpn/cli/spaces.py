@@ -25,6 +25,7 @@ from mcpn.cli.shared import (
     mission_net_of,
     net_of,
     progress_line,
+    without_threads_of_numpy,
 )
 
 if TYPE_CHECKING:
@@ -171,6 +172,7 @@ def alternatives(
     from mcpn.space.stable.clash import in_mission_words
     from mcpn.space.stable.listing import written_out
 
+    without_threads_of_numpy()
     if method is not None or not proof:
         if engine not in ("auto", "explicit"):
             raise click.UsageError("--method and --no-proof are of the explicit engine")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import re
 import sys
@@ -11,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from mcpn.steps import STEPS
+from mcpn.steps import HEARERS
 
 SILENT_SECONDS = 1.0
 """What ends sooner shows no progress."""
@@ -65,19 +64,18 @@ def progress_on_terminal(
         thread.join(timeout=1)
 
 
-class UnderWay(logging.Handler):
+class UnderWay:
     """Hears which step is announced (:mod:`mcpn.steps`)."""
 
     def __init__(self) -> None:
-        super().__init__(logging.INFO)
         self.doing: str | None = None
         self.since = self.started = time.monotonic()
         self._before = (0, 0)
         self._latest = (0, 0)
 
-    def emit(self, record: logging.LogRecord) -> None:
+    def hear(self, doing: str) -> None:
         """Begins a step; numbers that were told before are not its own."""
-        self.doing, self.since, self._before = record.getMessage(), time.monotonic(), self._latest
+        self.doing, self.since, self._before = doing, time.monotonic(), self._latest
 
     def telling(self, told: Callable[[int, int, float], str]) -> Callable[[int, int, float], str]:
         """What a line says: the step, and how far it is where it has told numbers of its own.
@@ -130,9 +128,8 @@ def listening() -> Iterator[UnderWay]:
     Yields:
         Who hears them.
     """
-    heard, level = UnderWay(), STEPS.level
-    STEPS.addHandler(heard)
-    STEPS.setLevel(logging.INFO)
+    heard = UnderWay()
+    HEARERS.append(heard.hear)
     _heard.append(heard)
     try:
         yield heard
@@ -141,8 +138,7 @@ def listening() -> Iterator[UnderWay]:
         _heard.remove(heard)
         raise
     finally:
-        STEPS.setLevel(level)
-        STEPS.removeHandler(heard)
+        HEARERS.remove(heard.hear)
 
 
 def interrupted() -> list[str]:

@@ -107,7 +107,7 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
         space.dead_states,
         space.max_tokens,
         space.max_tokens_in_place,
-        space.reachable.nodes(),
+        space.nodes,
         "symbolic",
         time.perf_counter() - started,
         space.order,

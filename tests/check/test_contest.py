@@ -138,14 +138,14 @@ def test_what_was_listed_before_a_diagram_held_it_answers_the_same(
     drawn = formulas([p.name for p in net.places], [t.name for t in net.transitions], leaves=5)
 
     def exploring(net: PetriNet, *_: object) -> Iterator[OneByOne]:
-        yield OneByOne(net, "file", tuple(range(len(net.places))), 1 << 30)
+        yield OneByOne(net, "file", tuple(range(len(net.places))), 1 << 30, edges=True)
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(runners, "runners", exploring)
         questions = Questions(net)
         assert isinstance(questions.space, ArraySpace)
         assert questions.choice.engine == "explicit"
-        listed = reach_markings(net)
+        listed = reach_markings(net, edges=True)
     assert listed.listed is not None
     assert {listed.encoding.marking(levels) for levels in listed.reachable} == set(graph_of(net) or ())
     for formula in (data.draw(drawn) for _ in range(4)):

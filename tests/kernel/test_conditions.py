@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import reduce
 from random import Random
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn._kernel import Store, force
+from mcpn._kernel import Store, closing, force, sloan
 
 LEVELS = 9
 MARKINGS = st.sets(st.frozensets(st.integers(0, LEVELS - 1)), max_size=12)
@@ -62,3 +64,29 @@ def test_force_keeps_groups_together() -> None:
 
     assert span(order) < span(start) / 3
     assert force([], start, 200) == start
+
+
+def test_greedy_orders_follow_a_chain_from_one_end_to_the_other() -> None:
+    draw = Random(2)
+    names = list(range(40))
+    draw.shuffle(names)
+    groups = [[names[i], names[i + 1]] for i in range(39)]
+    assert sloan(groups, list(range(40))) in (names, names[::-1])
+    assert closing(groups, names) == names
+    assert closing([], names) == names
+    assert sloan([], names) == names
+
+
+@given(st.lists(st.sets(st.integers(0, 11), max_size=6), max_size=12), st.permutations(range(12)))
+def test_orders_hold_each_number_once(groups: list[set[int]], start: list[int]) -> None:
+    asked = [sorted(group) for group in groups]
+    for order in (closing(asked, start), sloan(asked, start), force(asked, start, 20)):
+        assert sorted(order) == list(range(12))
+
+
+@pytest.mark.parametrize("make", [closing, sloan])
+def test_what_is_no_order_is_refused(make: Callable[..., list[int]]) -> None:
+    with pytest.raises(ValueError, match="each number once"):
+        make([], [0, 0])
+    with pytest.raises(ValueError, match="numbers of the order"):
+        make([[0, 2]], [0, 1])

@@ -195,6 +195,22 @@ def test_progress_is_told_and_its_errors_stop_the_exploration(width: int) -> Non
     assert 0 < states < edges + 2
 
 
+@pytest.mark.parametrize("places", [40, 62, 63, 64, 65])
+def test_counts_without_edges_are_those_with_them(places: int) -> None:
+    builder = NetBuilder("cells")  # 2^16 markings, and one of them marks every place
+    for place in range(places):
+        builder.place(f"p{place}", initial=1)
+    for place in range(16):
+        builder.transition(f"t{place}", consume=[f"p{place}"], read=[f"p{places - 1}"], produce=[])
+    prepared = KernelNet(builder.build())
+    listed, counted = (
+        prepared.kernel.explore(prepared.initial, edges, 1 << 20, 1 << 30) for edges in (True, False)
+    )
+    assert counted.states == listed.states == 1 << 16
+    assert (counted.edges, counted.dead, counted.most_tokens) == (listed.edges, listed.dead, places)
+    assert counted.take_markings().tolist() == listed.take_markings().tolist()
+
+
 def test_counts_have_limits_that_say_which() -> None:
     with pytest.raises(LimitError, match="limit on states"):
         count(switches(30), max_states=1000)

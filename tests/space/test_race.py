@@ -19,9 +19,9 @@ from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.diagrams import symbolic
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import cuthill_mckee
-from mcpn.space.diagrams.race import SIDE_BY_SIDE, Race
+from mcpn.space.diagrams.race import LEAST_BUDGET, SIDE_BY_SIDE, Race
 from mcpn.space.diagrams.runners import ByOrder, OneByOne
-from mcpn.space.diagrams.symbolic import reach, reach_briefly
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach, reach_briefly
 from tests.net.nets import nets
 
 
@@ -71,10 +71,8 @@ def winner(needs: list[int]) -> int:
     """The first of those that end in the earliest round, by hand."""
     budget, done = 50_000, [0] * len(needs)
     while True:
-        done = [
-            had + budget // (rank + 1 if rank < 3 else int((rank + 1) ** 1.5))
-            for rank, had in enumerate(done)
-        ]
+        given = [budget // (rank + 1 if rank < 3 else int((rank + 1) ** 1.5)) for rank in range(len(needs))]
+        done = [had + part if part >= LEAST_BUDGET else 0 for had, part in zip(done, given, strict=True)]
         ended = [rank for rank, (had, need) in enumerate(zip(done, needs, strict=True)) if had >= need]
         if ended:
             return ended[0]
@@ -103,11 +101,11 @@ def test_who_can_no_longer_win_is_stopped() -> None:
 
 def test_one_near_its_end_comes_first_and_the_others_are_given_little() -> None:
     others = [Worker(rank, 1 << 60) for rank in range(3)]
-    near = Worker(3, 150_000, outlook=1.5)
+    near = Worker(3, 300_000, outlook=1.5)
     assert Race(iter([*others, near]), 1 << 60, 1).run() == 3
-    assert near.budgets == [50_000 // 8, 100_000, 200_000]
-    assert [worker.budgets[1] for worker in others] == [100_000 // 8, 100_000 // 8, 100_000 // 8]
-    assert [len(worker.budgets) for worker in others] == [2, 2, 2]
+    assert near.budgets == [100_000 // 8, 200_000, 400_000]  # the first round had too little for it
+    assert [worker.budgets[2] for worker in others] == [200_000 // 8, 200_000 // 8, 200_000 // 8]
+    assert [len(worker.budgets) for worker in others] == [3, 3, 3]
 
 
 def test_one_near_its_end_works_alone() -> None:
@@ -163,7 +161,7 @@ def test_closures_and_explorations_say_when_they_are_near_their_end() -> None:
     seen = []
     while True:
         try:
-            exploring.run(200)
+            exploring.run(100)
         except BudgetExceeded:
             seen.append(exploring.outlook)
         else:
@@ -211,6 +209,17 @@ def test_few_markings_without_a_small_diagram_are_explored_one_by_one() -> None:
     assert space.dead_states == 1
 
 
+def test_listed_markings_become_a_diagram_when_it_is_asked_for() -> None:
+    net = scattered(30)
+    order = tuple(range(len(net.places)))
+    space = OneByOne(net, "file", order, 1 << 30).run(1000)
+    assert isinstance(space, SymbolicSpace)
+    assert (space.states, space.edges, space.nodes) == (30, 29, None)
+    assert space.reachable.count() == 30
+    assert space.nodes == space.reachable.nodes()
+    assert (space.encoding.initial() | space.reachable) == space.reachable
+
+
 def test_an_unsafe_firing_is_found_without_the_whole_space() -> None:
     builder = NetBuilder("unsafe")
     for i in range(12):  # 13! / ... markings in no order that a diagram likes
@@ -253,7 +262,7 @@ def test_the_winner_s_order_is_told(mcc: Path) -> None:
     from mcpn.net.formats import read_net
 
     space = reach(read_net(mcc / "Dekker-PT-020" / "model.pnml"))
-    assert (space.order, space.states) == ("units", 11534336)
+    assert (space.order, space.states) == ("closing", 11534336)
     again = reach(space.encoding.net, order=space.places)
     assert again.states == space.states
 

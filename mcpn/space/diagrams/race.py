@@ -34,6 +34,9 @@ SIDE_BY_SIDE = 8_000_000
 FAVOURED = 3
 """Runners of which the second gets half, the third a third of the first one's budget; later ones get less."""
 
+LEAST_BUDGET = 10_000
+"""Runners that would be given less wait for a later round: to begin takes each some time."""
+
 NEAR = 2.0
 """A runner whose outlook is not beyond comes alone before the others, which are given little."""
 
@@ -115,9 +118,11 @@ class Race(Generic[Result]):
             behind = near and self._drawn[rank].outlook > NEAR
             yield rank, part(budget, max(place, FAVOURED) if behind else place)
             near = near or self._drawn[rank].outlook <= NEAR
-        for place, runner in enumerate(self.runners, len(self._drawn)):
+        while part(budget, place := len(self._drawn)) >= LEAST_BUDGET or not place:
+            if (runner := next(self.runners, None)) is None:
+                break
             self._drawn.append(runner)
-            yield len(self._drawn) - 1, part(budget, place)
+            yield place, part(budget, place)
 
     def _attempt(self, rank: int, budget: int) -> Result | None:
         try:

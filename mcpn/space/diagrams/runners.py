@@ -18,14 +18,14 @@ from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order, candidates
-from mcpn.space.diagrams.symbolic import Encode, SymbolicSpace, close, unstable_where
+from mcpn.space.diagrams.symbolic import Encode, Listed, SymbolicSpace, close, unstable_where
 from mcpn.space.markings.explicit import Counts, KernelNet
 
 if TYPE_CHECKING:
     from mcpn._kernel import Explorer
 
 EXPLORER_RANK = 2
-FIRINGS_OF_A_STEP = 4
+FIRINGS_OF_A_STEP = 8
 """About how many firings of an exploration take the time of one step of a closure."""
 
 LEAST_STEPS = 50_000
@@ -37,12 +37,15 @@ WITHIN_REACH = 6.0
 FARTHEST = 7.0
 """Doublings beyond which the progress of a closure says nothing."""
 
+FIRST_LOOK = 1_000_000
+"""Steps of a closure before which its progress says nothing."""
+
 LEAST_PROGRESS = 1 / 50
 """What share of all levels a doubling must close for the progress of a closure to say something."""
 
 
 def runners(
-    net: PetriNet, encodes: Sequence[Encode], seed: int | None, memory_limit: int
+    net: PetriNet, encodes: Sequence[Encode], seed: int | None, memory_limit: int, edges: bool
 ) -> Iterator[ByOrder | OneByOne]:
     """Orders of places, the most often good first, and exploration one by one among them.
 
@@ -51,6 +54,7 @@ def runners(
         encodes: Ways to put it on levels; the first is for all orders, the others for the first order alone.
         seed: Draws one more order.
         memory_limit: Bytes that each may take.
+        edges: Whether exploration keeps firings, if they fit.
     """
     orders = candidates(net, seed)
     encode, *others = encodes
@@ -62,7 +66,7 @@ def runners(
         yield ByOrder(net, other, leading[0].name, leading[0].order, memory_limit)
     yield from leading[1:]
     if encode is Encoding:  # markings of 1-safe nets
-        yield OneByOne(net, leading[0].name, leading[0].order, memory_limit, LEAST_STEPS)
+        yield OneByOne(net, leading[0].name, leading[0].order, memory_limit, LEAST_STEPS, edges)
     for name, order in orders:
         yield ByOrder(net, encode, name, order, memory_limit)
 
@@ -104,7 +108,7 @@ class ByOrder:
 
     def _look_out(self, steps: int, levels: int, left: int) -> None:
         self._spent += steps
-        if self._seen_at and self._spent < 2 * self._seen_at:
+        if self._spent < max(FIRST_LOOK, 2 * self._seen_at):
             return
         self.outlook = inf
         if self._seen_at:
@@ -134,6 +138,7 @@ class OneByOne:
     order: Order
     memory_limit: int
     least_steps: int = 1
+    edges: bool = False
     outlook: float = inf
     _prepared: KernelNet = field(init=False)
     _explorer: Explorer | None = None
@@ -154,8 +159,7 @@ class OneByOne:
         if steps < self.least_steps:
             raise BudgetExceeded(f"{steps} steps are too few to begin")
         if self._explorer is None:
-            edges = not self.net.priorities  # formulas may be asked of the graph
-            self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit, edges)
+            self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit, self.edges)
         if self._cancelled:
             raise Cancelled
         explorer = self._explorer
@@ -175,10 +179,11 @@ class OneByOne:
         name = f"{self.name}, after exploring one by one"
         sizes = Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
         graph = prepared.graph(found)
-        if len(graph.offsets):
-            return SymbolicSpace(encoding, None, None, name, self.order, 0, sizes, graph)
-        reachable = encoding.store.from_markings(graph.markings, encoding.places)
-        stable = reachable.without(unstable_where(encoding)) if self.net.priorities else None
+        listed = Listed(graph.markings, graph if len(graph.offsets) else None)
+        if not self.net.priorities:
+            return SymbolicSpace(encoding, listed, None, name, self.order, 0, sizes)
+        reachable = listed.put_on(encoding)
+        stable = reachable.without(unstable_where(encoding))
         return SymbolicSpace(encoding, reachable, stable, name, self.order, encoding.store.peak_nodes, sizes)
 
     def _look_out(self, explored: int, fresh: int) -> None:

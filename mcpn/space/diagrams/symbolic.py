@@ -27,12 +27,31 @@ if TYPE_CHECKING:
     from mcpn.space.markings.graph import StateGraph
 
 DEFAULT_MEMORY = 4 << 30
-FIRST_BUDGET_OF_MISSIONS = 2_000_000
+FIRST_BUDGET_OF_MISSIONS = 8_000_000
+"""About a second; with less, exploration one by one goes on instead, which takes ten times as long."""
 BRIEF = 300_000
 """Steps of each of two orders that are often good, where the space is only wanted if it is soon there."""
 MOST_WORKERS = 4
 Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
+
+
+class Listed:
+    """Markings that were listed one by one: rows of bits, put on a diagram when it is asked for.
+
+    Args:
+        rows: As :meth:`mcpn._kernel.Exploration.take_markings` gives them.
+        graph: Their graph, where it is wanted and fits.
+    """
+
+    def __init__(self, rows: Any, graph: StateGraph | None = None) -> None:
+        self._rows = rows
+        self.graph = graph
+
+    def put_on(self, encoding: Encoding) -> Zdd:
+        """The diagram of these markings; the rows are given up."""
+        rows, self._rows = self._rows, None
+        return encoding.store.from_markings(rows, encoding.places)
 
 
 @dataclass(frozen=True)
@@ -41,34 +60,26 @@ class SymbolicSpace:
 
     Args:
         encoding: The net on the levels of the store.
-        made: The reachable markings, unless they are listed.
+        reached: The reachable markings, as a diagram or as a list that becomes one when it is asked for.
         stable: Those that enable no internal transition, where the net has priorities.
         order: The order's name.
         places: The order itself.
         peak_nodes: Most nodes at once while they were reached.
         explored: The sizes, where the markings were explored one by one.
-        listed: Their graph then, if it fits.
     """
 
     encoding: Encoding
-    made: Zdd | None
+    reached: Zdd | Listed
     stable: Zdd | None
     order: str
     places: Order
     peak_nodes: int
     explored: Counts | None = None
-    listed: StateGraph | None = None
 
-    @cached_property
-    def reachable(self) -> Zdd:
-        """The reachable markings."""
-        if self.made is not None:
-            return self.made
-        assert self.listed is not None, "markings are made or listed"
-        try:
-            return self.encoding.store.from_markings(self.listed.markings, self.encoding.places)
-        except MemoryLimit as error:
-            raise LimitError(str(error)) from error
+    @property
+    def listed(self) -> StateGraph | None:
+        """The graph of the markings, where they were listed with their firings."""
+        return self.reached.graph if isinstance(self.reached, Listed) else None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
@@ -78,6 +89,26 @@ class SymbolicSpace:
             *(self.encoding.memory_limit, self.encoding.counters),
         )
         return _revived, (self.encoding.net, self.reachable.to_bytes(), stable, *told)
+
+    @cached_property
+    def reachable(self) -> Zdd:
+        """The reachable markings.
+
+        Raises:
+            LimitError: They were listed, and their diagram does not fit into memory.
+        """
+        if isinstance(self.reached, Zdd):
+            return self.reached
+        try:
+            return self.reached.put_on(self.encoding)
+        except MemoryLimit as error:
+            raise LimitError(str(error)) from error
+
+    @property
+    def nodes(self) -> int | None:
+        """Nodes of the diagram, where there is one."""
+        drawn = isinstance(self.reached, Zdd) or "reachable" in vars(self)
+        return self.reachable.nodes() if drawn else None
 
     @cached_property
     def states(self) -> int:
@@ -153,6 +184,7 @@ def reach(
     order: Order | None = None,
     seed: int | None = None,
     memory_limit: int = DEFAULT_MEMORY,
+    edges: bool = False,
 ) -> SymbolicSpace:
     """Reaches every marking of a 1-safe net.
 
@@ -162,6 +194,7 @@ def reach(
             them: see :mod:`mcpn.space.diagrams.race`.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
+        edges: Whether firings are kept, if they fit, where markings are listed.
 
     Returns:
         The reachable markings.
@@ -174,7 +207,7 @@ def reach(
         raise error
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit)
+    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
     if space.explored is None:  # exploration looks at each firing
         refuse_unsafe(space)
     return space
@@ -187,6 +220,7 @@ def closure(
     order: Order | None,
     seed: int | None,
     memory_limit: int,
+    edges: bool = False,
 ) -> SymbolicSpace:
     """The markings that firings lead to as far as an encoding can say them.
 
@@ -197,6 +231,7 @@ def closure(
         order: Places from the top on; by default orders race.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
+        edges: Whether firings are kept, if they fit, where markings are listed.
 
     Raises:
         UnsafeError: Met where the encoding is of 1-safe nets; what it leaves out is not looked for.
@@ -205,7 +240,7 @@ def closure(
     try:
         if order:
             return close(encode(net, order, memory_limit), "given", order)
-        return _race(net, (encode, *others), memory_limit, seed)
+        return _race(net, (encode, *others), memory_limit, seed, edges)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
 
@@ -216,7 +251,7 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
         return None
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    for candidate in islice(candidates(net, None), 0, 3, 2):  # the second is the first reversed
+    for candidate in islice(candidates(net, None), 2):
         try:
             space = close(Encoding(net, candidate[1], DEFAULT_MEMORY), *candidate, BRIEF)
             refuse_unsafe(space)
@@ -228,14 +263,16 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
     return None
 
 
-def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None) -> SymbolicSpace:
+def _race(
+    net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None, edges: bool
+) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     from mcpn.space.diagrams.runners import runners
 
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(runners(net, encodes, seed, memory_limit // workers), memory_limit, workers, first)
+        race = Race(runners(net, encodes, seed, memory_limit // workers, edges), memory_limit, workers, first)
         found = race.run()
         if isinstance(found, UnsafeError):
             raise found

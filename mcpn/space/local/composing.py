@@ -10,7 +10,6 @@ in which it fails are looked for among those that the mission comes to.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -32,6 +31,8 @@ from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from mcpn.space.stable.alternatives import AlternativesGraph
 
 

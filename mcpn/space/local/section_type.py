@@ -80,7 +80,7 @@ class SectionType:
             layout.opened(layout.store.from_bytes(states.to_bytes()), layout.all_slots)
             for states in (explored.reachable, explored.stable)
         )
-        whole = replace(explored, encoding=self.encoding, made=reachable, stable=stable)
+        whole = replace(explored, encoding=self.encoding, reached=reachable, stable=stable)
         self.graph = DiagramAlternatives(whole)
         self.before = self.encoding.restricted(stable, [net.beginning])
         self.ended = {e: self.encoding.restricted(stable, [place]) for e, place in net.exits.items()}
