@@ -29,7 +29,7 @@ FIRINGS_OF_A_STEP = 8
 """About how many firings of an exploration take the time of one step of a closure."""
 
 LEAST_STEPS = 50_000
-"""Exploration waits until it is given so many: to put markings on a diagram takes as long as fewer steps."""
+"""Exploration waits until it is given so many: most nets have an order that ends before."""
 
 WITHIN_REACH = 6.0
 """Doublings until memory is full from which on an exploration counts as one that ends, one way or another."""
