@@ -33,7 +33,7 @@ DEFAULTS = (
     *("sudoku-4", "barrier-4", "barrier-20", "servers-10-5", "servers-20-8", "servers-100-20"),
 )
 PUBLISHED = {"peterson-3": 20754, "peterson-4": 3407946, "latin-3": 11776, "latin-4": 127545137}
-MOST_BY_BACKTRACKING = 8
+MOST_BY_BACKTRACKING = 10
 BARRIER_STEPS = 12
 SHOWN = 10**20
 

@@ -84,18 +84,16 @@ def drop_transitions(draft: Draft, *, deadlock: bool) -> bool:
         if len(transitions) == 1:
             continue
         transitions.sort(key=lambda t: (sum(draft.pre[t].values()), draft.lengths[t], t))
-        left: list[int] = []
+        left: list[tuple[frozenset[int], dict[int, int]]] = []  # places that those left need, and how much
         for transition in transitions:
-            if any(_needs_no_more(draft, other, transition) for other in left[:MOST_COMPARED]):
+            needs = draft.pre[transition]
+            places = frozenset(needs)
+            if any(few <= places and all(w <= needs[p] for p, w in less.items()) for few, less in left):
                 draft.drop(transition)
                 changed = True
-            else:
-                left.append(transition)
+            elif len(left) < MOST_COMPARED:
+                left.append((places, needs))
     return changed
-
-
-def _needs_no_more(draft: Draft, one: int, other: int) -> bool:
-    return all(weight <= draft.pre[other].get(place, 0) for place, weight in draft.pre[one].items())
 
 
 def drop_irrelevant(draft: Draft, wanted: Mapping[int, Set[int]]) -> bool:
