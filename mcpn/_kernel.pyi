@@ -54,6 +54,70 @@ def stable_ends(
         whose successors have two ends, and that state.
     """
 
+def incoming(
+    offsets: npt.NDArray[np.int64], targets: npt.NDArray[np.uint32], keep: npt.NDArray[np.bool_] | None = ...
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint32]]:
+    """A graph in rows by target: offsets, and the states before; of some edges where a mask is given."""
+
+def spread(
+    offsets: npt.NDArray[np.int64],
+    targets: npt.NDArray[np.uint32],
+    begin: npt.NDArray[np.bool_],
+    along: npt.NDArray[np.bool_] | None = ...,
+    keep: npt.NDArray[np.bool_] | None = ...,
+) -> npt.NDArray[np.bool_]:
+    """The states that some lead to through others, those they begin from included."""
+
+def staying(
+    offsets: npt.NDArray[np.int64],
+    targets: npt.NDArray[np.uint32],
+    incoming_offsets: npt.NDArray[np.int64],
+    sources: npt.NDArray[np.uint32],
+    along: npt.NDArray[np.bool_],
+) -> npt.NDArray[np.bool_]:
+    """The states from which some maximal run stays in a set."""
+
+def sweep_reaching(
+    offsets: npt.NDArray[np.int64],
+    targets: npt.NDArray[np.uint32],
+    goal: npt.NDArray[np.bool_],
+    along: npt.NDArray[np.bool_] | None = ...,
+    keep: npt.NDArray[np.bool_] | None = ...,
+) -> tuple[npt.NDArray[np.bool_], bool]:
+    """States that lead to a goal through others, found by sweeps over all states; whether these are all."""
+
+def sweep_staying(
+    offsets: npt.NDArray[np.int64], targets: npt.NDArray[np.uint32], along: npt.NDArray[np.bool_]
+) -> tuple[npt.NDArray[np.bool_], bool]:
+    """A set without states that leave it, dropped by sweeps over all states; whether none is left."""
+
+def stays(
+    offsets: npt.NDArray[np.int64],
+    targets: npt.NDArray[np.uint32],
+    begin: npt.NDArray[np.bool_],
+    along: npt.NDArray[np.bool_],
+) -> bool:
+    """Whether a maximal run from one of some states stays in a set."""
+
+def weigh(
+    markings: npt.NDArray[np.uint64], terms: Sequence[tuple[int, int, int, int]]
+) -> npt.NDArray[np.int64]:
+    """By marking, a sum of fields of its words: each given by word, lowest bit, width and weight."""
+
+def satisfying(
+    markings: npt.NDArray[np.uint64],
+    alternatives: Sequence[Sequence[tuple[Sequence[tuple[int, int, int, int]], int]]],
+) -> npt.NDArray[np.bool_]:
+    """Which markings satisfy, of one of some alternatives, all bounds on sums of fields from above."""
+
+def before(
+    offsets: npt.NDArray[np.int64],
+    targets: npt.NDArray[np.uint32],
+    into: npt.NDArray[np.bool_],
+    keep: npt.NDArray[np.bool_] | None = ...,
+) -> npt.NDArray[np.bool_]:
+    """The states with an edge into some states."""
+
 @disjoint_base
 class Zdd:
     """A set of markings; a marking is the set of its marked levels. Equal sets are equal handles.
@@ -244,7 +308,8 @@ class Exploration:
 
     def take_offsets(self) -> npt.NDArray[np.uint64]: ...
     def take_targets(self) -> npt.NDArray[np.uint32]: ...
-    def take_labels(self) -> npt.NDArray[np.uint32]: ...
+    def take_labels(self) -> npt.NDArray[np.uint32]:
+        """Empty after :meth:`SafeNet.explore`: see :meth:`SafeNet.labels`."""
 
 @disjoint_base
 class Explorer:
@@ -300,8 +365,11 @@ class SafeNet:
     ) -> Exploration:
         """Every reachable marking, breadth first, priorities respected; edges are kept where asked for."""
 
-    def explorer(self, initial: Sequence[int], max_bytes: int) -> Explorer:
-        """An exploration as :meth:`explore` makes, without edges, that has not begun yet."""
+    def explorer(self, initial: Sequence[int], max_bytes: int, edges: bool = ...) -> Explorer:
+        """An exploration as :meth:`explore` makes that has not begun yet; edges are kept if they fit."""
+
+    def labels(self, markings: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint32]:
+        """The transitions on the edges of some markings, as :meth:`explore` lists edges."""
 
     def settle(
         self,

@@ -106,17 +106,17 @@ bool SafeNet::collect(const Word* marking, const Level& level, std::vector<Word>
 }
 
 Exploration SafeNet::explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const {
-  Explorer explorer(*this, initial, edges, limits);
+  Explorer explorer(*this, initial, edges ? Edges::kAll : Edges::kNone, limits);
   explorer.run();
   return explorer.take();
 }
 
-Explorer::Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial, bool edges, Limits limits)
+Explorer::Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial, Edges edges, Limits limits)
     : net_(net), edges_(edges), limits_(std::move(limits)), table_(std::make_unique<StateTable>(found_, limits_)),
       enabled_(net.firings_.size() / 64 + 1) {
   found_.words = net.words_;
   begin_ = net.marking_of(initial);
-  alone_ = !edges && net.places_ < 64;  // no marking is all ones, as free slots are
+  alone_ = edges == Edges::kNone && net.places_ < 64;  // no marking is all ones, as free slots are
   if (alone_) table_->hold_markings();
   prepare_enabling();
 }
@@ -164,7 +164,7 @@ bool Explorer::run(std::uint64_t most_firings) {
   if (found_.states() == 0) {
     if (alone_) table_->note(begin_[0], table_->hash(begin_.data()), 0, 0);
     else table_->number(begin_.data(), 0, 0);
-    if (edges_) found_.offsets.push_back(0);
+    if (edges_ != Edges::kNone) found_.offsets.push_back(0);
   }
   for (std::uint32_t batches = 0; next_ < found_.states() && !found_.trouble; ++batches) {
     if (last && found_.edges >= last) return false;
@@ -232,22 +232,37 @@ void Explorer::number() {
     return;
   }
   for (const Fired& fired : fired_) table_->fetch_marking(fired.hashed);
-  if (edges_) {
-    table_->grow(found_.targets, fired_.size());
-    table_->grow(found_.labels, fired_.size());
-    table_->grow(found_.offsets, ends_.size());
+  if (edges_ != Edges::kNone) {
+    try {
+      table_->grow(found_.targets, fired_.size());
+      table_->grow(found_.offsets, ends_.size());
+      if (edges_ == Edges::kIfRoom) table_->prepare(fired_.size());
+    } catch (const MemoryLimit&) {
+      if (edges_ == Edges::kAll) throw;
+      edges_ = Edges::kNone;
+      found_.targets = {};
+      found_.offsets = {};
+    }
   }
   const Word* after = after_.data();
   for (const Fired& fired : fired_) {
     const State target = table_->number(after, fired.hashed, fired.state, fired.transition);
     after += found_.words;
     ++found_.edges;
-    if (edges_) {
-      found_.targets.push_back(target);
-      found_.labels.push_back(fired.transition);
-    }
+    if (edges_ != Edges::kNone) found_.targets.push_back(target);
   }
-  if (edges_) found_.offsets.insert(found_.offsets.end(), ends_.begin(), ends_.end());
+  if (edges_ != Edges::kNone) found_.offsets.insert(found_.offsets.end(), ends_.begin(), ends_.end());
+}
+
+std::vector<std::uint32_t> SafeNet::labels(const Word* markings, std::size_t states) const {
+  std::vector<std::uint32_t> found;
+  std::vector<Word> enabled(firings_.size() / 64 + 1);
+  for (std::size_t s = 0; s < states; ++s, markings += words_) {
+    std::fill(enabled.begin(), enabled.end(), 0);
+    if (!collect(markings, first_, enabled) && priorities_) collect(markings, second_, enabled);
+    each_bit(enabled, [&](std::uint32_t t) { found.push_back(t); });
+  }
+  return found;
 }
 
 // Depth first: a state is done when its successors are. One that is met again on the way to itself is on a cycle.

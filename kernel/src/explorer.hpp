@@ -34,8 +34,8 @@ struct Exploration {
   std::vector<State> parents;          // the state that each was found from; its own number for the first
   std::vector<std::uint32_t> via;      // by which transition
   std::vector<std::uint64_t> offsets;  // edges of state s: offsets[s] to offsets[s + 1]
-  std::vector<State> targets;
-  std::vector<std::uint32_t> labels;
+  Appended<State> targets;
+  std::vector<std::uint32_t> labels;   // of 1-safe nets by SafeNet::labels
   struct Trouble {
     State state;
     std::vector<std::uint32_t> firings;  // from that state on
@@ -50,14 +50,20 @@ struct Exploration {
 class Explorer;
 class StateTable;
 
+enum class Edges { kNone, kAll, kIfRoom };  // kept or not; all, unless memory is wanted for the markings
+
 class SafeNet {
  public:
   SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities);
 
   std::uint32_t places() const { return places_; }
+  std::uint32_t words() const { return words_; }
 
   // Every reachable marking. The initial one is given by its marked places.
   Exploration explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const;
+
+  // The transitions on the edges of some markings, given as rows of words, in the order in which exploration lists them.
+  std::vector<std::uint32_t> labels(const Word* markings, std::size_t states) const;
 
  private:
   friend class Explorer;
@@ -89,7 +95,7 @@ class SafeNet {
 // An exploration under way, which may stop after so many firings and go on later.
 class Explorer {
  public:
-  Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial, bool edges, Limits limits);
+  Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial, Edges edges, Limits limits);
   ~Explorer();
   Explorer(const Explorer&) = delete;
   Explorer& operator=(const Explorer&) = delete;
@@ -110,7 +116,7 @@ class Explorer {
   void number();
 
   const SafeNet& net_;
-  const bool edges_;
+  Edges edges_;
   bool alone_ = false;  // markings of one word whose numbers nobody asks for
   const Limits limits_;
   Exploration found_;

@@ -35,6 +35,13 @@ nb::ndarray<nb::numpy, T> array(std::vector<T, Where>&& values, std::uint64_t co
   return {kept->data(), {kept->size() / columns, std::size_t(columns)}, owner};
 }
 
+template <class T> nb::ndarray<nb::numpy, T> array(Appended<T>&& values) {
+  const std::size_t size = values.size();
+  values.reserve(size);
+  T* data = values.release();
+  return {data, {size}, nb::capsule(data, [](void* p) noexcept { std::free(p); })};
+}
+
 template <class T> using Column = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 template <class Explore> Exploration run(Explore body, std::uint64_t max_states, std::uint64_t max_bytes,
@@ -66,8 +73,8 @@ template <class Explore> Exploration run(Explore body, std::uint64_t max_states,
 // An exploration that goes on when it is asked to, and that another thread may end.
 class PyExplorer {
  public:
-  PyExplorer(const SafeNet& net, const Places& initial, std::uint64_t max_bytes)
-      : explorer_(net, initial, false, {~std::uint64_t(0), max_bytes, [this](std::uint64_t, std::uint64_t) { return go_on(); }}) {}
+  PyExplorer(const SafeNet& net, const Places& initial, std::uint64_t max_bytes, bool edges)
+      : explorer_(net, initial, edges ? Edges::kIfRoom : Edges::kNone, {~std::uint64_t(0), max_bytes, [this](std::uint64_t, std::uint64_t) { return go_on(); }}) {}
 
   bool run(std::uint64_t max_firings) {
     if (taken_) throw std::invalid_argument("the exploration was taken");
@@ -217,9 +224,13 @@ void bind_explorer(nb::module_& module) {
                    progress);
       }, nb::arg("initial"), nb::arg("edges"), nb::arg("max_states"), nb::arg("max_bytes"),
          nb::arg("progress").none() = nb::none())
-      .def("explorer", [](const SafeNet& net, const Places& initial, std::uint64_t max_bytes) {
-        return new PyExplorer(net, checked(net, initial), max_bytes);
-      }, nb::arg("initial"), nb::arg("max_bytes"), nb::keep_alive<0, 1>())
+      .def("explorer", [](const SafeNet& net, const Places& initial, std::uint64_t max_bytes, bool edges) {
+        return new PyExplorer(net, checked(net, initial), max_bytes, edges);
+      }, nb::arg("initial"), nb::arg("max_bytes"), nb::arg("edges") = false, nb::keep_alive<0, 1>())
+      .def("labels", [](const SafeNet& net, const nb::ndarray<const Word, nb::ndim<2>, nb::c_contig, nb::device::cpu>& markings) {
+        if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
+        return array(net.labels(markings.data(), markings.shape(0)));
+      }, nb::arg("markings"))
       .def("settle", [](const SafeNet& net, const Places& initial, bool every, std::uint64_t max_states,
                         std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
         return run([&](const Limits& limits) { return Settling(net, every, limits, max_transient).run(checked(net, initial)); },

@@ -28,6 +28,7 @@ namespace nb = nanobind;
 using namespace mcpn;
 
 void bind_explorer(nb::module_& module);
+void bind_graph(nb::module_& module);     // graph.cpp
 void bind_search(nb::module_& module);    // search_module.cpp
 namespace mcpn {
 using Groups = std::vector<std::vector<std::uint32_t>>;
@@ -332,6 +333,7 @@ NB_MODULE(_kernel, module) {
   nb::exception<Cancelled>(module, "Cancelled");
 
   bind_explorer(module);
+  bind_graph(module);
   bind_search(module);
 
   module.def("force", [](const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds) {

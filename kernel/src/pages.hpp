@@ -6,7 +6,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <new>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #ifdef __linux__
@@ -39,5 +42,45 @@ template <class T> struct LargePages {
 
 // A vector on such pages.
 template <class T> using Table = std::vector<T, LargePages<T>>;
+
+// Values that are appended, which the system moves by their pages as they outgrow their place: no second copy lives.
+template <class T> class Appended {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  using value_type = T;
+  Appended() = default;
+  Appended(Appended&& other) noexcept { *this = std::move(other); }
+  Appended& operator=(Appended&& other) noexcept {
+    std::swap(values_, other.values_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
+  ~Appended() { std::free(values_); }
+
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
+  T& operator[](std::size_t at) { return values_[at]; }
+  const T& operator[](std::size_t at) const { return values_[at]; }
+  void push_back(T value) {
+    if (size_ == capacity_) reserve(capacity_ + capacity_ / 4 + 1024);
+    values_[size_++] = value;
+  }
+  void reserve(std::size_t capacity) {
+    void* moved = std::realloc(values_, capacity * sizeof(T));
+    if (!moved && capacity) throw std::bad_alloc();
+    values_ = static_cast<T*>(moved);
+    capacity_ = capacity;
+  }
+  T* release() {  // to be freed by std::free
+    size_ = capacity_ = 0;
+    return std::exchange(values_, nullptr);
+  }
+
+ private:
+  T* values_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
+};
 
 }  // namespace mcpn

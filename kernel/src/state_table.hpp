@@ -63,9 +63,22 @@ class StateTable {
     slots_[at] = marking;
     if (found_.states() * 3 > slots_.size() * 2) widen();
   }
+  // Makes room for so many more states, within the limit on memory.
+  void prepare(std::uint64_t states) {
+    grow(found_.markings, states * found_.words);
+    grow(found_.parents, states);
+    grow(found_.via, states);
+    if ((found_.states() + states) * 3 > slots_.size() * 2) widen();
+  }
   std::uint64_t bytes() const { return found_.bytes() + room(slots_); }
 
   // Room for more values at the end, within the limit on memory.
+  template <class T> void grow(Appended<T>& values, std::uint64_t more) {
+    if (values.size() + more <= values.capacity()) return;
+    const std::uint64_t wider = values.capacity() / 4 + 1024 + more;
+    require(wider * sizeof(T));
+    values.reserve(values.capacity() + wider);
+  }
   template <class V> void grow(V& values, std::uint64_t more) {
     if (values.size() + more <= values.capacity()) return;
     const std::uint64_t wanted = std::max<std::uint64_t>(values.capacity() + values.capacity() / 2, 1024) + more;

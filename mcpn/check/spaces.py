@@ -219,7 +219,13 @@ def markings_by(
         from mcpn.space.markings.counted import explore_markings
 
         return ArraySpace(explore_markings(net, max_states=by.limit, progress=progress))
-    return DiagramMarkings(reach_markings(net) if tokens else reach(net))
+    edges = by.why is not None and not net.priorities  # no diagram was asked for by name
+    space = reach_markings(net, edges=edges) if tokens else reach(net, edges=edges)
+    if space.listed is not None:
+        from mcpn.space.arrays import ArraySpace
+
+        return ArraySpace(space.listed)
+    return DiagramMarkings(space)
 
 
 def alternatives_by(

@@ -15,8 +15,12 @@ from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.images import ImageStore
-from mcpn.space.markings.graph import Mask, StateGraph
+from mcpn.space.markings.graph import Mask, StateGraph, rows
+from mcpn.space.search.goal import needs
 from mcpn.space.stable.alternatives import AlternativesGraph
+
+AT_ONCE = 1 << 20
+"""States whose edges are counted at a time, so that not all labels are held."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -125,21 +129,25 @@ class ArraySpace:
 
     def at_most(self, weights: Mapping[int, int], bound: int) -> ArraySet:
         """States whose weighted sum of tokens is at most a bound."""
-        total = np.zeros(self.graph.states, np.int64)
-        for place, weight in weights.items():
-            total += weight * self.graph.tokens(place)
-        return ArraySet(np.asarray(total <= bound, np.bool_))
+        return ArraySet(self.graph.satisfying([[(weights, bound)]]))
 
     def enabling(self, transitions: Collection[int]) -> ArraySet:
         """States with an edge of some of these transitions."""
-        mask = np.zeros(self.graph.states, np.bool_)
-        mask[self.graph.sources[self._carrying(transitions)]] = True
-        return ArraySet(mask)
+        if self.net.priorities:
+            mask = np.zeros(self.graph.states, np.bool_)
+            mask[self.graph.sources[self._carrying(transitions)]] = True
+            return ArraySet(mask)
+        wanted = ([({p: -1}, -n) for p, n in needs(self.net, t).items()] for t in transitions)
+        return ArraySet(self.graph.satisfying(wanted))
 
     def firings(self, states: ArraySet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
-        labels = self.graph.labels[states.mask[self.graph.sources]]
-        return {t: count for t, count in enumerate(np.bincount(labels).tolist()) if count}
+        found = np.zeros(len(self.net.transitions), np.int64)
+        listed = np.flatnonzero(states.mask)
+        for first in range(0, len(listed), AT_ONCE):
+            labels = self.graph.labels_of(listed[first : first + AT_ONCE])
+            found += np.bincount(labels, minlength=len(found))
+        return {t: count for t, count in enumerate(found.tolist()) if count}
 
     def image(self, states: ArraySet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
@@ -162,10 +170,7 @@ class ArraySpace:
         guards: Guards[ArraySet] = None,
     ) -> ArraySet:
         """States with an edge into some states."""
-        edges = states.mask[self.graph.targets] & self._edges(None, transitions, guards)
-        mask = np.zeros(self.graph.states, np.bool_)
-        mask[self.graph.sources[edges]] = True
-        return ArraySet(mask)
+        return ArraySet(self.graph.before(states.mask, self._edges(transitions, guards)))
 
     def after(
         self,
@@ -174,8 +179,11 @@ class ArraySpace:
         guards: Guards[ArraySet] = None,
     ) -> ArraySet:
         """States that an edge leads to from some states."""
+        edges = rows(self.graph.offsets, np.flatnonzero(states.mask))
+        if (wanted := self._edges(transitions, guards)) is not None:
+            edges = edges[wanted[edges]]
         mask = np.zeros(self.graph.states, np.bool_)
-        mask[self.graph.targets[self._edges(states, transitions, guards)]] = True
+        mask[self.graph.targets[edges]] = True
         return ArraySet(mask)
 
     def crossing(self, among: ArraySet, into: ArraySet) -> Iterator[tuple[int, ArraySet]]:
@@ -195,7 +203,8 @@ class ArraySpace:
         guards: Guards[ArraySet] = None,
     ) -> ArraySet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
-        return ArraySet(self.graph.reaching(goal.mask, self._edges(along, transitions, guards)))
+        edges = self._edges(transitions, guards)
+        return ArraySet(self.graph.reaching(goal.mask, edges, None if along is None else along.mask))
 
     def reached(
         self,
@@ -205,14 +214,15 @@ class ArraySpace:
         guards: Guards[ArraySet] = None,
     ) -> ArraySet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
-        edges = self._edges(along, transitions, guards)
-        if along is not None:
-            edges = edges & along.mask[self.graph.targets]
-            begin = begin & along
-        return ArraySet(self.graph.reached(edges, np.flatnonzero(begin.mask)))
+        edges = self._edges(transitions, guards)
+        if along is None:
+            return ArraySet(self.graph.reached(edges, begin.mask))
+        return ArraySet(self.graph.reached(edges, (begin & along).mask, along.mask))
 
     def staying(self, along: ArraySet, asked: ArraySet | None = None) -> ArraySet:
         """States from which some maximal run stays in a set; see :meth:`mcpn.space.algebra.Space.staying`."""
+        if asked is not None:
+            return asked if self.graph.stays(asked.mask, along.mask) else self.nothing
         return ArraySet(self.graph.staying(along.mask))
 
     def _carrying(self, transitions: Collection[int]) -> Mask:
@@ -220,13 +230,11 @@ class ArraySpace:
         wanted[list(transitions)] = True
         return np.asarray(wanted[self.graph.labels], np.bool_)
 
-    def _edges(
-        self, along: ArraySet | None, transitions: Collection[int] | None, guards: Guards[ArraySet]
-    ) -> Mask:
-        """Edges of some transitions out of some states, shape (edges,)."""
+    def _edges(self, transitions: Collection[int] | None, guards: Guards[ArraySet]) -> Mask | None:
+        """Edges of some transitions, shape (edges,); ``None``, which is quicker, for all."""
+        if transitions is None and not guards:
+            return None
         edges = np.ones(self.graph.edges, np.bool_) if transitions is None else self._carrying(transitions)
-        if along is not None:
-            edges = edges & along.mask[self.graph.sources]
         for transition, states in (guards or {}).items():
             edges &= (self.graph.labels != transition) | states.mask[self.graph.sources]
         return edges
@@ -246,6 +254,7 @@ class ArraySpace:
         guards: Guards[ArraySet] = None,
     ) -> list[Edge] | None:
         """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
-        found = self.graph.run_to(goal.mask, begin, self._edges(along, transitions, guards))
+        passing = None if along is None else along.mask
+        found = self.graph.run_to(goal.mask, begin, self._edges(transitions, guards), passing)
         labels, targets = self.graph.labels, self.graph.targets
         return None if found is None else [Edge(int(labels[e]), int(targets[e])) for e in found]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.sax.saxutils import escape
 
+import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -15,11 +17,15 @@ from hypothesis import strategies as st
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.verdicts import answer_all
+from mcpn.check.logic.verdicts import answer_all, largest
 from mcpn.check.spaces import Asked
 from mcpn.errors import InputError, UnboundedError
 from mcpn.net.petri import NetBuilder, PetriNet
-from tests.check.formulas import RELATIONS, Written, edges_of, formulas, satisfying
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams import runners
+from mcpn.space.diagrams.bounded import reach_markings
+from mcpn.space.diagrams.runners import OneByOne
+from tests.check.formulas import RELATIONS, Written, edges_of, formulas, read, satisfying
 from tests.draws import fewer
 from tests.net.nets import graph_of, nets, state_machines, token_nets
 
@@ -120,6 +126,38 @@ def test_files_are_answered_as_the_definitions_say(net: PetriNet, data: st.DataO
     asked = {f"f{i}": data.draw(drawn) for i in range(4)}
     expected = {n: str(net.initial in satisfying(f, net, edges)).upper() for n, f in asked.items()}
     assert answers(net, {n: written(f) for n, f in asked.items()}, engine) == expected
+
+
+@fewer(0.5)
+@given(nets(max_places=5, max_transitions=6, events=False), st.data())
+def test_what_was_listed_before_a_diagram_held_it_answers_the_same(
+    net: PetriNet, data: st.DataObject
+) -> None:
+    assume(graph_of(net) is not None and max(map(max, graph_of(net) or [(0,)]), default=0) <= 1)
+    edges = edges_of(net)
+    drawn = formulas([p.name for p in net.places], [t.name for t in net.transitions], leaves=5)
+
+    def exploring(net: PetriNet, *_: object) -> Iterator[OneByOne]:
+        yield OneByOne(net, "file", tuple(range(len(net.places))), 1 << 30, edges=True)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(runners, "runners", exploring)
+        questions = Questions(net)
+        assert isinstance(questions.space, ArraySpace)
+        assert questions.choice.engine == "explicit"
+        listed = reach_markings(net, edges=True)
+    assert listed.listed is not None
+    assert {listed.encoding.marking(levels) for levels in listed.reachable} == set(graph_of(net) or ())
+    for formula in (data.draw(drawn) for _ in range(4)):
+        asked = read(formula, net)
+        assert questions.evaluation.holds(asked) == (net.initial in satisfying(formula, net, edges))
+        assert {
+            questions.space.marking(int(s)) for s in np.flatnonzero(questions.evaluation.states(asked).mask)
+        } == (satisfying(formula, net, edges))
+    sums = [Counter(data.draw(st.lists(st.sampled_from(range(len(net.places)))))) for _ in range(2)]
+    for weights in sums:
+        expected = max(sum(m[p] * n for p, n in weights.items()) for m in graph_of(net) or ())
+        assert largest(questions.space, weights) == expected
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -339,7 +339,7 @@ def test_hardware_that_cannot_always_fail_is_reported(ulysse_net: MissionNet) ->
         fails = np.isin(graph.labels, list(prospects.carrying(What.OUT_OF_SERVICE, first)))
         spared |= fails & graph.marked(whole.by_role["oos", other][0])[graph.sources]
     offsets = np.concatenate(([0], np.cumsum(np.bincount(graph.sources[~spared], minlength=graph.states))))
-    fewer = replace(graph, offsets=offsets, targets=graph.targets[~spared], labels=graph.labels[~spared])
+    fewer = replace(graph, offsets=offsets, targets=graph.targets[~spared], labelled=graph.labels[~spared])
     cuts = CutSets(ulysse_net, ArraySpace(fewer))
     found = cuts.nonmonotone(cuts.defeating(cuts.objectives["transect.diving"], Moment.SOMETIME))
     assert found is not None

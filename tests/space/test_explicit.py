@@ -238,3 +238,13 @@ def test_an_exploration_that_stops_now_and_then_finds_the_same(net: PetriNet, bu
     assert found.take_markings().tolist() == whole.take_markings().tolist()
     with pytest.raises(ValueError, match="taken"):
         explorer.run(1)
+
+
+def test_edges_are_forgotten_where_memory_is_wanted_for_markings() -> None:
+    prepared = KernelNet(switches(14))
+    for limit, kept in ((1 << 30, True), (1_500_000, False)):
+        explorer = prepared.kernel.explorer(prepared.initial, limit, True)
+        assert explorer.run(0)
+        found = explorer.take()
+        assert (found.states, found.edges) == (1 << 14, 14 << 14)
+        assert bool(len(found.take_offsets())) == bool(len(found.take_targets())) == kept

@@ -16,6 +16,7 @@ from mcpn.check.spaces import Asked, Choice, On, answered, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
+from mcpn.space.diagrams.base import Diagrams
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach_briefly
 from mcpn.space.search.goal import Formula
@@ -111,7 +112,12 @@ class Questions:
         def by(choice: Choice) -> Space[Any]:
             return space_of(self.mission_net or self.net, choice, self.on, tokens=tokens)
 
-        return answered(by, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states)
+        space, choice = answered(
+            by, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
+        )
+        if choice.engine == "symbolic" and not isinstance(space, Diagrams):
+            choice = Choice("explicit", "its markings were listed before a diagram held them")
+        return space, choice
 
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""

@@ -270,6 +270,10 @@ def largest(space: Space[Any], weights: dict[int, int]) -> int:
     if isinstance(space, DiagramMarkings):  # in one pass over the diagram
         levels, always = space.encoding.weigh(weights)
         return space.everything.largest(levels) + always
+    from mcpn.space.arrays import ArraySpace
+
+    if isinstance(space, ArraySpace):
+        return int(space.graph.tokens(weights).max())
     low, high = 0, sum(weights.values())
     while space.everything - space.at_most(weights, high):
         low, high = high + 1, 2 * high + 1

@@ -28,6 +28,7 @@ def reach_markings(
     order: Order | None = None,
     seed: int | None = None,
     memory_limit: int = DEFAULT_MEMORY,
+    edges: bool = False,
 ) -> SymbolicSpace:
     """Reaches every marking of a net, 1-safe or not.
 
@@ -36,6 +37,7 @@ def reach_markings(
         order: Places from the top on; by default orders race.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
+        edges: Whether firings are kept, if they fit, where markings are listed.
 
     Returns:
         The reachable markings.
@@ -48,7 +50,7 @@ def reach_markings(
     if not net.priorities and surely_unsafe(net):
         return reach_tokens(net, order=order, seed=seed, memory_limit=memory_limit)
     try:
-        return reach(net, order=order, seed=seed, memory_limit=memory_limit)
+        return reach(net, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
     except UnsafeError:
         if net.priorities:
             raise

@@ -45,7 +45,7 @@ LEAST_PROGRESS = 1 / 50
 
 
 def runners(
-    net: PetriNet, encodes: Sequence[Encode], seed: int | None, memory_limit: int
+    net: PetriNet, encodes: Sequence[Encode], seed: int | None, memory_limit: int, edges: bool
 ) -> Iterator[ByOrder | OneByOne]:
     """Orders of places, the most often good first, and exploration one by one among them.
 
@@ -54,6 +54,7 @@ def runners(
         encodes: Ways to put it on levels; the first is for all orders, the others for the first order alone.
         seed: Draws one more order.
         memory_limit: Bytes that each may take.
+        edges: Whether exploration keeps firings, if they fit.
     """
     orders = candidates(net, seed)
     encode, *others = encodes
@@ -65,7 +66,7 @@ def runners(
         yield ByOrder(net, other, leading[0].name, leading[0].order, memory_limit)
     yield from leading[1:]
     if encode is Encoding:  # markings of 1-safe nets
-        yield OneByOne(net, leading[0].name, leading[0].order, memory_limit, LEAST_STEPS)
+        yield OneByOne(net, leading[0].name, leading[0].order, memory_limit, LEAST_STEPS, edges)
     for name, order in orders:
         yield ByOrder(net, encode, name, order, memory_limit)
 
@@ -137,6 +138,7 @@ class OneByOne:
     order: Order
     memory_limit: int
     least_steps: int = 1
+    edges: bool = False
     outlook: float = inf
     _prepared: KernelNet = field(init=False)
     _explorer: Explorer | None = None
@@ -157,7 +159,7 @@ class OneByOne:
         if steps < self.least_steps:
             raise BudgetExceeded(f"{steps} steps are too few to begin")
         if self._explorer is None:
-            self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit)
+            self._explorer = prepared.kernel.explorer(prepared.initial, self.memory_limit, self.edges)
         if self._cancelled:
             raise Cancelled
         explorer = self._explorer
@@ -176,7 +178,8 @@ class OneByOne:
             raise Cancelled
         name = f"{self.name}, after exploring one by one"
         sizes = Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
-        listed = Listed(found.take_markings())
+        graph = prepared.graph(found)
+        listed = Listed(graph.markings, graph if len(graph.offsets) else None)
         if not self.net.priorities:
             return SymbolicSpace(encoding, listed, None, name, self.order, 0, sizes)
         reachable = listed.put_on(encoding)

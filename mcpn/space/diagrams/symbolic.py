@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain, islice
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
@@ -22,6 +22,9 @@ from mcpn.space.diagrams.order import Order, candidates
 from mcpn.space.diagrams.race import FIRST_BUDGET, Race, cores
 from mcpn.space.markings.explicit import Counts
 from mcpn.space.markings.firing import unsafe_at_start
+
+if TYPE_CHECKING:
+    from mcpn.space.markings.graph import StateGraph
 
 DEFAULT_MEMORY = 4 << 30
 FIRST_BUDGET_OF_MISSIONS = 8_000_000
@@ -38,10 +41,12 @@ class Listed:
 
     Args:
         rows: As :meth:`mcpn._kernel.Exploration.take_markings` gives them.
+        graph: Their graph, where it is wanted and fits.
     """
 
-    def __init__(self, rows: Any) -> None:
+    def __init__(self, rows: Any, graph: StateGraph | None = None) -> None:
         self._rows = rows
+        self.graph = graph
 
     def put_on(self, encoding: Encoding) -> Zdd:
         """The diagram of these markings; the rows are given up."""
@@ -70,6 +75,11 @@ class SymbolicSpace:
     places: Order
     peak_nodes: int
     explored: Counts | None = None
+
+    @property
+    def listed(self) -> StateGraph | None:
+        """The graph of the markings, where they were listed with their firings."""
+        return self.reached.graph if isinstance(self.reached, Listed) else None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""
@@ -174,6 +184,7 @@ def reach(
     order: Order | None = None,
     seed: int | None = None,
     memory_limit: int = DEFAULT_MEMORY,
+    edges: bool = False,
 ) -> SymbolicSpace:
     """Reaches every marking of a 1-safe net.
 
@@ -183,6 +194,7 @@ def reach(
             them: see :mod:`mcpn.space.diagrams.race`.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
+        edges: Whether firings are kept, if they fit, where markings are listed.
 
     Returns:
         The reachable markings.
@@ -195,7 +207,7 @@ def reach(
         raise error
     from mcpn.space.diagrams.unsafe import refuse_unsafe
 
-    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit)
+    space = closure(net, Encoding, order=order, seed=seed, memory_limit=memory_limit, edges=edges)
     if space.explored is None:  # exploration looks at each firing
         refuse_unsafe(space)
     return space
@@ -208,6 +220,7 @@ def closure(
     order: Order | None,
     seed: int | None,
     memory_limit: int,
+    edges: bool = False,
 ) -> SymbolicSpace:
     """The markings that firings lead to as far as an encoding can say them.
 
@@ -218,6 +231,7 @@ def closure(
         order: Places from the top on; by default orders race.
         seed: Draws one more order for the race.
         memory_limit: Bytes that diagrams may take.
+        edges: Whether firings are kept, if they fit, where markings are listed.
 
     Raises:
         UnsafeError: Met where the encoding is of 1-safe nets; what it leaves out is not looked for.
@@ -226,7 +240,7 @@ def closure(
     try:
         if order:
             return close(encode(net, order, memory_limit), "given", order)
-        return _race(net, (encode, *others), memory_limit, seed)
+        return _race(net, (encode, *others), memory_limit, seed, edges)
     except MemoryLimit as error:
         raise LimitError(str(error)) from error
 
@@ -249,14 +263,16 @@ def reach_briefly(net: PetriNet) -> SymbolicSpace | None:
     return None
 
 
-def _race(net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None) -> SymbolicSpace:
+def _race(
+    net: PetriNet, encodes: Sequence[Encode], memory_limit: int, seed: int | None, edges: bool
+) -> SymbolicSpace:
     # Missions are larger than small nets and have orders that are seldom bad: fewer rounds do.
     first = FIRST_BUDGET_OF_MISSIONS if net.priorities else FIRST_BUDGET
     from mcpn.space.diagrams.runners import runners
 
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
-        race = Race(runners(net, encodes, seed, memory_limit // workers), memory_limit, workers, first)
+        race = Race(runners(net, encodes, seed, memory_limit // workers, edges), memory_limit, workers, first)
         found = race.run()
         if isinstance(found, UnsafeError):
             raise found

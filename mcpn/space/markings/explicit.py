@@ -67,13 +67,25 @@ class KernelNet:
         return unsafe_after(self.net, [self.transitions[t] for t in (*found.run(state), *last)])
 
     def arrays(self, found: Exploration) -> tuple[Words, Ints, Ints, Ints]:
-        """Markings, offsets, targets and labels of an exploration, labels as the net numbers them."""
+        """Markings, offsets, targets and labels of a settled exploration, labels as the net numbers them."""
         import numpy as np
 
         numbers = np.array(self.transitions, np.int64)
         markings: Words = found.take_markings()
         offsets, targets = found.take_offsets().astype(np.int64), found.take_targets().astype(np.int64)
         return markings, offsets, targets, numbers[found.take_labels()]
+
+    def graph(self, found: Exploration) -> StateGraph:
+        """The graph of an exploration that has kept its edges."""
+        import numpy as np
+
+        from mcpn.space.markings.graph import StateGraph
+
+        def labels(markings: Words) -> Ints:
+            return np.array(self.transitions, np.int64)[self.kernel.labels(markings)]
+
+        offsets = found.take_offsets().view(np.int64)
+        return StateGraph(self.net, found.take_markings(), offsets, found.take_targets(), labels)
 
 
 @dataclass(frozen=True)
@@ -117,11 +129,8 @@ def explore(
         UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
         LimitError: A limit was hit.
     """
-    from mcpn.space.markings.graph import StateGraph
-
     prepared = KernelNet(net)
-    found = _explored(prepared, True, max_states, max_memory, progress)
-    return StateGraph(net, *prepared.arrays(found))
+    return prepared.graph(_explored(prepared, True, max_states, max_memory, progress))
 
 
 def count(

@@ -6,7 +6,7 @@ rows (CSR), those of state ``s`` at ``offsets[s]:offsets[s + 1]``, in the order 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
@@ -14,11 +14,23 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from mcpn._kernel import (
+    before,
+    incoming,
+    satisfying,
+    spread,
+    staying,
+    stays,
+    sweep_reaching,
+    sweep_staying,
+    weigh,
+)
 from mcpn.net.petri import PetriNet
 from mcpn.notebook import Drawn
 
 Words = npt.NDArray[np.uint64]
 Ints = npt.NDArray[np.int64]
+Targets = npt.NDArray[np.uint32]
 Mask = npt.NDArray[np.bool_]
 Field: TypeAlias = tuple[int, int, int]
 
@@ -32,7 +44,7 @@ class StateGraph(Drawn):
         markings: Shape (states, words), bit ``p % 64`` of word ``p // 64`` for place ``p``.
         offsets: Shape (states + 1,).
         targets: Shape (edges,), the state after each firing.
-        labels: Shape (edges,), the transition fired.
+        labelled: Shape (edges,), the transition fired; or what finds those of some markings.
         fields: By place the word, the lowest bit and the number of bits that count its tokens, where places
             hold several.
     """
@@ -40,12 +52,12 @@ class StateGraph(Drawn):
     net: PetriNet
     markings: Words
     offsets: Ints
-    targets: Ints
-    labels: Ints
+    targets: Ints | Targets
+    labelled: Ints | Callable[[Words], Ints]
     fields: tuple[Field, ...] | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
-        sizes = f"{len(self.markings):,} states, {len(self.labels):,} edges"
+        sizes = f"{len(self.markings):,} states, {self.edges:,} edges"
         return f"<{type(self).__name__} of {self.net.name}: {sizes}>"
 
     @property
@@ -59,23 +71,38 @@ class StateGraph(Drawn):
         return len(self.targets)
 
     @cached_property
+    def labels(self) -> Ints:
+        """The transition of each firing, shape (edges,)."""
+        return self.labelled(self.markings) if callable(self.labelled) else self.labelled
+
+    def labels_of(self, states: Ints) -> Ints:
+        """The transitions of the firings of some states."""
+        if callable(self.labelled):
+            return self.labelled(self.markings[states])
+        return self.labelled[rows(self.offsets, states)]
+
+    @cached_property
     def sources(self) -> Ints:
         """The state before each firing, shape (edges,)."""
         return np.repeat(np.arange(self.states, dtype=np.int64), np.diff(self.offsets))
 
     def marked(self, place: int) -> Mask:
         """Which states mark a place, shape (states,)."""
-        if self.fields is not None:
-            return self.tokens(place) > 0
-        word, bit = divmod(place, 64)
-        column: Words = self.markings[:, word]
-        return np.asarray((column >> np.uint64(bit)) & np.uint64(1), np.bool_)
+        return self.tokens({place: 1}) > 0
 
-    def tokens(self, place: int) -> Ints:
-        """The tokens of a place, shape (states,)."""
-        word, shift, width = (*divmod(place, 64), 1) if self.fields is None else self.fields[place]
-        column: Words = self.markings[:, word]
-        return ((column >> np.uint64(shift)) & np.uint64(2**width - 1)).astype(np.int64)
+    def tokens(self, weights: Mapping[int, int]) -> Ints:
+        """A weighted sum of the tokens of places, shape (states,)."""
+        return weigh(self.markings, self._sum(weights))
+
+    def satisfying(self, alternatives: Iterable[Iterable[tuple[Mapping[int, int], int]]]) -> Mask:
+        """States in which, for one of some alternatives, each weighted sum of tokens is within its bound."""
+        found = [[(self._sum(weights), bound) for weights, bound in all_] for all_ in alternatives]
+        return satisfying(self.markings, found)
+
+    def _sum(self, weights: Mapping[int, int]) -> list[tuple[int, int, int, int]]:
+        """A weighted sum of tokens as fields of words with their weights."""
+        fields = self.fields
+        return [(*(fields[p] if fields else (*divmod(p, 64), 1)), weight) for p, weight in weights.items()]
 
     def marking(self, state: int) -> tuple[int, ...]:
         """The marking of a state as tokens by place."""
@@ -86,8 +113,8 @@ class StateGraph(Drawn):
 
     def successors(self, state: int) -> Iterator[tuple[int, int]]:
         """Pairs (transition, next state)."""
-        first, last = self.offsets[state], self.offsets[state + 1]
-        yield from zip(self.labels[first:last].tolist(), self.targets[first:last].tolist(), strict=True)
+        targets = self.targets[self.offsets[state] : self.offsets[state + 1]]
+        yield from zip(self.labels_of(np.array([state])).tolist(), targets.tolist(), strict=True)
 
     @cached_property
     def dead(self) -> Mask:
@@ -95,52 +122,52 @@ class StateGraph(Drawn):
         return np.asarray(np.diff(self.offsets) == 0, np.bool_)
 
     @cached_property
-    def incoming(self) -> tuple[Ints, Ints]:
-        """Edges by their target: row bounds of shape (states + 1,), and edges of shape (edges,)."""
-        order = np.argsort(self.targets, kind="stable")
-        offsets = np.zeros(self.states + 1, np.int64)
-        np.cumsum(np.bincount(self.targets, minlength=self.states), out=offsets[1:])
-        return offsets, order
+    def _onward(self) -> tuple[Ints, Targets]:
+        return self.offsets, self.targets.astype(np.uint32, copy=False)
 
-    def reaching(self, goal: Mask, along: Mask | None = None) -> Mask:
+    @cached_property
+    def _back(self) -> tuple[Ints, Targets]:
+        """The same in rows by target: row bounds, and the state before each firing."""
+        return incoming(*self._onward)
+
+    def before(self, states: Mask, edges: Mask | None = None) -> Mask:
+        """States with an edge, of some where they are given, into some states."""
+        return before(*self._onward, states, edges)
+
+    def reaching(self, goal: Mask, edges: Mask | None = None, along: Mask | None = None) -> Mask:
         """States from which some run leads into the goal (the goal's own states included).
 
         Args:
             goal: Shape (states,).
-            along: Shape (edges,): edges that the run may take; all by default.
+            edges: Shape (edges,): edges that the run may take; all by default.
+            along: Shape (states,): states that it may pass before the goal; all by default.
 
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
-        offsets, order = self.incoming
-        found = goal.copy()
-        frontier = np.flatnonzero(goal)
-        while len(frontier):
-            edges = order[rows(offsets, frontier)]
-            if along is not None:
-                edges = edges[along[edges]]
-            frontier = _fresh(self.sources[edges], found)
-            found[frontier] = True
-        return found
+        found, all_ = sweep_reaching(*self._onward, goal, along, edges)
+        if all_:
+            return found
+        return spread(*(self._back if edges is None else incoming(*self._onward, edges)), found, along)
 
-    def reached(self, along: Mask, start: int | Ints = 0) -> Mask:
-        """States that runs along some edges lead to.
+    def reached(self, edges: Mask | None, start: int | Ints | Mask = 0, along: Mask | None = None) -> Mask:
+        """States that runs lead to.
 
         Args:
-            along: Shape (edges,).
+            edges: Shape (edges,): edges that the run may take; all for ``None``.
             start: The state or the states to run from; they are reached themselves.
+            along: Shape (states,): states that it may come to; all by default.
 
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
-        found = np.zeros(self.states, np.bool_)
-        found[start] = True
-        frontier = np.atleast_1d(np.asarray(start, np.int64))
-        while len(frontier):
-            edges = rows(self.offsets, frontier)
-            frontier = _fresh(self.targets[edges[along[edges]]], found)
-            found[frontier] = True
-        return found
+        begin = np.zeros(self.states, np.bool_)
+        begin[start] = True
+        return spread(*self._onward, begin, along, edges)
+
+    def stays(self, begin: Mask, along: Mask) -> bool:
+        """Whether a maximal run from one of some states stays in a set; both of shape (states,)."""
+        return stays(*self._onward, begin, along)
 
     def staying(self, along: Mask) -> Mask:
         """States from which some maximal run stays in a set: it is endless, or ends in a state without edges.
@@ -153,26 +180,19 @@ class StateGraph(Drawn):
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
-        offsets, order = self.incoming
-        inside = along[self.sources] & along[self.targets]
-        onward = np.bincount(self.sources[inside], minlength=self.states)
-        dropped = ~along
-        frontier = np.flatnonzero(along & (onward == 0) & ~self.dead)
-        while len(frontier):
-            dropped[frontier] = True
-            edges = order[rows(offsets, frontier)]
-            before = self.sources[edges[inside[edges]]]
-            np.subtract.at(onward, before, 1)
-            frontier = _fresh(before[onward[before] == 0], dropped)
-        return ~dropped
+        left, all_ = sweep_staying(*self._onward, along)
+        return left if all_ else staying(*self._onward, *self._back, left)
 
-    def run_to(self, goal: Mask, start: int = 0, along: Mask | None = None) -> list[int] | None:
+    def run_to(
+        self, goal: Mask, start: int = 0, edges: Mask | None = None, along: Mask | None = None
+    ) -> list[int] | None:
         """A shortest run into the goal.
 
         Args:
             goal: Shape (states,).
             start: The state to run from.
-            along: Shape (edges,): edges that the run may take; all by default.
+            edges: Shape (edges,): edges that the run may take; all by default.
+            along: Shape (states,): states that it may pass before the goal; all by default.
 
         Returns:
             Indices of edges; empty where the start is in the goal, ``None`` where no run leads there.
@@ -185,31 +205,26 @@ class StateGraph(Drawn):
         seen = np.zeros(self.states, np.bool_)
         seen[start] = True
         while len(frontier):
-            edges = rows(self.offsets, frontier)
-            if along is not None:
-                edges = edges[along[edges]]
-            edges = edges[~seen[self.targets[edges]]]
-            frontier, first = np.unique(self.targets[edges], return_index=True)
-            via[frontier] = edges[first]
+            taken = rows(self.offsets, frontier if along is None else frontier[along[frontier]])
+            if edges is not None:
+                taken = taken[edges[taken]]
+            taken = taken[~seen[self.targets[taken]]]
+            reached, first = np.unique(self.targets[taken], return_index=True)
+            frontier = reached.astype(np.int64)
+            via[frontier] = taken[first]
             seen[frontier] = True
             hits = frontier[goal[frontier]]
             if len(hits):
-                return self._back(via, int(hits[0]), start)
+                return self._run_back(via, int(hits[0]), start)
         return None
 
-    def _back(self, via: Ints, state: int, start: int) -> list[int]:
+    def _run_back(self, via: Ints, state: int, start: int) -> list[int]:
         run: list[int] = []
         while state != start:
             edge = int(via[state])
             run.append(edge)
-            state = int(self.sources[edge])
+            state = int(np.searchsorted(self.offsets, edge, "right")) - 1
         return run[::-1]
-
-
-def _fresh(states: Ints, found: Mask) -> Ints:
-    """Those of some states that were not found yet, each once, in ascending order."""
-    fresh = np.sort(states[~found[states]])  # np.unique would load numpy.ma
-    return fresh[np.concatenate(([True], fresh[1:] != fresh[:-1]))[: len(fresh)]]
 
 
 def rows(offsets: Ints, states: Ints) -> Ints:

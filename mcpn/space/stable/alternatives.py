@@ -80,7 +80,7 @@ def _stable_ends(graph: StateGraph) -> Ints:
     transient = np.zeros(graph.states, np.bool_)
     transient[graph.sources[internal]] = True
     # Priorities leave a transient state internal edges only, so each of its edges counts.
-    ends, clash = stable_ends(graph.offsets, graph.targets, transient)
+    ends, clash = stable_ends(graph.offsets, graph.targets.astype(np.int64), transient)
     if clash >= 0:
         raise _two_ends(graph, clash, ends)
     endless = np.flatnonzero(ends < 0)
