@@ -37,8 +37,7 @@ from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
-from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
 
 GIB = 4
 ENGINES = ("explicit", "direct", "symbolic", "local")

@@ -28,7 +28,7 @@ from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objecti
 from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
 from mcpn.space.local.composing import composite_space
-from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.summary import summarise
 
 ENGINES = ("explicit", "symbolic", "direct", "local", "pyeda")

@@ -40,8 +40,7 @@ from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import by_reduction
-from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.alternatives import by_reduction, direct_with_proof
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 

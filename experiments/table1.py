@@ -25,8 +25,7 @@ import mcpn
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import by_reduction, direct
-from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.alternatives import by_reduction, direct, direct_with_proof
 
 MISSION = Path(__file__).parent / "ulysse" / "mission.xml"
 T = TypeVar("T")

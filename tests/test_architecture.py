@@ -114,14 +114,14 @@ LOADS: dict[str, set[str]] = {
     "states --engine symbolic": set(),
     "states --engine explicit": TOKENS,
     "check": ARRAYS,
-    "check --engine symbolic": ARRAYS,
-    "check --engine local": ARRAYS,
+    "check --engine symbolic": set(),
+    "check --engine local": set(),
     "alternatives": ARRAYS,
     "controller -o {folder}": ARRAYS | FILES,
     "convert {folder}/net.pnml": FILES,
     "ctl AG(EF(success|failure))": set(),
     "ctl --engine explicit AG(EF(success|failure))": ARRAYS,
-    "causes --engine local": ARRAYS,
+    "causes --engine local": set(),
     "causes": ARRAYS,
 }
 """What each command loads of the heavy modules, beside what makes a mission's net."""

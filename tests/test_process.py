@@ -178,3 +178,22 @@ def test_a_terminal_that_knows_no_unicode_gets_escapes(tmp_path: Path) -> None:
     )
     assert (run.returncode, run.stderr) == (0, b"")
     assert b"\\U0001f680" in run.stdout
+
+
+def test_what_was_registered_for_the_end_runs() -> None:
+    """The process ends without taking apart what it holds, but not without its last words."""
+    script = """
+import atexit, sys
+atexit.register(print, "the end")
+sys.argv = ["mcpn", "--version"]
+from mcpn.cli import main
+main()
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "the end"
+
+
+def test_a_profiler_sees_the_end() -> None:
+    command = [sys.executable, "-m", "cProfile", *COMMAND[1:], "--version"]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "function calls" in run.stdout

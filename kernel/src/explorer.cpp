@@ -118,6 +118,41 @@ Explorer::Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial
   begin_ = net.marking_of(initial);
   alone_ = edges == Edges::kNone && net.places_ < 64;  // no marking is all ones, as free slots are
   if (alone_) table_->hold_markings();
+  prepare_enabling();
+}
+
+// Where most markings hold many tokens and there are few transitions, those that are enabled are sooner known from
+// each byte of a marking than by looking at each transition of which a place is marked.
+void Explorer::prepare_enabling() {
+  constexpr std::size_t kValues = 256, kMost = 1u << 13;  // words: more would not stay in the nearest cache
+  if (net_.priorities_) return;
+  const std::size_t bytes = (net_.places_ + 7) / 8, words = enabled_.size();
+  std::size_t looks = net_.first_.always.size();
+  for (std::uint32_t p = 0; p < net_.places_; ++p)
+    if (begin_[p / 64] >> p % 64 & 1) looks += net_.first_.keyed[p].size();
+  if (bytes == 0 || bytes * kValues * words > kMost || bytes * words > looks) return;
+  enabling_.assign(bytes * kValues * words, 0);
+  for (std::uint32_t t = 0; t < net_.firings_.size(); ++t)
+    for (std::size_t byte = 0; byte < bytes; ++byte) {
+      Word need = 0;
+      for (std::uint32_t i = net_.begin_[t]; i < net_.begin_[t + 1]; ++i)
+        if (net_.parts_[i].word == byte / 8) need |= net_.parts_[i].need >> byte % 8 * 8 & 255;
+      for (std::size_t value = 0; value < kValues; ++value)
+        if ((value & need) == need) enabling_[(byte * kValues + value) * words + t / 64] |= Word(1) << t % 64;
+    }
+}
+
+bool Explorer::look_up_enabled(const Word* marking) {
+  const std::size_t bytes = (net_.places_ + 7) / 8, words = enabled_.size();
+  const auto row = [&](std::size_t byte) {
+    return enabling_.data() + (byte * 256 + (marking[byte / 8] >> byte % 8 * 8 & 255)) * words;
+  };
+  std::copy_n(row(0), words, enabled_.data());
+  for (std::size_t byte = 1; byte < bytes; ++byte) {
+    const Word* here = row(byte);
+    for (std::size_t w = 0; w < words; ++w) enabled_[w] &= here[w];
+  }
+  return std::any_of(enabled_.begin(), enabled_.end(), [](Word word) { return word != 0; });
 }
 
 Explorer::~Explorer() = default;
@@ -155,8 +190,13 @@ template <unsigned kWords> void Explorer::spread() {
   const State first = next_;
   while (next_ < found_.states() && fired_.size() < kBatch && next_ - first < kBatch && !found_.trouble) {
     const Word* marking = found_.markings.data() + std::uint64_t(next_) * words;
-    std::fill(enabled_.begin(), enabled_.end(), 0);
-    const bool internal = net_.collect(marking, net_.first_, enabled_);
+    bool internal;
+    if (enabling_.empty()) {
+      std::fill(enabled_.begin(), enabled_.end(), 0);
+      internal = net_.collect(marking, net_.first_, enabled_);
+    } else {
+      internal = look_up_enabled(marking);
+    }
     const bool any = internal || (net_.priorities_ && net_.collect(marking, net_.second_, enabled_));
     found_.dead += !any;
     found_.stable += !internal;

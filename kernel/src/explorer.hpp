@@ -110,6 +110,8 @@ class Explorer {
  private:
   struct Fired { std::uint64_t hashed; State state; std::uint32_t transition; };
 
+  void prepare_enabling();
+  bool look_up_enabled(const Word* marking);
   template <unsigned kWords> void spread();
   void number();
 
@@ -121,6 +123,7 @@ class Explorer {
   std::unique_ptr<StateTable> table_;
   State next_ = 0;  // the first state whose firings are still to be looked at
   std::vector<Word> begin_, enabled_, after_;
+  std::vector<Word> enabling_;  // by byte of a marking and its value, transitions that need no more of that byte
   std::vector<Fired> fired_;         // of the batch, and by state of the batch how many edges there are at its end
   std::vector<std::uint64_t> ends_;
 };

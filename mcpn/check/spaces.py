@@ -199,8 +199,7 @@ def space_of(
         if not may_die and (found := _too_much_hardware(mission_net, by.limit)):
             raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
         from mcpn.space.arrays import ArraySpace
-        from mcpn.space.stable.alternatives import direct
-        from mcpn.space.stable.confluence import direct_with_proof
+        from mcpn.space.stable.alternatives import direct, direct_with_proof
 
         listed = partial(direct, proof=False) if may_die else direct_with_proof
         return ArraySpace(listed(net, max_states=by.limit, progress=progress))

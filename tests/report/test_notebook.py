@@ -15,7 +15,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.sections import section_part
 from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.alternatives import direct_with_proof
 from tests.conftest import ULYSSE
 from tests.report.test_pictures import HOSTILE, hostile
 from tests.small import activity, hw, mission, robot

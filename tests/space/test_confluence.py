@@ -17,12 +17,11 @@ from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable import confluence
-from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct
+from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
 from mcpn.space.stable.clash import find_clash
 from mcpn.space.stable.confluence import (
     PROOF,
     PROOF_BY_JOINING,
-    direct_with_proof,
     open_conflicts,
     proof_by_joining,
 )

@@ -33,8 +33,7 @@ from mcpn.space.markings.explicit import count, explore
 from mcpn.space.markings.tokens import boundedness
 from mcpn.space.search.goal import FALSE
 from mcpn.space.search.searches import Searches
-from mcpn.space.stable.alternatives import direct
-from mcpn.space.stable.confluence import direct_with_proof
+from mcpn.space.stable.alternatives import direct, direct_with_proof
 from mcpn.space.stable.listing import written_out
 from mcpn.testing import missions
 from tests import small

@@ -27,6 +27,7 @@ from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.clash import in_mission_words
+from mcpn.space.stable.faults import DEFAULT_MAX_STATES
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
@@ -118,8 +119,7 @@ def local_graph(
         SemanticsError: It is not safe, or not confluent.
         LimitError: It has too many states.
     """
-    from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES  # which lists states in arrays
-    from mcpn.space.stable.confluence import direct_with_proof
+    from mcpn.space.stable.alternatives import direct_with_proof  # which lists states in arrays
 
     local = part_of(mission_net, name).net()
     limit = DEFAULT_MAX_STATES if max_states is None else max_states

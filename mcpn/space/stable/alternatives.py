@@ -20,11 +20,18 @@ from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet, Progress
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
-from mcpn.space.stable.faults import confluence_error, divergence_error, fault_found, settled
+from mcpn.space.stable.confluence import proof_by_diagram
+from mcpn.space.stable.faults import (
+    DEFAULT_MAX_STATES,
+    PROOF_BY_MARKINGS,
+    confluence_error,
+    divergence_error,
+    judged,
+    settled,
+)
+from mcpn.steps import step
 
 State = TypeVar("State", bound=Hashable)
-
-DEFAULT_MAX_STATES = 5_000_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -147,14 +154,39 @@ def direct(
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
     prepared = KernelNet(net)
-    found = settled(prepared, every=proof, max_states=max_states, progress=progress)
-    if found.trouble is not None:
-        if not proof:
-            # Unsafe, endless, or a very long run: every interleaving tells which.
-            return replace(direct(net, max_states=max_states, progress=progress), proof=None)
-        raise fault_found(prepared, found)
-    how = "every transient marking behind each event explored once, its stable end unique" if proof else None
-    return AlternativesGraph(net, *prepared.arrays(found), "direct", how)
+    if proof:
+        found = judged(prepared, max_states, progress)
+        return AlternativesGraph(net, *prepared.arrays(found), "direct", PROOF_BY_MARKINGS)
+    found = settled(prepared, every=False, max_states=max_states, progress=progress)
+    if found.trouble is None:
+        return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
+    # Unsafe, endless, or a very long run: every interleaving tells which.
+    return replace(direct(net, max_states=max_states, progress=progress), proof=None)
+
+
+def direct_with_proof(
+    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
+) -> AlternativesGraph:
+    """Builds the alternatives graph directly, with the cheaper proof where it holds.
+
+    Args:
+        net: A net with priorities.
+        max_states: How many stable states it may have.
+        progress: Called now and then.
+
+    Returns:
+        The graph, which says the proof used: the symbolic one, or else each transient marking explored once.
+
+    Raises:
+        ConfluenceError: Two interleavings end in different stable markings.
+        DivergenceError: An internal run need not end.
+        UnsafeError: A firing would put a second token in a place.
+        LimitError: More stable states than allowed.
+    """
+    proof = proof_by_diagram(net)
+    step("listing the stable states")
+    graph = direct(net, proof=proof is None, max_states=max_states, progress=progress)
+    return graph if proof is None else replace(graph, proof=proof)
 
 
 def numbered(

@@ -14,8 +14,7 @@ same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
 
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, SemanticsError
@@ -23,8 +22,8 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
-from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, direct
-from mcpn.space.stable.faults import confluence_error
+from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.stable.faults import DEFAULT_MAX_STATES, PROOF_BY_MARKINGS, confluence_error, judged
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting, mask_of, open_pairs, parting_among
 from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
@@ -64,38 +63,26 @@ def open_conflicts(
         del found[: at + 1]
 
 
-def direct_with_proof(
-    net: PetriNet,
-    *,
-    max_states: int = DEFAULT_MAX_STATES,
-    progress: Callable[[int, int], None] | None = None,
-) -> AlternativesGraph:
-    """Builds the alternatives graph directly, with the cheaper proof where it holds.
+def proof_by_diagram(net: PetriNet) -> str | None:
+    """Proves on a diagram of all markings that internal evolution is confluent.
 
     Args:
         net: A net with priorities.
-        max_states: How many stable states it may have.
-        progress: As for :func:`mcpn.space.stable.alternatives.direct`.
 
     Returns:
-        The graph, which says the proof used: the symbolic one, or else each transient marking explored once.
+        The proof in words: it says so of evolution that ends where runs are followed. ``None`` where the
+        diagram does not fit, or internal evolution may have no end.
 
     Raises:
-        ConfluenceError: Two interleavings end in different stable markings.
-        DivergenceError: An internal run need not end.
-        UnsafeError: A firing would put a second token in a place.
-        LimitError: More stable states than allowed.
+        ConfluenceError: Two runs behind one event end in different stable markings.
+        UnsafeError: The net is not 1-safe.
     """
     step("proving confluence on a diagram of all markings")
     try:
         space = reach(net)
-    except LimitError:  # no diagram within memory: edge by edge may still do
-        return direct(net, proof=True, max_states=max_states, progress=progress)
-    proof = PROOF if next(open_conflicts(space), None) is None else proof_by_joining(space)
-    step("listing the stable states")
-    if proof is not None:
-        return replace(direct(net, proof=False, max_states=max_states, progress=progress), proof=proof)
-    return direct(net, proof=True, max_states=max_states, progress=progress)
+    except LimitError:  # no diagram within memory: marking by marking may still do
+        return None
+    return PROOF if next(open_conflicts(space), None) is None else proof_by_joining(space)
 
 
 def prove_confluent(
@@ -105,7 +92,7 @@ def prove_confluent(
 
     Args:
         net: A net with priorities.
-        max_states: How many stable states there may be, where it must be decided edge by edge.
+        max_states: How many stable states there may be, where it must be decided marking by marking.
         space: Its reachable markings, where they are known.
 
     Returns:
@@ -120,8 +107,10 @@ def prove_confluent(
     space = space or reach(net)
     if not space.endless and next(open_conflicts(space), None) is None:
         return PROOF_OF_ENDS
-    proof = proof_by_joining(space) or direct(net, proof=True, max_states=max_states).proof
-    assert proof is not None, "a proof was asked for"
+    proof = proof_by_joining(space)
+    if proof is None:
+        judged(KernelNet(net), max_states)
+        return PROOF_BY_MARKINGS
     return proof
 
 

@@ -18,6 +18,11 @@ from mcpn.space.markings.firing import MaskedNet, unsafe_after
 from mcpn.space.run import Completion
 from mcpn.space.stable.parting import parting_runs
 
+PROOF_BY_MARKINGS = "every transient marking behind each event explored once, its stable end unique"
+
+DEFAULT_MAX_STATES = 5_000_000
+"""Stable states that an alternatives graph may have."""
+
 LEAST_TRANSIENT = 100_000
 TRANSIENT_OF_A_STATE = 100
 """How many transient markings the proof may explore: that many, or so many for each stable state allowed."""
@@ -60,13 +65,31 @@ def settled(
         raise LimitError(str(error)) from error
 
 
-def fault_found(prepared: KernelNet, found: Exploration) -> SemanticsError:
-    """The error for the trouble that the proof came to, with whole runs from the initial marking.
+def judged(prepared: KernelNet, max_states: int, progress: Progress | None = None) -> Exploration:
+    """Runs events to completion along every interleaving.
 
     Args:
-        prepared: The net.
-        found: What :func:`settled` found of it along every interleaving.
+        prepared: A net with priorities.
+        max_states: How many stable markings there may be.
+        progress: Called now and then.
+
+    Returns:
+        Stable markings and events: each event has one outcome.
+
+    Raises:
+        ConfluenceError: Two interleavings end in different stable markings.
+        DivergenceError: An internal run need not end.
+        UnsafeError: A firing would put a second token in a place.
+        LimitError: A limit was hit.
     """
+    found = settled(prepared, every=True, max_states=max_states, progress=progress)
+    if found.trouble is not None:
+        raise _fault_found(prepared, found)
+    return found
+
+
+def _fault_found(prepared: KernelNet, found: Exploration) -> SemanticsError:
+    """The error for the trouble that the proof came to, with whole runs from the initial marking."""
     assert found.trouble is not None, "asked of what has come to trouble"
     state, firings, _ = found.trouble
     walk = _Walk(prepared.net)

@@ -8,7 +8,8 @@ from typing import Any
 from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
 from mcpn.space.markings.graph import pack
-from mcpn.space.stable.alternatives import DEFAULT_MAX_STATES, AlternativesGraph, numbered
+from mcpn.space.stable.alternatives import AlternativesGraph, numbered
+from mcpn.space.stable.faults import DEFAULT_MAX_STATES
 
 
 def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:
