@@ -65,6 +65,20 @@ def test_modules_are_of_a_size_to_be_read(path: Path) -> None:
     assert len(path.read_text().splitlines()) <= 400
 
 
+SOURCES = sorted((PACKAGE.parent / "kernel" / "src").rglob("*.[ch]pp"))
+"""Of the kernel."""
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.name)
+def test_sources_of_the_kernel_are_of_a_size_to_be_read(path: Path) -> None:
+    assert len(path.read_text().splitlines()) <= 400
+
+
+def test_rooms_of_the_kernel_are_of_a_size_to_be_seen() -> None:
+    for room in {path.parent for path in SOURCES}:
+        assert len({path.stem for path in room.glob("*.[ch]pp")}) <= 12, room
+
+
 def test_rooms_are_of_a_size_to_be_seen() -> None:
     """No folder has more than a dozen modules side by side."""
     for room in {path.parent for path in MODULES}:

@@ -1,10 +1,10 @@
-#include "settling.hpp"
+#include "markings/settling.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <utility>
 
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 namespace mcpn {
 

@@ -10,10 +10,11 @@
 #include <memory>
 #include <tuple>
 
-#include "counted.hpp"
-#include "explorer.hpp"
-#include "settling.hpp"
-#include "store.hpp"
+#include "diagrams/store.hpp"
+#include "markings/counted.hpp"
+#include "markings/explorer.hpp"
+#include "markings/settling.hpp"
+#include "python/module.hpp"
 
 namespace nb = nanobind;
 using namespace mcpn;

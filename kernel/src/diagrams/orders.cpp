@@ -1,4 +1,6 @@
 // Orders in which what belongs together stands together.
+#include "diagrams/orders.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,8 +11,6 @@
 #include <vector>
 
 namespace mcpn {
-
-using Groups = std::vector<std::vector<std::uint32_t>>;
 
 namespace {
 

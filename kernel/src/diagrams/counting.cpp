@@ -1,5 +1,5 @@
 // What a set of markings tells: its heaviest marking, its size, its table, one member.
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 //
 // What is asked of a node is a set of suffixes, what is left of the conditions or events that have begun above it,
 // and all of those that begin at a level or below (the declared ones, by their first level).
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 #include <algorithm>
 #include <bit>

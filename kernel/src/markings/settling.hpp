@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "explorer.hpp"
-#include "state_table.hpp"
+#include "markings/explorer.hpp"
+#include "markings/state_table.hpp"
 
 namespace mcpn {
 

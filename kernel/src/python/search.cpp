@@ -11,9 +11,10 @@
 #include <string>
 #include <tuple>
 
-#include "local.hpp"
-#include "store.hpp"
-#include "tokens.hpp"
+#include "diagrams/store.hpp"
+#include "python/module.hpp"
+#include "search/local.hpp"
+#include "search/tokens.hpp"
 
 namespace nb = nanobind;
 using namespace mcpn;

@@ -1,7 +1,7 @@
-#include "counted.hpp"
+#include "markings/counted.hpp"
 
-#include "state_table.hpp"
-#include "store.hpp"
+#include "diagrams/store.hpp"
+#include "markings/state_table.hpp"
 
 namespace mcpn {
 

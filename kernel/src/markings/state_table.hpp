@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "explorer.hpp"
-#include "store.hpp"
+#include "diagrams/store.hpp"
+#include "markings/explorer.hpp"
 #include "words.hpp"
 
 namespace mcpn {

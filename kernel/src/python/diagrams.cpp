@@ -1,140 +1,30 @@
-// The Python module: handles on sets, and one way to run a long operation.
-//
-// Operations recurse as deep as there are levels. Where that is deep they run on a thread of their own with a stack
-// to match, while the calling thread looks for signals; else they run on the calling thread, without the GIL, and
-// look for signals themselves now and then.
+// Sets of markings and their store for Python: handles that keep nodes alive, ids of events and conditions.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <atomic>
 #include <cstring>
-#include <condition_variable>
-#include <exception>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 
-#include "store.hpp"
+#include "diagrams/store.hpp"
+#include "python/module.hpp"
+#include "python/operation.hpp"
 
 namespace nb = nanobind;
 using namespace mcpn;
 
-void bind_explorer(nb::module_& module);
-void bind_graph(nb::module_& module);     // graph.cpp
-void bind_search(nb::module_& module);    // search_module.cpp
-namespace mcpn {
-using Groups = std::vector<std::vector<std::uint32_t>>;
-std::vector<std::uint32_t> force(const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds);
-std::vector<std::uint32_t> closing(const Groups& groups, const std::vector<std::uint32_t>& start);
-std::vector<std::uint32_t> sloan(const Groups& groups, const std::vector<std::uint32_t>& start);
-}
-
 namespace {
 
-constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
 constexpr const char* kBusy = "the store is at work for another thread";
-constexpr Level kMostLevels = 1u << 20, kShallow = 400;
-
-struct Job {
-  std::function<void()> body;
-  std::exception_ptr error;
-  std::mutex mutex;
-  std::condition_variable done_signal;
-  bool done = false;
-};
-
-void* run_job(void* pointer) {
-  Job& job = *static_cast<Job*>(pointer);
-  try {
-    job.body();
-  } catch (...) {
-    job.error = std::current_exception();
-  }
-  const std::lock_guard lock(job.mutex);
-  job.done = true;
-  job.done_signal.notify_one();
-  return nullptr;
-}
-
-// Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
-class Watch {
- public:
-  Watch(const Store& store, const nb::object& progress) : store_(store), progress_(progress) {}
-  // Whether it is time again: the GIL is not to be asked for at every look.
-  bool due() {
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return false;
-    next_ = now + std::chrono::milliseconds(50);
-    return true;
-  }
-  bool must_stop() {
-    if (PyErr_CheckSignals() != 0) return true;
-    const auto now = std::chrono::steady_clock::now();
-    if (progress_.is_none() || now < due_) return false;
-    due_ = now + std::chrono::seconds(1);
-    PyObject* told = PyObject_CallFunction(progress_.ptr(), "K", static_cast<unsigned long long>(store_.live()));
-    Py_XDECREF(told);
-    return told == nullptr;
-  }
-
- private:
-  const Store& store_;
-  const nb::object& progress_;
-  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1), next_{};
-};
-
-void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
-  store.asked_to_stop = [&watch] {
-    if (!watch.due()) return false;
-    const nb::gil_scoped_acquire acquire;
-    return watch.must_stop();
-  };
-  const struct Forget {  // what was asked is of this operation
-    Store& store;
-    ~Forget() { store.asked_to_stop = nullptr; }
-  } forget{store};
-  try {
-    const nb::gil_scoped_release release;
-    body();
-  } catch (const Interrupted&) {
-    throw nb::python_error();
-  }
-}
-
-void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
-  Job job;
-  job.body = std::move(body);
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStackBase + kStackPerLevel * (std::size_t(store.levels) + 1) * 2);
-  pthread_t thread;
-  const int failed = pthread_create(&thread, &attributes, run_job, &job);
-  pthread_attr_destroy(&attributes);
-  if (failed) throw MemoryLimit("no thread with a stack for this many levels could be made");
-  bool signalled = false;
-  for (bool done = false; !done;) {
-    {
-      const nb::gil_scoped_release release;
-      std::unique_lock lock(job.mutex);
-      done = job.done_signal.wait_for(lock, std::chrono::milliseconds(100), [&] { return job.done; });
-    }
-    if (!done && !signalled && watch.must_stop()) {
-      signalled = true;
-      store.stop.store(true);
-    }
-  }
-  pthread_join(thread, nullptr);
-  if (signalled) throw nb::python_error();
-  if (job.error) std::rethrow_exception(job.error);
-}
+constexpr Level kMostLevels = 1u << 20;
 
 using Ids = std::vector<std::uint64_t>;
 
@@ -154,8 +44,7 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
       std::atomic<bool>& busy;
       ~Done() { busy.store(false); }
     } done{busy_};
-    Watch watch(store, progress);
-    store.levels <= kShallow ? run_here(store, body, watch) : run_on_deep_stack(store, std::move(body), watch);
+    run_operation(store, std::move(body), progress);
   }
 
   Store& at_rest() {
@@ -314,44 +203,9 @@ nb::object to_int(const std::vector<std::uint64_t>& limbs) {
   return nb::module_::import_("builtins").attr("int").attr("from_bytes")(data, "little");
 }
 
-void check_order(const Groups& groups, const std::vector<std::uint32_t>& start) {
-  std::vector<std::uint32_t> sorted = start;
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 0; i < sorted.size(); ++i)
-    if (sorted[i] != i) throw std::invalid_argument("an order holds each number once");
-  for (const auto& group : groups)
-    for (const std::uint32_t member : group)
-      if (member >= start.size()) throw std::invalid_argument("a group holds numbers of the order");
-}
-
 }  // namespace
 
-NB_MODULE(_kernel, module) {
-  module.doc() = "Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets.";
-  nb::exception<BudgetExceeded>(module, "BudgetExceeded");
-  nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
-  nb::exception<Cancelled>(module, "Cancelled");
-
-  bind_explorer(module);
-  bind_graph(module);
-  bind_search(module);
-
-  module.def("force", [](const Groups& groups, const std::vector<std::uint32_t>& start, unsigned rounds) {
-    check_order(groups, start);
-    const nb::gil_scoped_release release;
-    return force(groups, start, rounds);
-  }, nb::arg("groups"), nb::arg("start"), nb::arg("rounds"));
-  module.def("closing", [](const Groups& groups, const std::vector<std::uint32_t>& start) {
-    check_order(groups, start);
-    const nb::gil_scoped_release release;
-    return closing(groups, start);
-  }, nb::arg("groups"), nb::arg("start"));
-  module.def("sloan", [](const Groups& groups, const std::vector<std::uint32_t>& start) {
-    check_order(groups, start);
-    const nb::gil_scoped_release release;
-    return sloan(groups, start);
-  }, nb::arg("groups"), nb::arg("start"));
-
+void bind_diagrams(nb::module_& module) {
   using Levels = std::vector<std::int64_t>;
 
   nb::class_<Handle>(module, "Zdd")

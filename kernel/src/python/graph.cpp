@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "python/module.hpp"
+
 namespace nb = nanobind;
 
 namespace {

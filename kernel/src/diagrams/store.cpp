@@ -1,4 +1,4 @@
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 #include <algorithm>
 

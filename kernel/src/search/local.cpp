@@ -1,6 +1,6 @@
-#include "local.hpp"
+#include "search/local.hpp"
 
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 namespace mcpn::search {
 

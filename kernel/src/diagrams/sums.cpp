@@ -1,5 +1,5 @@
 // The markings of a set whose weighted tokens add up to something between two bounds.
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 #include <algorithm>
 #include <map>

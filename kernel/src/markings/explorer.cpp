@@ -1,11 +1,11 @@
-#include "explorer.hpp"
+#include "markings/explorer.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
-#include "state_table.hpp"
-#include "store.hpp"
+#include "diagrams/store.hpp"
+#include "markings/state_table.hpp"
 #include "words.hpp"
 
 namespace mcpn {

@@ -3,7 +3,7 @@
 // The nodes of the diagram stand in arrays, the deepest level first, so that children come before their parents: a
 // condition is one pass over the nodes between its first and its last level, without looking anything up. Whether
 // conditions hold anywhere is asked of 64 at a time, a bit for each.
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 #include <algorithm>
 #include <array>

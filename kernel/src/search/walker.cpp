@@ -1,8 +1,8 @@
 // Walks: one marking at a time, what is enabled and how far the goals are kept up to date firing by firing.
 #include <algorithm>
 
-#include "store.hpp"
-#include "tokens.hpp"
+#include "diagrams/store.hpp"
+#include "search/tokens.hpp"
 
 namespace mcpn::search {
 

@@ -4,8 +4,8 @@
 #include <queue>
 #include <utility>
 
-#include "packed.hpp"
-#include "store.hpp"
+#include "diagrams/store.hpp"
+#include "search/packed.hpp"
 
 namespace mcpn::search {
 

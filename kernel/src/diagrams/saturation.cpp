@@ -4,7 +4,7 @@
 // Every node is closed under the events that begin at its level or below before it is used above. A level that a
 // diagram skips is a place without token: events that begin there by producing into it, or by testing that it is
 // unmarked, must still be fired; `Program::wakes` says where such levels are, so that all others are passed over.
-#include "store.hpp"
+#include "diagrams/store.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Explicit exploration of nets with several tokens in a place: a marking is a row of words, a field for each place.
 #pragma once
 
-#include "explorer.hpp"
+#include "markings/explorer.hpp"
 
 namespace mcpn {
 

@@ -1,4 +1,4 @@
-#include "tokens.hpp"
+#include "search/tokens.hpp"
 
 #include <algorithm>
 

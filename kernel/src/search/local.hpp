@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "packed.hpp"
+#include "search/packed.hpp"
 
 namespace mcpn::search {
 

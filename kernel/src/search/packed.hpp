@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tokens.hpp"
+#include "search/tokens.hpp"
 #include "words.hpp"
 
 namespace mcpn::search {

@@ -1,0 +1,19 @@
+#include "python/module.hpp"
+
+#include "diagrams/store.hpp"
+
+namespace nb = nanobind;
+using namespace mcpn;
+
+NB_MODULE(_kernel, module) {
+  module.doc() = "Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets.";
+  nb::exception<BudgetExceeded>(module, "BudgetExceeded");
+  nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
+  nb::exception<Cancelled>(module, "Cancelled");
+
+  bind_explorer(module);
+  bind_graph(module);
+  bind_search(module);
+  bind_orders(module);
+  bind_diagrams(module);
+}

@@ -1,0 +1,116 @@
+#include "python/operation.hpp"
+
+#include <pthread.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+
+namespace nb = nanobind;
+using namespace mcpn;
+
+namespace {
+
+constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
+constexpr Level kShallow = 400;
+
+struct Job {
+  std::function<void()> body;
+  std::exception_ptr error;
+  std::mutex mutex;
+  std::condition_variable done_signal;
+  bool done = false;
+};
+
+void* run_job(void* pointer) {
+  Job& job = *static_cast<Job*>(pointer);
+  try {
+    job.body();
+  } catch (...) {
+    job.error = std::current_exception();
+  }
+  const std::lock_guard lock(job.mutex);
+  job.done = true;
+  job.done_signal.notify_one();
+  return nullptr;
+}
+
+// Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
+class Watch {
+ public:
+  Watch(const Store& store, const nb::object& progress) : store_(store), progress_(progress) {}
+  // Whether it is time again: the GIL is not to be asked for at every look.
+  bool due() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return false;
+    next_ = now + std::chrono::milliseconds(50);
+    return true;
+  }
+  bool must_stop() {
+    if (PyErr_CheckSignals() != 0) return true;
+    const auto now = std::chrono::steady_clock::now();
+    if (progress_.is_none() || now < due_) return false;
+    due_ = now + std::chrono::seconds(1);
+    PyObject* told = PyObject_CallFunction(progress_.ptr(), "K", static_cast<unsigned long long>(store_.live()));
+    Py_XDECREF(told);
+    return told == nullptr;
+  }
+
+ private:
+  const Store& store_;
+  const nb::object& progress_;
+  std::chrono::steady_clock::time_point due_ = std::chrono::steady_clock::now() + std::chrono::seconds(1), next_{};
+};
+
+void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
+  store.asked_to_stop = [&watch] {
+    if (!watch.due()) return false;
+    const nb::gil_scoped_acquire acquire;
+    return watch.must_stop();
+  };
+  const struct Forget {  // what was asked is of this operation
+    Store& store;
+    ~Forget() { store.asked_to_stop = nullptr; }
+  } forget{store};
+  try {
+    const nb::gil_scoped_release release;
+    body();
+  } catch (const Interrupted&) {
+    throw nb::python_error();
+  }
+}
+
+void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
+  Job job;
+  job.body = std::move(body);
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kStackBase + kStackPerLevel * (std::size_t(store.levels) + 1) * 2);
+  pthread_t thread;
+  const int failed = pthread_create(&thread, &attributes, run_job, &job);
+  pthread_attr_destroy(&attributes);
+  if (failed) throw MemoryLimit("no thread with a stack for this many levels could be made");
+  bool signalled = false;
+  for (bool done = false; !done;) {
+    {
+      const nb::gil_scoped_release release;
+      std::unique_lock lock(job.mutex);
+      done = job.done_signal.wait_for(lock, std::chrono::milliseconds(100), [&] { return job.done; });
+    }
+    if (!done && !signalled && watch.must_stop()) {
+      signalled = true;
+      store.stop.store(true);
+    }
+  }
+  pthread_join(thread, nullptr);
+  if (signalled) throw nb::python_error();
+  if (job.error) std::rethrow_exception(job.error);
+}
+
+}  // namespace
+
+void run_operation(Store& store, std::function<void()> body, const nb::object& progress) {
+  Watch watch(store, progress);
+  store.levels <= kShallow ? run_here(store, body, watch) : run_on_deep_stack(store, std::move(body), watch);
+}
