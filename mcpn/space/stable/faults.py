@@ -1,9 +1,9 @@
 """Events without one outcome: what the kernel's proof, marking by marking, comes to, as errors with runs.
 
 The kernel explores every transient marking behind an event once, depth first, and remembers its one stable
-end (``kernel/src/markings/settling.hpp``). It stops at an unsafe firing, at one that closes a circle, or at a marking
-that two ways leave for different ends. Everything behind both was explored then, and each has one end, so
-that these two transitions decide the outcome.
+end (``kernel/src/markings/settling.hpp``). It stops at an unsafe firing, at one that closes a circle, or at a
+marking that two ways leave for different ends. Everything behind both was explored then, and each has one
+end, so that these two transitions decide the outcome.
 """
 
 from __future__ import annotations
