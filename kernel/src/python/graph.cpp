@@ -157,16 +157,21 @@ Array<bool> staying(const Column<std::int64_t>& offsets, const Column<State>& ta
   return left.array();
 }
 
+constexpr std::size_t kManyStates = 1u << 18;
 constexpr int kMostSweeps = 64;  // about as many take the time in which the edges of a large graph are turned round
 
 // Looks at all states again and again, from the last to the first and back: most edges of a graph that was explored
 // breadth first lead to later states, so that few sweeps do. `decide` says of a state by its targets whether it
-// changes. Whether in the end none does.
+// changes. Whether in the end none does. Signals are looked for after each sweep over many:
+// the largest take a second.
 template <class Decide> bool swept(std::size_t states, Decide decide) {
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     bool changed = false;
     for (std::size_t i = 0; i < states; ++i) changed |= decide(sweep % 2 ? i : states - 1 - i);
     if (!changed) return true;
+    if (states < kManyStates) continue;
+    const nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
   }
   return false;
 }

@@ -49,9 +49,10 @@ class Listed:
         self.graph = graph
 
     def put_on(self, encoding: Encoding) -> Zdd:
-        """The diagram of these markings; the rows are given up."""
-        rows, self._rows = self._rows, None
-        return encoding.store.from_markings(rows, encoding.places)
+        """The diagram of these markings; the rows are given up where it fits."""
+        found = encoding.store.from_markings(self._rows, encoding.places)
+        self._rows = None
+        return found
 
 
 @dataclass(frozen=True)
