@@ -148,6 +148,7 @@ def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
     units = net.units or state_machine_units(net)
     if units:
         by_force = together(net, units, forced)
+        yield "units", by_units(net, units)
         yield "units-by-force-rcm-reversed", by_force[::-1]
     if near:
         yield "sloan", sloan(net, seeded)
@@ -156,7 +157,6 @@ def _named(net: PetriNet) -> Iterator[tuple[str, Order]]:
         yield "components-forced-reversed", as_wholes(net, components)[::-1]
     yield "force-rcm-reversed", forced[::-1]
     if units:
-        yield "units", by_units(net, units)
         yield "units-by-force-rcm", by_force
     file = tuple(range(len(net.places)))
     yield "force-reversed", force(net, file)[::-1]
