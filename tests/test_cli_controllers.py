@@ -10,7 +10,7 @@ import pytest
 from mcpn.controller import generate
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.mission.writer import save_mission
-from mcpn.space.local import section_type
+from mcpn.space.stable import alternatives
 from tests.commands import mcpn, output
 
 
@@ -42,7 +42,7 @@ def test_a_section_too_large_is_refused_before_any_is_listed(
     def never(*_: object, **__: object) -> None:
         raise AssertionError("nothing is listed before the sizes are known to fit")
 
-    monkeypatch.setattr(section_type, "direct", never)
+    monkeypatch.setattr(alternatives, "direct", never)
     path, out = save(tmp_path, 2, 24), tmp_path / "out"
     run = mcpn("controller", path, "-o", out, *options)
     assert run.returncode == 2
