@@ -23,6 +23,7 @@ from mcpn.mission.model import (
     Activity,
     Alternative,
     Block,
+    Each,
     Hardware,
     Holder,
     Mission,
@@ -254,6 +255,17 @@ def test_a_few_sections_are_those_of_the_whole(unknowns: int, monkeypatch: pytes
     of = row_of_sections(9)
     assert_same(numbers(compose(of)), sections_numbers(compose(of)))
     assert numbers(compose(of)).success == pytest.approx(recursion(of)[0][0], rel=1e-9)
+
+
+def test_a_section_that_is_never_entered_has_no_part() -> None:
+    # Where the objective fails its branch succeeds, so that the block is never tried again.
+    h = Hardware(name="H", failure_rate=LAMBDA)
+    first = replace(objective("x", "a", failure_probability=0.2), failure="succeed")
+    block = Parallel(name="p", blocks=(Each(name="each", values=("v",), blocks=(first,)),), retries=1)
+    found = mission([h], {"a": [("H",)]}, block, objective("y", "a"))
+    assert "p_try2" in {section.name for section in found.graph.sections}
+    assert_same(numbers(found), sections_numbers(found))
+    assert sections_numbers(found).success == pytest.approx(1 / (1 + LAMBDA * D) ** 2)
 
 
 def test_much_hardware_to_remember_is_a_limit_that_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

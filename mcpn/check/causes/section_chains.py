@@ -119,7 +119,8 @@ class Sections:
     def after(self, name: str) -> Ints:
         """The entries behind a section: by status of other hardware, and exit and status of its own."""
         section, used = self.sections[name], self.used[name]
-        routes = [section.routes[exit_] for exit_ in section.listed.exits]
+        # An exit to a section that the mission never enters is never taken: any end stands for it.
+        routes = [route if (route := section.routes[e]) in self.first else FAIL for e in section.listed.exits]
         found = [self.first[r] + self._projected(used, self.used[r]) for r in routes]
         return np.concatenate([numbers.reshape(-1, section.listed.statuses) for numbers in found], axis=1)
 
