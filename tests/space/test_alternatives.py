@@ -20,6 +20,7 @@ from mcpn.space.stable import faults
 from mcpn.space.stable.alternatives import by_reduction, direct
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
+from tests.space.runs import markings_of
 
 
 def test_ulysse_by_both_ways(ulysse_net: MissionNet, ulysse_markings: StateGraph) -> None:
@@ -117,18 +118,9 @@ def test_premises_are_decided_as_by_plain_search(drawn: PetriNet) -> None:
             assert ends(net, after) == {by_walk.marking(target)}
 
 
-def play(net: PetriNet, run: tuple[str, ...]) -> list[Marking]:
-    markings = [net.initial]
-    for name in run:
-        number = net.transition_index[name]
-        assert number in net.enabled(markings[-1])
-        markings.append(net.fire(markings[-1], number))
-    return markings
-
-
 def check_divergence(net: PetriNet, error: DivergenceError) -> None:
     (run,) = error.runs
-    markings = play(net, run)
+    markings = markings_of(net, run)
     again = markings.index(markings[-1])
     assert again < len(markings) - 1
     assert all(net.transitions[net.transition_index[name]].internal for name in run[again:])
@@ -139,7 +131,7 @@ def check_split(net: PetriNet, error: ConfluenceError) -> None:
     parted = next(i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b)
     for run in (first, second):
         assert all(net.transitions[net.transition_index[name]].internal for name in run[parted:])
-    one, other = play(net, first)[-1], play(net, second)[-1]
+    one, other = markings_of(net, first)[-1], markings_of(net, second)[-1]
     assert one != other
     assert not internal(net, one)
     assert not internal(net, other)

@@ -15,6 +15,7 @@ from mcpn.space.stable import faults
 from mcpn.space.stable.alternatives import direct
 from mcpn.space.stable.faults import fault_after
 from mcpn.space.stable.parting import parting_runs
+from tests.space.runs import assert_parts, markings_of
 
 Graph = dict[int, dict[int, int]]
 
@@ -141,37 +142,10 @@ def test_every_interleaving_is_judged(
     for found in told:
         assert (found is None and not possible) or type(found) in possible
         if isinstance(found, ConfluenceError):
-            decides(net, found)
+            assert_parts(net, *found.runs)
         elif isinstance(found, DivergenceError):
-            passed = fired(net, found.runs[0])
+            passed = markings_of(net, found.runs[0])
             assert passed[-1] in passed[:-1]
         elif isinstance(found, UnsafeError):
-            last = fired(net, found.run)[-1]
+            last = markings_of(net, found.run)[-1]
             assert max(net.fire(last, net.transition_index[found.transition])) > 1
-
-
-def fired(net: PetriNet, run: tuple[str, ...]) -> list[tuple[int, ...]]:
-    passed = [net.initial]
-    for name in run:
-        assert net.transition_index[name] in net.enabled(passed[-1])
-        passed.append(net.fire(passed[-1], net.transition_index[name]))
-    return passed
-
-
-def decides(net: PetriNet, error: ConfluenceError) -> None:
-    """Behind the two transitions at which the runs part there is one end each, and not the same."""
-    one, other = (fired(net, run) for run in error.runs)
-    parted = next(i for i, (a, b) in enumerate(zip(*error.runs, strict=False)) if a != b)
-    assert one[-1] != other[-1]
-    for passed in (one, other):
-        assert net.transitions[net.enabled(passed[parted])[0]].internal
-        assert all(not net.transitions[t].internal for t in net.enabled(passed[-1]))
-        found, queue = set[tuple[int, ...]](), [passed[parted + 1]]
-        seen = set(queue)
-        for marking in queue:
-            internal = [t for t in net.enabled(marking) if net.transitions[t].internal]
-            found |= set() if internal else {marking}
-            new = {net.fire(marking, t) for t in internal} - seen
-            seen |= new
-            queue += sorted(new)
-        assert found == {passed[-1]}

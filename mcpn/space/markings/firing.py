@@ -20,6 +20,11 @@ def unsafe_at_start(net: PetriNet) -> UnsafeError | None:
     return None
 
 
+def mask_of(marking: Sequence[int]) -> int:
+    """A 1-safe marking as an integer, a bit for each place."""
+    return sum(1 << place for place, tokens in enumerate(marking) if tokens)
+
+
 def unsafe_after(net: PetriNet, run: Sequence[int]) -> UnsafeError:
     """The error of a run whose last firing puts a second token in a place.
 
@@ -70,7 +75,7 @@ class MaskedNet:
         """
         if error := unsafe_at_start(self.net):
             raise error
-        return _bits(i for i, place in enumerate(self.net.places) if place.initial)
+        return mask_of(self.net.initial)
 
     def covered(self, marking: int) -> int:
         """The transitions whose tokens are there, a bit for each."""

@@ -14,7 +14,7 @@ from mcpn._kernel import Exploration, MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet, Progress
-from mcpn.space.markings.firing import MaskedNet, unsafe_after
+from mcpn.space.markings.firing import MaskedNet, mask_of, unsafe_after
 from mcpn.space.run import Completion
 from mcpn.space.stable.parting import parting_runs
 
@@ -159,7 +159,7 @@ class _Walk:
     def parted(self, last: list[int]) -> Sequence[list[int]]:
         """Two runs that part where the outcome is decided: in the nearest such marking, if soon found."""
         after: dict[int, dict[int, int]] = {}
-        masked, start = MaskedNet(self.net), sum(1 << p for p, tokens in enumerate(self.marking) if tokens)
+        masked, start = MaskedNet(self.net), mask_of(self.marking)
         queue = [start]
         for marking in queue:
             if marking not in after:

@@ -17,7 +17,7 @@ from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.net.structure import conflicts
 from mcpn.space.diagrams.encoding import Encoding, distinct
-from mcpn.space.markings.firing import MaskedNet
+from mcpn.space.markings.firing import MaskedNet, mask_of
 
 DECIDING_WAYS = 3_000
 """Markings behind a parting from which every order is tried before it is taken for one that decides."""
@@ -364,8 +364,3 @@ def parting_among(
             places = [p for p in range(len(marking)) if found.needed >> p & 1]
             left -= encoding.restricted(left, places)
     return None
-
-
-def mask_of(marking: Sequence[int]) -> int:
-    """A 1-safe marking as an integer, a bit for each place."""
-    return sum(1 << place for place, tokens in enumerate(marking) if tokens)
