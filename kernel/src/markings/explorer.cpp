@@ -20,7 +20,6 @@ template <class F> void each_bit(const std::vector<Word>& bits, F body) {
     for (Word left = bits[w]; left; left &= left - 1) body(w * 64 + std::uint32_t(std::countr_zero(left)));
 }
 
-
 }  // namespace
 
 std::uint64_t Exploration::bytes() const {
@@ -116,8 +115,7 @@ Explorer::Explorer(const SafeNet& net, const std::vector<std::uint32_t>& initial
       enabled_(net.firings_.size() / 64 + 1) {
   found_.words = net.words_;
   begin_ = net.marking_of(initial);
-  alone_ = edges == Edges::kNone && net.places_ < 64;  // no marking is all ones, as free slots are
-  if (alone_) table_->hold_markings();
+  if (edges == Edges::kNone && net.places_ < 64) table_->hold_markings();  // none is all ones, as free slots are
   prepare_enabling();
 }
 
@@ -162,7 +160,7 @@ std::uint64_t Explorer::bytes() const { return table_->bytes(); }
 bool Explorer::run(std::uint64_t most_firings) {
   const std::uint64_t last = most_firings ? found_.edges + most_firings : 0;
   if (found_.states() == 0) {
-    if (alone_) table_->note(begin_[0], table_->hash(begin_.data()), 0, 0);
+    if (table_->holds_markings()) table_->note(begin_[0], table_->hash(begin_.data()), 0, 0);
     else table_->number(begin_.data(), 0, 0);
     if (edges_ != Edges::kNone) found_.offsets.push_back(0);
   }
@@ -225,7 +223,7 @@ template <unsigned kWords> void Explorer::spread() {
 
 // Numbers the results of a batch, in the order of their firings.
 void Explorer::number() {
-  if (alone_) {
+  if (table_->holds_markings()) {
     const Word* after = after_.data();
     for (const Fired& fired : fired_) table_->note(*after++, fired.hashed, fired.state, fired.transition);
     found_.edges += fired_.size();

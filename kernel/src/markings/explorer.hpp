@@ -117,7 +117,6 @@ class Explorer {
 
   const SafeNet& net_;
   Edges edges_;
-  bool alone_ = false;  // markings of one word whose numbers nobody asks for
   const Limits limits_;
   Exploration found_;
   std::unique_ptr<StateTable> table_;

@@ -25,14 +25,14 @@ class StateTable {
 
   std::uint64_t hash(const Word* marking) const { return hash_words(marking, found_.words); }
 
-  // From now on markings stand in the slots; none is all ones, as free slots are.
+  // From now on markings stand in the slots: of one word, and nobody asks for their numbers.
   void hold_markings() { holds_markings_ = true; }
+  bool holds_markings() const { return holds_markings_; }
 
   // Asks the memory for what number() will look at: first for the slot of each of some hashes, later for the marking
   // that this slot names. Tables outgrow caches, so that each look would wait otherwise.
   void fetch_slot(std::uint64_t hashed) const { __builtin_prefetch(&slots_[place(hashed)]); }
   void fetch_marking(std::uint64_t hashed) const {
-    if (holds_markings_) return;
     const std::uint64_t slot = slots_[place(hashed)];
     if (slot != kFree && slot >> 32 == hashed >> 32)
       __builtin_prefetch(found_.markings.data() + State(slot) * found_.words);
