@@ -12,7 +12,7 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.faults import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.stable.settling import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
 
 Form = Literal["flat", "hierarchical"]
 Progress = Callable[[int, int], None]

@@ -25,8 +25,8 @@ from mcpn.space.stable.confluence import (
     open_conflicts,
     proof_by_joining,
 )
-from mcpn.space.stable.faults import fault_after
 from mcpn.space.stable.nearest import fault_by, nearest_fault
+from mcpn.space.stable.settling import fault_after
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early

@@ -184,8 +184,8 @@ def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
     assert explore(net).states == 9
 
     def built(max_states: int) -> None:
-        monkeypatch.setattr("mcpn.space.stable.faults.TRANSIENT_OF_A_STATE", 0)
-        monkeypatch.setattr("mcpn.space.stable.faults.LEAST_TRANSIENT", max_states)
+        monkeypatch.setattr("mcpn.space.stable.settling.TRANSIENT_OF_A_STATE", 0)
+        monkeypatch.setattr("mcpn.space.stable.settling.LEAST_TRANSIENT", max_states)
         assert direct(net).states == 2
 
     assert_exact(built, 7, "more than {limit} transient markings")

@@ -22,9 +22,9 @@ from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
 from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
-from mcpn.space.stable.faults import fault_after
 from mcpn.space.stable.joining import EndlessRun, parting_among
 from mcpn.space.stable.nearest import fault_by
+from mcpn.space.stable.settling import fault_after
 from mcpn.steps import step
 
 

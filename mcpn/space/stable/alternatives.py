@@ -21,7 +21,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet, Progress
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
 from mcpn.space.stable.confluence import proof_by_diagram
-from mcpn.space.stable.faults import (
+from mcpn.space.stable.settling import (
     DEFAULT_MAX_STATES,
     PROOF_BY_MARKINGS,
     confluence_error,

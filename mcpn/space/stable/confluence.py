@@ -24,9 +24,9 @@ from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import mask_of
-from mcpn.space.stable.faults import DEFAULT_MAX_STATES, PROOF_BY_MARKINGS, confluence_error, judged
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting, open_pairs, parting_among
 from mcpn.space.stable.nearest import nearest_fault
+from mcpn.space.stable.settling import DEFAULT_MAX_STATES, PROOF_BY_MARKINGS, confluence_error, judged
 from mcpn.steps import step
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"

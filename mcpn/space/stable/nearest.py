@@ -13,8 +13,8 @@ from heapq import heappop, heappush
 from mcpn.errors import SemanticsError
 from mcpn.net.events import What
 from mcpn.net.petri import PetriNet
-from mcpn.space.stable.faults import confluence_error, divergence_error
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting
+from mcpn.space.stable.settling import confluence_error, divergence_error
 
 FIRINGS = 50_000
 """Firings after which the search gives up; about a second."""

@@ -1,7 +1,8 @@
-"""Events without one outcome: what the kernel's proof, marking by marking, comes to, as errors with runs.
+"""Runs each event to completion in the kernel, and tells the errors of events without one outcome.
 
-The kernel explores every transient marking behind an event once, depth first, and remembers its one stable
-end (``kernel/src/markings/settling.hpp``). It stops at an unsafe firing, at one that closes a circle, or at a
+Along one interleaving, which is sound where internal evolution is confluent; or along every one, which proves
+it: every transient marking behind an event is explored once, depth first, and its one stable end is remembered
+(``kernel/src/markings/settling.hpp``). That stops at an unsafe firing, at one that closes a circle, or at a
 marking that two ways leave for different ends. Everything behind both was explored then, and each has one
 end, so that these two transitions decide the outcome.
 """
