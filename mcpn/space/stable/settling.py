@@ -1,10 +1,10 @@
 """Runs each event to completion in the kernel, and tells the errors of events without one outcome.
 
-Along one interleaving, which is sound where internal evolution is confluent; or along every one, which proves
-it: every transient marking behind an event is explored once, depth first, and its one stable end is remembered
-(``kernel/src/markings/settling.hpp``). That stops at an unsafe firing, at one that closes a circle, or at a
-marking that two ways leave for different ends. Everything behind both was explored then, and each has one
-end, so that these two transitions decide the outcome.
+Along one interleaving, which is sound where internal evolution is confluent; or along every one, which
+proves it: every transient marking behind an event is explored once, depth first, and its one stable end is
+remembered (``kernel/src/markings/settling.hpp``). That stops at an unsafe firing, at one that closes a
+circle, or at a marking that two ways leave for different ends. Everything behind both was explored then, and
+each has one end, so that these two transitions decide the outcome.
 """
 
 from __future__ import annotations
