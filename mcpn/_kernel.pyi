@@ -345,14 +345,14 @@ class Explorer:
 class SafeNet:
     """A net as it acts on 1-safe markings.
 
-    Each transition is given by the places that it needs, takes from and puts to, whether it is internal, and
-    whether it is unsafe wherever it fires.
+    Each transition is given by the places that it needs, takes from and puts to, its rank
+    (:attr:`mcpn.net.petri.PetriNet.ranks`), and whether it is unsafe wherever it fires.
     """
 
     def __init__(
         self,
         places: int,
-        transitions: Sequence[tuple[Sequence[int], Sequence[int], Sequence[int], bool, bool]],
+        transitions: Sequence[tuple[Sequence[int], Sequence[int], Sequence[int], int, bool]],
         priorities: bool,
     ) -> None: ...
     def explore(
@@ -424,13 +424,13 @@ class Goals:
 class TokenNet:
     """A net with any number of tokens in a place, for walks and searches that store no whole space.
 
-    Each transition is given by the tokens that it needs, by what it changes, and whether it is internal.
+    Each transition is given by the tokens that it needs, by what it changes, and its rank.
     """
 
     def __init__(
         self,
         places: int,
-        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], bool]],
+        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], int]],
         priorities: bool,
     ) -> None: ...
     def walk(

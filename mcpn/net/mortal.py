@@ -44,6 +44,6 @@ def mortal(mission_net: MissionNet) -> MissionNet:
             transitions[t] = replace(transitions[t], read=(*transitions[t].read, (alive, 1)))
         reads = tuple((place, 1) for place in out)
         lost = Event(What.LOST, hardware.name)
-        transitions.append(Transition(str(lost), ((alive, 1),), ((dead, 1),), reads, lost, origin))
+        transitions.append(Transition(str(lost), ((alive, 1),), ((dead, 1),), reads, lost, provenance=origin))
     mortal_net = PetriNet(net.name, tuple(places), tuple(transitions), net.priorities, tuple(units))
     return replace(mission_net, net=mortal_net, roles=roles)

@@ -1,7 +1,8 @@
-"""Petri nets with read arcs and two priority levels, their markings and the one definition of firing.
+"""Petri nets with read arcs and priorities, their markings and the one definition of firing.
 
 A transition carries an *event* or is *internal*. Where a net has priorities, internal transitions come
 first: an event transition may fire only in a marking that enables no internal transition (paper, 7.1).
+Internal transitions have *ranks*: one may fire only where none of a lower rank is enabled.
 
 >>> builder = NetBuilder("toggle")
 >>> builder.place("off", initial=1)
@@ -27,6 +28,9 @@ from mcpn.notebook import Drawn
 
 Marking: TypeAlias = tuple[int, ...]
 """Tokens of each place, in the order of the net's places."""
+
+EVENTS = 0xFFFF
+"""The rank of events, after that of any internal transition."""
 
 Arcs: TypeAlias = tuple[tuple[int, int], ...]
 """Pairs (index of a place, weight of at least 1), in the order of the places, each place once."""
@@ -76,6 +80,8 @@ class Transition:
         produce: Tokens that firing puts.
         read: Tokens that must be there and stay.
         event: The event that fires it, or ``None`` for an internal transition.
+        rank: Of an internal transition: in nets with priorities those of a lower rank fire before it. From 0
+            to 65,534; events come after all ranks, and have none of their own.
         provenance: What made it, for nets composed from missions.
     """
 
@@ -84,6 +90,7 @@ class Transition:
     produce: Arcs = ()
     read: Arcs = ()
     event: Event | None = None
+    rank: int = 0
     provenance: Provenance | None = field(default=None, compare=False)
 
     @property
@@ -151,6 +158,17 @@ class PetriNet(Drawn):
         return {transition.name: index for index, transition in enumerate(self.transitions)}
 
     @cached_property
+    def ranks(self) -> tuple[int, ...]:
+        """The rank of each transition, :data:`EVENTS` for events."""
+        return tuple(t.rank if t.internal else EVENTS for t in self.transitions)
+
+    @cached_property
+    def internal_ranks(self) -> tuple[tuple[int, ...], ...]:
+        """The internal transitions by rank, those that fire first at first."""
+        ranks = sorted({t.rank for t in self.transitions if t.internal})
+        return tuple(tuple(i for i, of in enumerate(self.ranks) if of == rank) for rank in ranks)
+
+    @cached_property
     def safe_transitions(self) -> tuple[SafeTransition, ...]:
         """Each transition as it acts on 1-safe markings, in the net's order."""
         return tuple(_safe(transition) for transition in self.transitions)
@@ -167,13 +185,12 @@ class PetriNet(Drawn):
             marking: Tokens of each place.
 
         Returns:
-            Indices in the net's order; where the net has priorities and an internal transition is enabled,
-            internal ones only.
+            Indices in the net's order; where the net has priorities, those of the lowest rank alone.
         """
         covered = [t for t in range(len(self.transitions)) if self.covers(marking, t)]
-        if self.priorities:
-            internal = [t for t in covered if self.transitions[t].internal]
-            return internal or covered
+        if self.priorities and covered:
+            least = min(self.ranks[t] for t in covered)
+            return [t for t in covered if self.ranks[t] == least]
         return covered
 
     def fire(self, marking: Sequence[int], transition: int) -> Marking:
@@ -252,19 +269,28 @@ class NetBuilder:
         produce: Iterable[str] | Mapping[str, int] = (),
         read: Iterable[str] | Mapping[str, int] = (),
         event: Event | None = None,
+        rank: int = 0,
         provenance: Provenance | None = None,
     ) -> None:
         """Declares a transition; arcs are names of places (weight 1 each, repeats add up) or weights by name.
 
         Raises:
-            InputError: The name is taken.
+            InputError: The name is taken, or the rank is out of bounds.
         """
+        if not 0 <= rank < EVENTS:
+            raise InputError.at(
+                provenance.source if provenance else None,
+                f"transition {name}: found the rank {rank}, expected 0 to {EVENTS - 1}",
+            )
         if name in self._transitions:
             raise InputError.at(
                 provenance.source if provenance else None, f"transition {name} is declared twice"
             )
         arcs = tuple(_weights(side) for side in (consume, produce, read))
-        self._transitions[name] = (Transition(name, event=event, provenance=provenance), arcs)
+        self._transitions[name] = (
+            Transition(name, event=event, rank=rank, provenance=provenance),
+            arcs,
+        )
 
     def unit(self, places: Iterable[str]) -> None:
         """Notes a group of places of which at most one is meant to be marked."""
@@ -275,7 +301,7 @@ class NetBuilder:
         return name in self._places
 
     def build(self) -> PetriNet:
-        """The net.
+        """The net; ranks are numbered from 0 in their order.
 
         Raises:
             InputError: A transition or a unit names a place that nobody declared.
@@ -291,6 +317,8 @@ class NetBuilder:
                     )
             return tuple(sorted((index[place], weight) for place, weight in weights.items() if weight))
 
+        ranks = sorted({bare.rank for bare, _ in self._transitions.values() if bare.internal})
+        number = {rank: i for i, rank in enumerate(ranks)}
         transitions = []
         for bare, (consume, produce, read) in self._transitions.values():
             user, origin = f"transition {bare.name}", bare.provenance
@@ -301,6 +329,7 @@ class NetBuilder:
                     resolve(produce, user, origin),
                     resolve(read, user, origin),
                     bare.event,
+                    number[bare.rank] if self.priorities and bare.internal else 0,
                     origin,
                 )
             )

@@ -85,7 +85,7 @@ class Used:
                 ),
                 activity.name in usage.handover.with_idle,
                 usage.may_wait(activity.name),
-                usage.sharing.order_matters(activity.name),
+                usage.sharing.serves(activity.name),
                 usage.switching.switches_back(activity.name),
             )
             for activity in self.activities
@@ -98,7 +98,7 @@ class Used:
 
         return (
             tuple((h.faulty, shared(h.name), h.name in usage.switching.watched) for h in self.hardware),
-            tuple((usage.released_unasked(s.name), shared(s.name)) for s in self.software),
+            tuple(shared(s.name) for s in self.software),
             activities,
         )
 
@@ -144,24 +144,14 @@ class LocalPart:
         shapes = []
         for section in graph.sections:
             inside: Hashable
-            awaited = self.usage.handover.awaited.get(section.name)
-            waits = None
-            if awaited is not None:  # what is not of the part is idle while the part runs
-                waits = (
-                    tuple(task[a] for a in awaited.activities if a in task),
-                    tuple(
-                        (number[s], None if owner is None else task[owner])
-                        for s, owner in awaited.interfaces
-                        if s in number and (owner is None or owner in task)
-                    ),
-                )
+            gated = section.name in self.usage.handover.gated
             if isinstance(section, ElementarySection):
                 inside = tuple(task[a] for a in section.activities)
             else:
                 inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
             routes = (places.get(r, r) for r in (section.success, section.failure))
             events = tuple((i.event, places.get(i.target, i.target)) for i in section.interruptions)
-            shapes.append((isinstance(section, ParallelSection), waits, inside, events, *routes))
+            shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
         return places[graph.entry], tuple(shapes)
 
 

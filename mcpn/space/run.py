@@ -6,6 +6,7 @@ the net's own rule, along one interleaving, since internal evolution is confluen
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import takewhile
@@ -16,7 +17,7 @@ from mcpn.space.algebra import Edge, S, Space
 
 
 class Completion:
-    """Fires internal transitions of a net until none is enabled.
+    """Fires internal transitions of a net until none is enabled, those of the lowest rank first.
 
     Only the transitions beside a place that has just received a token are looked at.
 
@@ -28,6 +29,7 @@ class Completion:
         self.net = net
         internal = {t: transition for t, transition in enumerate(net.transitions) if transition.internal}
         self._internal = list(internal)
+        self._rank = {t: rank for rank, of in enumerate(net.internal_ranks) for t in of}
         self._needs = {t: (*transition.consume, *transition.read) for t, transition in internal.items()}
         self._known: dict[int, list[int]] = {}
         self._users: dict[int, list[int]] = {}
@@ -42,15 +44,20 @@ class Completion:
             marking: Where internal evolution begins; the caller knows that it ends.
             fired: The transitions that have led there from a stable marking, where some have.
         """
-        queue = list(self._internal) if fired is None else [u for t in fired for u in self._beside(t)]
-        for t in queue:  # grows while it is walked
+        # Those that may be enabled, by rank.
+        queues: list[deque[int]] = [deque() for _ in self.net.internal_ranks]
+        for t in self._internal if fired is None else [u for of in fired for u in self._beside(of)]:
+            queues[self._rank[t]].append(t)
+        while queue := next((queue for queue in queues if queue), None):
+            t = queue.popleft()
             for place, weight in self._needs[t]:
                 if marking[place] < weight:
                     break
             else:
                 self.net.fire_in_place(marking, t)
                 yield t
-                queue += [t, *self._beside(t)]
+                for u in (t, *self._beside(t)):
+                    queues[self._rank[u]].append(u)
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""

@@ -11,6 +11,9 @@ from mcpn.net.petri import Marking, NetBuilder, PetriNet
 
 EVENTS = (Event.parse("EV_A"), Event(What.SUCCESS, "x"))
 
+RANKS = st.sampled_from([0, 0, 0, 1, 1, 2])
+"""Ranks of internal transitions; most nets have few."""
+
 ODD_NAMES = st.text(
     st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Cn", "Co", "Zl", "Zp")),
     min_size=1,
@@ -43,7 +46,7 @@ def nets(
     odd_names: bool = False,
     events: bool = True,
 ) -> PetriNet:
-    """Any small net, with read arcs, self-loops, events and priorities, safe or not."""
+    """Any small net, with read arcs, self-loops, events, priorities and ranks, safe or not."""
     count = draw(st.integers(1, max_places))
     names = [f"p{i}" for i in range(count)]
     size = draw(st.integers(0, max_transitions))
@@ -61,7 +64,8 @@ def nets(
     for name in transitions:
         consume, produce, read = draw(weights), draw(weights), draw(weights)
         event = draw(st.none() | st.sampled_from(EVENTS)) if events else None
-        builder.transition(name, consume=consume, produce=produce, read=read, event=event)
+        rank = draw(RANKS) if priorities and event is None else 0
+        builder.transition(name, consume=consume, produce=produce, read=read, event=event, rank=rank)
     return builder.build()
 
 
@@ -175,7 +179,7 @@ def odd_nets(draw: st.DrawFn, *, line_breaks: bool = False) -> PetriNet:
     weights = st.dictionaries(st.sampled_from(places), st.integers(1, 3) | st.just(10**18 - 1), max_size=3)
     for name in names:
         consume, produce, read = draw(weights), draw(weights), draw(weights)
-        builder.transition(
-            name, consume=consume, produce=produce, read=read, event=draw(st.none() | events(texts))
-        )
+        event = draw(st.none() | events(texts))
+        rank = draw(RANKS) if event is None else 0
+        builder.transition(name, consume=consume, produce=produce, read=read, event=event, rank=rank)
     return builder.build()

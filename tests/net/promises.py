@@ -44,9 +44,11 @@ def unit_invariants(found: MissionNet, graph: StateGraph) -> None:
             continue
         for owner in sharing.owners(name):
             assert (tokens(found, graph, name, *states, "waiting", "free", owner=owner) == 1).all()
-            own = tokens(found, graph, name, "notAvailable", "waiting", "busy", "failed", owner=owner)
-            used = tokens(found, graph, name, "unused", owner=owner)
-            assert (own + used <= 1).all()
+            if sharing.serves(found.usage.producer[name]):
+                assert (tokens(found, graph, name, "unused", "waiting", "busy", owner=owner) == 1).all()
+            else:
+                own = tokens(found, graph, name, "notAvailable", "waiting", "free", "busy")
+                assert (own + tokens(found, graph, name, "error") <= 1).all()
 
 
 def tokens(found: MissionNet, graph: StateGraph, name: str, *parts: str, owner: str | None = None) -> Ints:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,8 @@ def test_what_is_written_is_read_back(
     tmp_path_factory: pytest.TempPathFactory, suffix: str, net: PetriNet
 ) -> None:
     path = tmp_path_factory.mktemp("round") / f"net{suffix}"
+    if suffix == ".net" and all(t.internal for t in net.transitions):  # it cannot say their ranks
+        net = replace(net, transitions=tuple(replace(t, rank=0) for t in net.transitions))
     save_net(net, path)
     back = read_net(path)
     assert back.places == net.places
@@ -141,7 +144,11 @@ BROKEN_TINA = {
     "absurd marking": (f"net n\npl p ({'9' * 40})\n", 2, "below 10^18"),
     "time": ("net n\ntr t [1,2] p -> q\n", 2, "only untimed nets"),
     "open brace": ("net n\ntr {t p -> q\n", 2, "column 4"),
-    "three levels": ("tr a p -> q\ntr b p -> q\ntr c p -> q\npr a > b\npr b > c\n", 5, "two levels"),
+    "three levels": (
+        "tr a p -> q\ntr b p -> q\ntr c p -> q\npr a > b\npr b > c\n",
+        5,
+        "above all of the levels after its own",
+    ),
     "unknown in pr": ("tr a p -> q\npr a > z\n", 2, "z, which is not declared"),
     "read arc out": ("tr a p -> q?1\n", 1, "among its outputs"),
     "no name": ("net n\ntr\n", 2, "without a name"),

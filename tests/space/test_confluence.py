@@ -22,10 +22,10 @@ from mcpn.space.stable.clash import find_clash
 from mcpn.space.stable.confluence import (
     PROOF,
     PROOF_BY_JOINING,
-    open_conflicts,
-    proof_by_joining,
+    proof_of_conflicts,
 )
 from mcpn.space.stable.nearest import fault_by, nearest_fault
+from mcpn.space.stable.ranks import open_conflicts
 from mcpn.space.stable.settling import fault_after
 from mcpn.testing import missions
 from tests.net.nets import nets, reachable
@@ -68,7 +68,8 @@ def test_missions_have_the_same_graph_with_either_proof(mission: Mission) -> Non
 def test_ulysse_is_proved_symbolically(ulysse_net: MissionNet) -> None:
     graph = direct_with_proof(ulysse_net.net)
     assert (graph.states, graph.edges, graph.proof) == (260, 1332, PROOF)
-    assert list(open_conflicts(reach(ulysse_net.net))) == []
+    space = reach(ulysse_net.net)
+    assert list(open_conflicts(space.encoding, space.reachable)) == []
 
 
 def test_a_conflict_that_no_marking_enables_is_no_obstacle() -> None:
@@ -102,8 +103,8 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
         assert expected is not None
         ends_differ(net, near)
     try:
-        proof = proof_by_joining(reach(net))
-    except ConfluenceError as error:
+        proof = proof_of_conflicts(reach(net))
+    except (ConfluenceError, DivergenceError) as error:
         assert expected is not None
         ends_differ(net, error)
         event("parts")
@@ -182,7 +183,7 @@ def test_a_contended_mission_is_judged_alike_by_every_proof(mission: Mission) ->
         listed = {(c.wanted, c.rivals) for c in mission_net.usage.contentions}
         assert clash.kind != "hardware" or {(wanted, rivals) for wanted in clash.wanted} <= listed
     found: SemanticsError | None = None
-    for prove in (lambda: proof_by_joining(reach(mission_net.net)), lambda: composite_space(mission_net)):
+    for prove in (lambda: proof_of_conflicts(reach(mission_net.net)), lambda: composite_space(mission_net)):
         try:
             prove()
             found = None

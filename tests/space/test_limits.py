@@ -19,7 +19,7 @@ from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
 from mcpn.net.compose import compose
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.net.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
 from mcpn.net.templates import control
 from mcpn.space import images
@@ -194,7 +194,9 @@ def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_stable_and_transient_markings_share_the_memory() -> None:
     # A ring: as many transient markings as stable ones, so that with them about twice the memory is needed.
     size = 4000
-    steps = [([i], [i], [(i + 1) % (2 * size)], i % 2 == 1, False) for i in range(2 * size)]
+    ranks = [EVENTS if i % 2 == 0 else 0 for i in range(2 * size)]
+    steps = [([i], [i], [(i + 1) % (2 * size)], ranks[i], False) for i in range(2 * size)]
+    steps.sort(key=lambda step: step[3])
     net = SafeNet(2 * size, steps, True)
 
     def least(every: bool) -> int:

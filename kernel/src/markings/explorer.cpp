@@ -28,8 +28,11 @@ std::uint64_t Exploration::bytes() const {
 
 SafeNet::SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities)
     : places_(places), words_(std::max(1u, (places + 63) / 64)), firings_(std::move(firings)), priorities_(priorities) {
-  first_.keyed.resize(places);
-  second_.keyed.resize(places);
+  internal_.keyed.resize(places);
+  events_.keyed.resize(places);
+  rank_end_.assign(firings_.size(), std::uint32_t(firings_.size()));
+  for (std::uint32_t t = std::uint32_t(firings_.size()); priorities && t-- > 1;)
+    rank_end_[t - 1] = firings_[t - 1].rank == firings_[t].rank ? rank_end_[t] : t;
   std::vector<std::uint32_t> users(places, 0);
   for (const Firing& firing : firings_)
     for (const std::uint32_t p : firing.need) ++users[p];
@@ -47,14 +50,14 @@ SafeNet::SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorit
     for (const std::uint32_t p : firing.put) part(p).put |= Word(1) << p % 64;
     begin_.push_back(std::uint32_t(parts_.size()));
     parts_.insert(parts_.end(), parts.begin(), parts.end());
-    Level& level = !priorities || firing.internal ? first_ : second_;
+    Level& level = priorities && firing.rank == kEvents ? events_ : internal_;
     if (firing.need.empty()) {
       level.always.push_back(t);
     } else {  // looked at only where the least wanted of its places is marked
       const auto rarest = [&](std::uint32_t p, std::uint32_t q) { return users[p] < users[q]; };
       level.keyed[*std::min_element(firing.need.begin(), firing.need.end(), rarest)].push_back(t);
     }
-    if (firing.internal)
+    if (firing.rank != kEvents)
       for (const std::uint32_t p : firing.need) internal_users[p].push_back(t);
   }
   begin_.push_back(std::uint32_t(parts_.size()));
@@ -88,7 +91,19 @@ bool SafeNet::fire(Word* marking, std::uint32_t t) const {
   return safe;
 }
 
-// Notes the transitions of one priority that a marking covers; whether there are any.
+// Notes the internal transitions that may fire, those of the first rank of which any is covered; whether there are any.
+bool SafeNet::collect_internal(const Word* marking, std::vector<Word>& enabled) const {
+  if (!collect(marking, internal_, enabled)) return false;
+  if (!priorities_) return true;
+  std::size_t first = 0;
+  while (!enabled[first]) ++first;
+  const std::uint32_t end = rank_end_[first * 64 + std::uint32_t(std::countr_zero(enabled[first]))];
+  for (std::size_t w = end / 64; w < enabled.size(); ++w)
+    enabled[w] &= w == end / 64 ? (Word(1) << end % 64) - 1 : 0;
+  return true;
+}
+
+// Notes the transitions, internal ones or events, that a marking covers; whether there are any.
 bool SafeNet::collect(const Word* marking, const Level& level, std::vector<Word>& enabled) const {
   bool any = false;
   const auto look = [&](std::uint32_t t) {
@@ -125,9 +140,9 @@ void Explorer::prepare_enabling() {
   constexpr std::size_t kValues = 256, kMost = 1u << 13;  // words: more would not stay in the nearest cache
   if (net_.priorities_) return;
   const std::size_t bytes = (net_.places_ + 7) / 8, words = enabled_.size();
-  std::size_t looks = net_.first_.always.size();
+  std::size_t looks = net_.internal_.always.size();
   for (std::uint32_t p = 0; p < net_.places_; ++p)
-    if (begin_[p / 64] >> p % 64 & 1) looks += net_.first_.keyed[p].size();
+    if (begin_[p / 64] >> p % 64 & 1) looks += net_.internal_.keyed[p].size();
   if (bytes == 0 || bytes * kValues * words > kMost || bytes * words > looks) return;
   enabling_.assign(bytes * kValues * words, 0);
   for (std::uint32_t t = 0; t < net_.firings_.size(); ++t)
@@ -191,11 +206,11 @@ template <unsigned kWords> void Explorer::spread() {
     bool internal;
     if (enabling_.empty()) {
       std::fill(enabled_.begin(), enabled_.end(), 0);
-      internal = net_.collect(marking, net_.first_, enabled_);
+      internal = net_.collect_internal(marking, enabled_);
     } else {
       internal = look_up_enabled(marking);
     }
-    const bool any = internal || (net_.priorities_ && net_.collect(marking, net_.second_, enabled_));
+    const bool any = internal || (net_.priorities_ && net_.collect(marking, net_.events_, enabled_));
     found_.dead += !any;
     found_.stable += !internal;
     std::uint64_t tokens = 0;
@@ -257,7 +272,7 @@ std::vector<std::uint32_t> SafeNet::labels(const Word* markings, std::size_t sta
   std::vector<Word> enabled(firings_.size() / 64 + 1);
   for (std::size_t s = 0; s < states; ++s, markings += words_) {
     std::fill(enabled.begin(), enabled.end(), 0);
-    if (!collect(markings, first_, enabled) && priorities_) collect(markings, second_, enabled);
+    if (!collect_internal(markings, enabled) && priorities_) collect(markings, events_, enabled);
     each_bit(enabled, [&](std::uint32_t t) { found.push_back(t); });
   }
   return found;

@@ -15,10 +15,13 @@ namespace mcpn {
 using Word = std::uint64_t;
 using State = std::uint32_t;
 
+constexpr std::uint16_t kEvents = 0xFFFF;  // the rank of events; internal transitions have lower ones
+
 // What a transition does to a 1-safe marking. Overflow: firing it is unsafe whatever the marking.
 struct Firing {
   std::vector<std::uint32_t> need, take, put;
-  bool internal = false, overflow = false;
+  std::uint16_t rank = 0;  // with priorities, those of the lowest rank that is enabled may fire
+  bool overflow = false;
 };
 
 struct Limits {
@@ -54,6 +57,7 @@ enum class Edges { kNone, kAll, kIfRoom };  // kept or not; all, unless memory i
 
 class SafeNet {
  public:
+  // Firings come in the order of their ranks, where there are priorities.
   SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorities);
 
   std::uint32_t places() const { return places_; }
@@ -69,7 +73,7 @@ class SafeNet {
   friend class Explorer;
   friend class Settling;
   struct Part { std::uint32_t word; Word need, take, put; };  // of a transition in one word of a marking
-  struct Level {                                               // transitions of one priority
+  struct Level {                                               // internal transitions, or events
     std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need
     std::vector<std::uint32_t> always;                         // those that need none
   };
@@ -81,6 +85,7 @@ class SafeNet {
   }
   bool fire(Word* marking, std::uint32_t t) const;  // false: unsafe
   bool collect(const Word* marking, const Level& level, std::vector<Word>& enabled) const;
+  bool collect_internal(const Word* marking, std::vector<Word>& enabled) const;
   std::vector<Word> marking_of(const std::vector<std::uint32_t>& places) const;
 
   std::uint32_t places_, words_;
@@ -88,7 +93,8 @@ class SafeNet {
   bool priorities_;
   std::vector<std::uint32_t> begin_;
   std::vector<Part> parts_;
-  Level first_, second_;  // without priorities all are first
+  Level internal_, events_;  // without priorities all are internal
+  std::vector<std::uint32_t> rank_end_;  // by transition, the first one of a later rank
   std::vector<std::vector<std::uint32_t>> winners_, losers_;  // internal ones that each firing may enable, disable
 };
 

@@ -36,14 +36,14 @@ Settling::Settling(const SafeNet& net, bool every, const Limits& limits, std::ui
 
 Exploration Settling::run(const std::vector<std::uint32_t>& initial) {
   marking_ = net_.marking_of(initial);
-  net_.collect(marking_.data(), net_.first_, enabled_);
+  net_.collect(marking_.data(), net_.internal_, enabled_);
   if (!settled(0, 0)) return std::move(found_);
   found_.offsets.push_back(0);
   std::vector<Word> events(enabled_.size());
   for (State state = 0; state < found_.states(); ++state) {
     const auto here = [&] { return found_.markings.data() + std::uint64_t(state) * found_.words; };
     std::fill(events.begin(), events.end(), 0);
-    net_.collect(here(), net_.second_, events);
+    net_.collect(here(), net_.events_, events);
     for (std::uint32_t t = 0; (t = next_bit(events.data(), events.size(), t)) != kNone; ++t) {
       std::copy_n(here(), found_.words, marking_.data());
       std::fill(enabled_.begin(), enabled_.end(), 0);
@@ -85,7 +85,7 @@ std::optional<State> Settling::settled(State from, std::uint32_t event) {
 
 std::optional<State> Settling::one_way(State from, std::uint32_t event) {
   std::vector<std::uint32_t> run;
-  for (std::uint32_t t; (t = next_bit(enabled_.data(), enabled_.size(), 0)) != kNone;) {
+  for (std::uint32_t t; (t = next_bit(enabled_.data(), enabled_.size(), 0)) != kNone;) {  // of the first rank
     run.push_back(t);
     const bool safe = fire(t);
     if (!safe || run.size() > kMostSteps) {
@@ -116,7 +116,7 @@ std::optional<State> Settling::every_way(State from, std::uint32_t event) {
     Step& at = path_.back();
     const Word* ways = top();
     const std::uint32_t t = next_bit(ways, words, at.next);
-    if (t == kNone) {
+    if (t >= at.rank_end) {  // or none
       end = passed_.targets[at.number] = at.end;
       ways_.resize(ways_.size() - words);
       path_.pop_back();
@@ -135,14 +135,15 @@ std::optional<State> Settling::every_way(State from, std::uint32_t event) {
 
 // The end of the marking that it has come to, where it is known; else the marking is put on the path.
 State Settling::enter(State from, std::uint32_t event) {
-  if (next_bit(enabled_.data(), enabled_.size(), 0) == kNone) return stable_.number(marking_.data(), from, event);
+  const std::uint32_t first = next_bit(enabled_.data(), enabled_.size(), 0);
+  if (first == kNone) return stable_.number(marking_.data(), from, event);
   const State known = State(passed_.states()), number = transient_.number(marking_.data(), 0, 0);
   if (number < known) return passed_.targets[number];
   transient_.grow(passed_.targets, 1);
   transient_.grow(path_, 1);
   transient_.grow(ways_, enabled_.size());
   passed_.targets.push_back(kOpen);
-  path_.push_back({number, kOpen, 0});
+  path_.push_back({number, kOpen, 0, net_.rank_end_[first]});
   ways_.insert(ways_.end(), enabled_.begin(), enabled_.end());
   return kEntered;
 }

@@ -11,7 +11,7 @@ namespace mcpn {
 
 // Runs each event to completion, from stable marking to stable marking.
 //
-// Along one interleaving, the lowest internal transition first: that is sound where internal evolution is confluent.
+// Along one interleaving, the lowest internal transition of the first rank first: that is sound where internal evolution is confluent.
 // Or along every one, which proves that it is: depth first, each transient marking once, its one stable end kept.
 //
 // The trouble at which it ends is of three kinds. "unsafe": the last firing is. "endless": it closes a circle, or it is
@@ -24,7 +24,8 @@ class Settling {
   Exploration run(const std::vector<std::uint32_t>& initial);
 
  private:
-  struct Step { State number, end; std::uint32_t next; };  // a marking on the way, the end of its ways, the next of them
+  // A marking on the way, the end of its ways, the next of them, and the first transition of a later rank.
+  struct Step { State number, end; std::uint32_t next, rank_end; };
 
   bool fire(std::uint32_t t);
   std::optional<State> settled(State from, std::uint32_t event);
@@ -39,9 +40,9 @@ class Settling {
   const Limits limits_, transient_limits_;
   Exploration found_, passed_;     // stable markings; transient ones, with the end of each as its target
   StateTable stable_, transient_;
-  std::vector<Word> marking_, enabled_;  // where it is, and the internal transitions enabled there
+  std::vector<Word> marking_, enabled_;  // where it is, and the internal transitions covered there
   std::vector<Step> path_;
-  std::vector<Word> ways_;         // what each marking on the path enables
+  std::vector<Word> ways_;         // what each marking on the path covers
   std::uint64_t firings_ = 0;
 };
 

@@ -25,7 +25,7 @@ using Places = std::vector<std::uint32_t>;
 using Arcs = std::vector<std::tuple<std::uint32_t, std::int64_t>>;
 using Counted = std::tuple<Arcs, Arcs, bool>;                   // need, change, internal
 using Field = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;  // word, shift, width
-using Given = std::tuple<Places, Places, Places, bool, bool>;  // need, take, put, internal, overflow
+using Given = std::tuple<Places, Places, Places, std::uint16_t, bool>;  // need, take, put, rank, overflow
 
 // The values of a vector as an array, which owns them from now on.
 template <class T, class Where>
@@ -211,11 +211,13 @@ void bind_explorer(nb::module_& module) {
   nb::class_<SafeNet>(module, "SafeNet")
       .def("__init__", [](SafeNet* self, std::uint32_t places, const std::vector<Given>& transitions, bool priorities) {
         std::vector<Firing> firings;
-        for (const auto& [need, take, put, internal, overflow] : transitions) {
+        for (const auto& [need, take, put, rank, overflow] : transitions) {
           for (const Places* side : {&need, &take, &put})
             for (const std::uint32_t p : *side)
               if (p >= places) throw std::invalid_argument("no such place");
-          firings.push_back({need, take, put, internal, overflow});
+          if (priorities && !firings.empty() && rank < firings.back().rank)
+            throw std::invalid_argument("transitions in the order of their ranks");
+          firings.push_back({need, take, put, rank, overflow});
         }
         new (self) SafeNet(places, std::move(firings), priorities);
       }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))

@@ -22,7 +22,7 @@ using namespace mcpn::search;
 
 namespace {
 
-using Given = std::tuple<std::vector<Arc>, std::vector<Arc>, bool>;  // need, change, internal
+using Given = std::tuple<std::vector<Arc>, std::vector<Arc>, std::uint16_t>;  // need, change, rank
 using Spoken = std::tuple<std::string, std::vector<std::uint32_t>, std::vector<Arc>, Tokens>;
 
 constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
@@ -82,10 +82,10 @@ void bind_search(nb::module_& module) {
       .def("__init__", [](TokenNet* self, std::uint32_t places, const std::vector<Given>& transitions,
                           bool priorities) {
         std::vector<Rule> rules;
-        for (const auto& [need, change, internal] : transitions) {
+        for (const auto& [need, change, rank] : transitions) {
           check(need, places);
           check(change, places);
-          rules.push_back({need, change, internal});
+          rules.push_back({need, change, rank});
         }
         new (self) TokenNet(places, std::move(rules), priorities);
       }, nb::arg("places"), nb::arg("transitions"), nb::arg("priorities"))

@@ -4,9 +4,23 @@
 
 namespace mcpn::search {
 
+namespace {
+
+constexpr std::uint16_t kLast = 0xFFFF;
+
+}  // namespace
+
 TokenNet::TokenNet(std::uint32_t count, std::vector<Rule> given, bool with_priorities)
-    : places(count), rules(std::move(given)), priorities(with_priorities), users(count), raisers(count),
+    : places(count), rules(std::move(given)), priorities(with_priorities), order(rules.size()), users(count), raisers(count),
       lowerers(count), keyed_(count) {
+  std::vector<std::uint16_t> known;
+  if (priorities)
+    for (const Rule& rule : rules) known.push_back(rule.rank);
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  ranks = std::max<std::size_t>(known.size(), 1);
+  for (Transition t = 0; t < rules.size() && priorities; ++t)
+    order[t] = std::uint16_t(std::lower_bound(known.begin(), known.end(), rules[t].rank) - known.begin());
   for (Transition t = 0; t < rules.size(); ++t) {
     for (const auto& [place, weight] : rules[t].need) users[place].emplace_back(t, weight);
     for (const auto& [place, change] : rules[t].change) (change > 0 ? raisers : lowerers)[place].push_back(t);
@@ -32,8 +46,9 @@ void TokenNet::collect(const Marking& marking, std::vector<Transition>& found) c
         if (enabled(marking, t)) found.push_back(t);
   std::sort(found.begin(), found.end());
   if (!priorities) return;
-  const auto internal = [&](Transition t) { return rules[t].internal; };
-  if (std::any_of(found.begin(), found.end(), internal)) std::erase_if(found, std::not_fn(internal));
+  std::uint16_t least = kLast;
+  for (const Transition t : found) least = std::min(least, order[t]);
+  std::erase_if(found, [&](Transition t) { return order[t] != least; });
 }
 
 std::uint32_t Goals::add(Kind kind, std::vector<std::uint32_t> inside, std::vector<Arc> weights, Tokens bound) {

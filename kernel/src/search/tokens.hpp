@@ -20,7 +20,7 @@ constexpr Tokens kFar = Tokens(1) << 40;   // the distance to what can never hol
 // A transition: enabled where each place holds what it needs; firing changes places by so much.
 struct Rule {
   std::vector<Arc> need, change;
-  bool internal = false;
+  std::uint16_t rank = 0;  // with priorities, those of the lowest rank that is enabled may fire
 };
 
 class TokenNet {
@@ -38,6 +38,8 @@ class TokenNet {
   std::uint32_t places;
   std::vector<Rule> rules;
   bool priorities;
+  std::vector<std::uint16_t> order;  // by transition, the place of its rank among those that there are
+  std::size_t ranks = 1;
   std::vector<std::vector<std::pair<Transition, Tokens>>> users;  // by place: who needs it, and how much
   std::vector<std::vector<Transition>> raisers, lowerers;         // by place
 

@@ -32,7 +32,7 @@ class Walker {
  public:
   Walker(const TokenNet& net, const Marking& initial, const Goals& goals, const std::vector<std::uint32_t>& roots)
       : touched(roots.size(), true), net_(net), goals_(goals), initial_(initial), missing0_(net.rules.size(), 0),
-        sums0_(goals.sums(initial)), askers_(goals.bounds.size()), always_() {
+        sums0_(goals.sums(initial)), askers_(goals.bounds.size()), always_(), lists_(net.ranks) {
     std::vector<std::uint32_t> atoms;
     for (std::uint32_t g = 0; g < roots.size(); ++g) {
       atoms.clear();
@@ -56,7 +56,9 @@ class Walker {
   }
 
   const std::vector<Transition>& enabled() const {
-    return net_.priorities && !lists_[1].empty() ? lists_[1] : lists_[0];
+    for (const auto& list : lists_)
+      if (!list.empty()) return list;
+    return lists_.back();
   }
   // Fires, or undoes with sign -1; whether some place holds more than one token, or too many to follow.
   void fire(Transition t, Tokens sign = 1) {
@@ -108,7 +110,7 @@ class Walker {
     for (const auto& [place, change] : net_.rules[t].change)
       for (const auto& [atom, weight] : goals_.watch[place]) sums_[atom] += sign * weight * change;
   }
-  std::vector<Transition>& list(Transition t) { return lists_[net_.priorities && net_.rules[t].internal]; }
+  std::vector<Transition>& list(Transition t) { return lists_[net_.order[t]]; }
   void insert(Transition t) {
     at_[t] = std::uint32_t(list(t).size());
     list(t).push_back(t);
@@ -130,7 +132,7 @@ class Walker {
   Marking tokens_;
   std::vector<std::uint32_t> missing_, at_;
   std::vector<Tokens> sums_;
-  std::vector<Transition> lists_[2];  // enabled; the second: internal ones, where they have priority
+  std::vector<std::vector<Transition>> lists_;  // enabled, by the place of their rank
 };
 
 }  // namespace

@@ -2,15 +2,15 @@
 
 Software carries data, so any number of activities may use it at a time, unless it is declared exclusive;
 hardware is exclusive, unless it is declared shared. Where no two activities can want a resource at the same
-moment there is nothing to share, and the resource has the one interface of the paper. Elsewhere each activity
-that consumes it has an interface of its own.
+moment, nor one of them ask for it again as soon as it has given it back, there is nothing to share, and the
+resource has the one interface of the paper. Elsewhere each activity that consumes it has an interface of its
+own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
-from itertools import combinations
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -35,14 +35,13 @@ class Sharing:
 
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
-        self._matters: dict[str, bool] = {}
         self._under: dict[tuple[str, str], frozenset[str]] = {}
 
     @cached_property
     def consumers(self) -> Mapping[str, tuple[str, ...]]:
         """By resource that is shared, the activities that consume it, in document order."""
         usage = self.usage
-        wanted = {r for r in usage.wanted_together if not usage.is_exclusive(r)}
+        wanted = {r for r in usage.wanted_together | usage.wanted_again if not usage.is_exclusive(r)}
         return {
             resource: tuple(a for a in usage.started if resource in usage.resources_of({a}))
             for resource in wanted
@@ -57,48 +56,20 @@ class Sharing:
         return consumer if resource in self.consumers else None
 
     def serves(self, activity: str) -> bool:
-        """Whether an activity's products have several interfaces, so that it goes on while one is in use."""
-        produces = self.usage.activities[activity].produces
-        return len(produces) > 1 or any(s in self.consumers for s in produces)
+        """Whether a producer goes on while somebody needs one of its products at the end of a reaction.
 
-    def order_matters(self, activity: str) -> bool:
-        """Whether a producer that keeps its alternative might differ by which of two consumers comes first.
-
-        A producer that serves goes on if another consumer asks before the last one releases, and is started
-        anew if it asks after. Both may come of one failure or return, or of one event that leads several
-        branches of a block onward, in either order, and make a difference where the producer, or one that
-        serves it, has several alternatives: the one that goes on keeps its alternative. There it switches
-        back to a better alternative as soon as one is possible, so that both orders end alike
-        (:meth:`mcpn.mission.facts.switching.Switching.switches_back`).
+        So it does where it has several products, or one that several ask for, or one again and again, or one
+        that may be given back while the producer evaluates.
         """
-        if activity not in self._matters:
-            self._matters[activity] = self._order_matters(activity)
-        return self._matters[activity]
-
-    def _order_matters(self, activity: str) -> bool:
-        usage = self.usage
-        if not self.serves(activity):
-            return False
-        if all(len(usage.activities[a].alternatives) == 1 for a in usage.closure(activity)):
-            return False
-        # By interface, the activities that ask and release by it.
-        asking = [
-            tuple(a for a in usage.started if product in usage.resources_of({a}) and owner in (None, a))
-            for product in usage.activities[activity].produces
-            for owner in self.owners(product)
-        ]
-        if len(asking) > 1 and self._branches_are_interrupted:
+        usage, produces = self.usage, self.usage.activities[activity].produces
+        if len(produces) > 1 or not usage.wanted_again.isdisjoint(produces):
             return True
-        if any(self.serves(a) for consumers in asking for a in consumers):
-            return True
-        affected = [self.affecting(consumers, activity) for consumers in asking]
-        return any(not one.isdisjoint(other) for one, other in combinations(affected, 2))
+        return any(usage.released_unasked(s) for s in produces)
 
     @cached_property
-    def _branches_are_interrupted(self) -> bool:
-        """Whether one event may lead several branches of a block onward at once."""
-        inner = (graph for graph in self.usage.graphs() if graph is not self.usage.graph)
-        return any(section.interruptions for graph in inner for section in graph.sections)
+    def anything(self) -> bool:
+        """Whether any producer serves; the internal transitions of the net then have several ranks."""
+        return any(self.serves(a) for a in self.usage.started)
 
     def affecting(self, consumers: Collection[str], producer: str) -> frozenset[Occasion]:
         """What may make some activities ask or release, errors of the producer aside.

@@ -41,7 +41,6 @@ class Switching:
     def __init__(self, usage: Usage) -> None:
         self.usage = usage
         self._ways: dict[str, frozenset[Held]] = {}
-        self._back: dict[str, bool] = {}
 
     @cached_property
     def watched(self) -> frozenset[str]:
@@ -51,10 +50,6 @@ class Switching:
     def returns(self, activity: str) -> frozenset[str]:
         """Hardware whose return may make an activity leave its alternative."""
         return self._of_higher(activity) if self.switches_back(activity) else frozenset()
-
-    def declared(self, activity: str) -> frozenset[str]:
-        """Hardware whose return may make it leave its alternative because it is declared to."""
-        return self._of_higher(activity) if self.usage.activities[activity].switch_back else frozenset()
 
     def _of_higher(self, activity: str) -> frozenset[str]:
         alternatives = range(len(self.usage.activities[activity].alternatives))
@@ -75,29 +70,9 @@ class Switching:
         return sorted(ways, key=lambda way: [place[h] for h in way])
 
     def switches_back(self, activity: str) -> bool:
-        """Whether an activity returns to a better alternative.
-
-        It does where it is declared to, and where what shares its product could else tell in which order
-        two consumers came: it then always runs the best alternative that the hardware allows.
-        """
-        if activity not in self._back:
-            usage = self.usage
-            several = len(usage.activities[activity].alternatives) > 1
-            self._back[activity] = several and (
-                usage.activities[activity].switch_back
-                # Whether it matters is asked upwards only, from producers to who consumes.
-                or any(map(usage.sharing.order_matters, self._above.get(activity, ())))
-            )
-        return self._back[activity]
-
-    @cached_property
-    def _above(self) -> dict[str, list[str]]:
-        """By activity, those that may start it, itself included."""
-        found: dict[str, list[str]] = {}
-        for a in self.usage.started:
-            for below in self.usage.closure(a):
-                found.setdefault(below, []).append(a)
-        return found
+        """Whether an activity returns to a better alternative: where it is declared to, and nowhere else."""
+        declared = self.usage.activities[activity]
+        return declared.switch_back and len(declared.alternatives) > 1
 
     def higher(self, activity: str, alternative: int) -> Ways:
         """Sets of hardware that make an alternative of higher priority than this one possible.

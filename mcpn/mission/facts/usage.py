@@ -67,6 +67,7 @@ class Usage:
         self.producer: Mapping[str, str] = {s: a.name for a in mission.activities for s in a.produces}
         self._software = {s.name: s for s in mission.software}
         self._closures: dict[str, frozenset[str]] = {}
+        self._heights: dict[str, int] = {}
         self._hardware_under: dict[str, frozenset[str]] = {}
         self._needs: dict[str, Needs] = {}
         self._inner: dict[str, frozenset[tuple[str, Demand, Demand]]] = {}
@@ -100,6 +101,15 @@ class Usage:
                     if name not in done:
                         done.add(name)
                         yield name
+
+    def height(self, activity: str) -> int:
+        """How many activities stand under one another below the activity, by what they consume."""
+        if not self._heights:
+            for name in self.suppliers_first():
+                alternatives = range(len(self.activities[name].alternatives))
+                below = (self._heights[p] for i in alternatives for p in self.suppliers(name, i))
+                self._heights[name] = max(below, default=-1) + 1
+        return self._heights[activity]
 
     def closure(self, activity: str) -> frozenset[str]:
         """The activity with all that it may start, at any depth, through the resources that it consumes."""
@@ -201,6 +211,18 @@ class Usage:
         """Resources that two activities may want at the same time, whether they share them or contend."""
         return frozenset(resource for resource, *_ in self._graph_demands(self.graph))
 
+    @cached_property
+    def wanted_again(self) -> frozenset[str]:
+        """Software that is wanted together, or that one reaction may give back and ask for again.
+
+        It has two demands within one objective: where one is given up, the other may follow.
+        """
+        again = set[str]()
+        for section in self.graph.walk():
+            needs = _merge(self.tree_needs(a) for a in section.activities)
+            again.update(k for k, demands in needs.items() if len(demands) > 1)
+        return frozenset(again | self.wanted_together) & self.producer.keys()
+
     def is_exclusive(self, resource: str) -> bool:
         """Whether one activity at most may use the resource at a time."""
         if resource in self.hardware:
@@ -277,11 +299,10 @@ class Usage:
                 for p, q in combinations(below, 2):
                     found.update(_both(self.tree_needs(p), self.tree_needs(q)))
                 under = frozenset[str]().union(*(self.closure(p) for p in below))
-                # Only declared returns: who else switches back follows from what is wanted together.
                 left = [
                     q
                     for q in under
-                    if occasions(self._evaluated_after(q), self.switching.declared(q))
+                    if occasions(self._evaluated_after(q), self.switching.returns(q))
                     & self.sharing.ending(activity, i, q)
                 ]
                 for j, other in enumerate(self.activities[activity].alternatives if left else ()):

@@ -43,6 +43,7 @@ def write_json(net: PetriNet) -> str:
             {
                 "name": t.name,
                 "event": None if t.event is None else str(t.event),
+                **({"rank": t.rank} if t.rank else {}),
                 "consume": _weights(net, t.consume),
                 "produce": _weights(net, t.produce),
                 "read": _weights(net, t.read),
@@ -171,6 +172,7 @@ def _net(document: _Value) -> PetriNet:
             produce=t.get("produce").weights(),
             read=t.get("read").weights(),
             event=None if event.value is None else Event.parse(event.text()),
+            rank=0 if (rank := t.get("rank", optional=True)).value is None else rank.count(0),
             provenance=_provenance(t),
         )
     for unit in document.get("units").items():

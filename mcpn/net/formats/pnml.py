@@ -22,7 +22,7 @@ from lxml import etree
 from mcpn.errors import InputError, Source
 from mcpn.net.events import Event
 from mcpn.net.formats.counts import MAX_DIGITS, check_counts, read_count
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.net.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.xmlio import parse_xml
 
 NAMESPACE = "http://www.pnml.org/version-2009/grammar/pnml"
@@ -77,7 +77,10 @@ class _Reader:
             named.add(name)
             consume, produce, read = sides[key]
             typed = None if event is None else Event.parse(event)
-            builder.transition(name, consume=consume, produce=produce, read=read, event=typed)
+            rank = read_count(self.ours(element, "rank") or "0")
+            if rank is None or rank >= EVENTS:
+                self.fail(element, f"expected a rank from 0 to {EVENTS - 1}")
+            builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
         for unit in self.units:
             builder.unit(self.name(self.places[key]) for key in unit if key in self.places)
         return builder.build()
@@ -256,9 +259,8 @@ def write_pnml(net: PetriNet) -> bytes:
         if place.initial:
             _add(_add(drawn, "initialMarking"), "text", str(place.initial))
     for t in net.transitions:
-        key = _node(
-            page, "transition", new_id, t.name, "event", None if t.event is None else str(t.event)
-        ).get("id", "")
+        remark = ("event", str(t.event)) if t.event is not None else ("rank", str(t.rank or "") or None)
+        key = _node(page, "transition", new_id, t.name, *remark).get("id", "")
         arcs = [(places[p], key, w, False) for p, w in t.consume]
         arcs += [(key, places[p], w, False) for p, w in t.produce]
         for p, w in t.read:

@@ -2,10 +2,11 @@
 
 A net is the superposition of declarations: ``net``, ``tr`` and ``pl`` with labels, markings and arcs, ``lb``,
 ``pr``. Supported: weights (``p*3``), read arcs (``p?1``), names in braces with backslashes, comments,
-priorities (``pr a b > c d``, on several lines too) that amount to two levels. Priorities make the upper level
-internal and the lower one events, named by the transition's label, or by the transition itself. Without
-priorities a label is kept as the event. Notes and labels of places are skipped. Inhibitor and stopwatch arcs
-and time intervals other than ``[0,w[`` change the meaning of the net: they are refused.
+priorities (``pr a b > c d``, on several lines too) that amount to levels. Priorities make the last level
+events and the others internal, ranked in their order; an event is named by the transition's label, or by the
+transition itself. Without priorities a label is kept as the event. Notes and labels of places are skipped.
+Inhibitor and stopwatch arcs and time intervals other than ``[0,w[`` change the meaning of the net: they are
+refused.
 
 A declaration starts with its keyword at the start of a line; indented lines continue it.
 
@@ -18,6 +19,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import NoReturn
 
@@ -258,40 +260,48 @@ class _Reader:
                 self.set_label(declaration, node, label)
             elif node not in self.places:
                 declaration.fail(f"lb names {node}, which is neither a place nor a transition")
-        lower = self.lower_level()
+        ranks = self.ranks()
+        events = max(ranks.values(), default=0)
         builder = NetBuilder(self.name, priorities=bool(self.priorities))
         for place, tokens in self.places.items():
             builder.place(place, initial=tokens)
         for name, sides in self.arcs.items():
-            event = self.labels.get(name)
+            event, rank = self.labels.get(name), 0
             if self.priorities:
-                event = self.labels.get(name, name) if name in lower else None
+                event, rank = None, ranks[name]
+                if rank == events:
+                    event, rank = self.labels.get(name, name), 0
             consume, produce, read = (sides.get(side, {}) for side in ("consume", "produce", "read"))
             typed = None if event is None else Event.parse(event)
-            builder.transition(name, consume=consume, produce=produce, read=read, event=typed)
+            builder.transition(name, consume=consume, produce=produce, read=read, event=typed, rank=rank)
         return builder.build()
 
-    def lower_level(self) -> set[str]:
-        """The transitions of the lower of two levels."""
+    def ranks(self) -> dict[str, int]:
+        """By transition the number of its level of priority, from 0 for the highest; without any, none."""
         if not self.priorities:
-            return set()
-        lines_of: dict[str, list[int]] = {}
-        lower: set[str] = set()
+            return {}
+        lines_of: dict[str, list[int]] = {name: [] for name in self.arcs}
         for line, (declaration, above, below) in enumerate(self.priorities):
             for name in (*above, *below):
                 if name not in self.arcs:
                     declaration.fail(f"pr names the transition {name}, which is not declared")
             for name in above:
-                lines_of.setdefault(name, []).append(line)
-            lower.update(below)
-        # Each transition above must stand above all those below, by one line or by several together.
-        complete = lines_of.keys() | lower == self.arcs.keys() and lower.isdisjoint(lines_of)
-        for lines in {tuple(lines) for lines in lines_of.values()}:
-            complete = complete and set().union(*(self.priorities[line][2] for line in lines)) == lower
-        if not complete:
-            message = "only two levels of priority are supported: each transition of the net in one of them"
-            self.priorities[-1][0].fail(f"{message}, and all of the upper above all of the lower")
-        return lower
+                lines_of[name].append(line)
+        # Each transition must stand above all those of later levels, by one line or by several together.
+        levels: dict[tuple[int, ...], list[str]] = {}
+        for name, lines in lines_of.items():
+            levels.setdefault(tuple(lines), []).append(name)
+        below_of = {of: frozenset(n for i in of for n in self.priorities[i][2]) for of in levels}
+        found: dict[str, int] = {}
+        later, last = frozenset[str](), 0
+        for of in sorted(levels, key=lambda of: len(below_of[of])):
+            if below_of[of] != later:
+                if below_of[of] != frozenset(found):
+                    message = "each transition of the net must be in a level of priority"
+                    self.priorities[-1][0].fail(f"{message}, and above all of the levels after its own")
+                later, last = below_of[of], last + 1
+            found |= dict.fromkeys(levels[of], last)
+        return {name: last - level for name, level in found.items()}
 
 
 def read_tina(path: Path, data: bytes) -> PetriNet:
@@ -316,10 +326,11 @@ def read_tina(path: Path, data: bytes) -> PetriNet:
 
 
 def write_tina(net: PetriNet) -> str:
-    """A net as ``.net`` text that reads back as the same net; priorities as one ``pr`` line.
+    """A net as ``.net`` text that reads back as the same net; priorities as a ``pr`` line for each rank.
 
     Where all transitions are internal, or all are events, there is no ``pr`` line to say that the net has
-    priorities, which then are of no effect. Units and provenance are not written.
+    priorities, which then are of no effect. Ranks are written by their order. Units and provenance are not
+    written.
 
     Args:
         net: The net.
@@ -329,9 +340,11 @@ def write_tina(net: PetriNet) -> str:
 
     Raises:
         InputError: A name holds a line break, which the format cannot say, or a number is beyond what files
-            may say.
+            may say; or internal transitions have ranks and there are no events, which have the last level.
     """
     check_counts(net)
+    if net.priorities and len(net.internal_ranks) > 1 and all(t.internal for t in net.transitions):
+        raise InputError.at(None, "ranks of a net without events cannot be written as .net")
     events = (str(t.event) for t in net.transitions if t.event is not None)
     for name in (net.name, *net.place_index, *net.transition_index, *events):
         if re.search(r"[\r\n]", name):
@@ -348,10 +361,11 @@ def _lines(net: PetriNet) -> Iterator[str]:
         inputs = [_arc(net, arc, "*") for arc in t.consume] + [_arc(net, arc, "?") for arc in t.read]
         outputs = [_arc(net, arc, "*") for arc in t.produce]
         yield " ".join([f"tr {quote(t.name)}{label}", *inputs, "->", *outputs])
-    upper = [quote(t.name) for t in net.transitions if t.internal]
-    lower = [quote(t.name) for t in net.transitions if not t.internal]
-    if net.priorities and upper and lower:
-        yield f"pr {' '.join(upper)} > {' '.join(lower)}"
+    levels = [[quote(net.transitions[t].name) for t in of] for of in net.internal_ranks]
+    events = [quote(t.name) for t in net.transitions if not t.internal]
+    if net.priorities and events:
+        for number, level in enumerate(levels, 1):
+            yield f"pr {' '.join(level)} > {' '.join(chain(*levels[number:], events))}"
 
 
 def _arc(net: PetriNet, arc: tuple[int, int], kind: str) -> str:

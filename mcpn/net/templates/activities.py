@@ -21,11 +21,12 @@ MAX_TOGETHER = 12
 
 @dataclass(frozen=True)
 class _Ending:
-    """How an activity is stopped: what the stopping transition takes, puts and tests."""
+    """How an activity is stopped: what the stopping transition takes, puts and tests, and its rank."""
 
     consume: list[str] = field(default_factory=list)
     produce: list[str] = field(default_factory=list)
     read: list[str] = field(default_factory=list)
+    rank: int = 0
 
 
 @dataclass(frozen=True)
@@ -37,14 +38,12 @@ class _Life:
         refuse: Places marked where no alternative is possible.
         activate: Places marked when an alternative starts to run.
         ending: How it is stopped.
-        quiet: The place that says that no activation is on its way, where one is needed.
     """
 
     start: str
     refuse: list[str]
     activate: list[str]
     ending: _Ending
-    quiet: list[str] = field(default_factory=list)
 
 
 def draw_activity(canvas: Canvas, activity: Activity) -> None:
@@ -124,9 +123,9 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     sharing = canvas.usage.sharing
     if not sharing.serves(a):
         (s,) = outputs
-        quiet = [of(s, "quiet")] if canvas.usage.released_unasked(s) else []
-        ending = _Ending(produce=[of(s, "deactivation")], read=[of(s, "free"), *quiet])
-        return _Life(start, [of(s, "deactivation")], [of(s, "activation")], ending, quiet)
+        given = [of(s, "deactivation")]
+        ending = _Ending(produce=given, read=[of(s, "free")])
+        return _Life(start, given, [of(s, "activation")], ending)
     idle = pen.place("idle", initial=1)
     served = [(s, owner) for s in outputs for owner in canvas.owners(s)]
     unused = [of(s, "unused", owner) for s, owner in served]
@@ -135,8 +134,8 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     refuse = []
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
-        pen.transition("refused", refuse, [idle], read=unused)
-    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused))
+        pen.transition("refused", refuse, [idle], read=unused, rank=canvas.ranks.settling)
+    return _Life(start, refuse, [], _Ending(produce=[idle], read=unused, rank=canvas.ranks.settling))
 
 
 class _AlternativeDrawing:
@@ -171,8 +170,6 @@ class _AlternativeDrawing:
         self.runs = [self.active] + ([running] if running else [])
 
         self.runs_and_says = [*self.runs, *life.activate]
-        # Only a refusal marks places of others; the next evaluation place is the activity's own.
-        self.quiet_to_refuse = life.quiet if otherwise == life.refuse else []
 
     def all(self) -> None:
         """Draws every transition of the alternative."""
@@ -183,7 +180,7 @@ class _AlternativeDrawing:
             self.error_while_waiting()
             self.error_while_active()
         else:
-            self._draw("sel", [self.evaluation, *self.life.quiet], self.runs_and_says)
+            self._draw("sel", [self.evaluation], self.runs_and_says)
         self.stop()
         self.switch_back()
         if self.usage.waits_for_release(self.activity.name, self.index):
@@ -202,13 +199,13 @@ class _AlternativeDrawing:
 
     def go(self) -> None:
         """All resources have answered: run."""
-        self._draw("go", [self.wait, *self.life.quiet], self.runs_and_says, read=self._answers(()))
+        self._draw("go", [self.wait], self.runs_and_says, read=self._answers(()))
 
     def otherwise_out_of_service(self) -> None:
         """A hardware resource is out of service: try the next alternative, or refuse."""
         for k in self.hardware:
             if self.usage.can_fail(k):
-                read = [self.canvas.resource(k, "OOS"), *self.quiet_to_refuse]
+                read = [self.canvas.resource(k, "OOS")]
                 self._draw("else", [self.evaluation], self.otherwise, k, read=read)
 
     def error_while_waiting(self) -> None:
@@ -223,14 +220,18 @@ class _AlternativeDrawing:
                 [self.wait, *self._answers(errors)],
                 [*self._releases(), *self.otherwise],
                 *errors,
-                read=self.quiet_to_refuse,
+                rank=self.canvas.ranks.handling(self.activity.name),
             )
 
     def error_while_active(self) -> None:
         """Resources failed while it ran: give all back, evaluate every alternative again (6.2)."""
         for errors in self.usage.fail_together(self.activity.name, self.index):
             self._draw(
-                "err", [*self.runs, *self._answers(errors)], [*self._releases(), self.life.start], *errors
+                "err",
+                [*self.runs, *self._answers(errors)],
+                [*self._releases(), self.life.start],
+                *errors,
+                rank=self.canvas.ranks.handling(self.activity.name),
             )
 
     def stop(self) -> None:
@@ -246,6 +247,7 @@ class _AlternativeDrawing:
                 [*self._releases(), self.life.start],
                 *way,
                 read=[self.canvas.resource(h, "service") for h in way],
+                rank=self.canvas.ranks.handling(self.activity.name),
             )
 
     def stop_while_evaluated(self) -> None:
@@ -265,7 +267,7 @@ class _AlternativeDrawing:
                     [self.wait, *asking],
                     [*given, *self.otherwise],
                     _initials(stages),
-                    read=self.quiet_to_refuse,
+                    rank=self.canvas.ranks.handling(self.activity.name),
                 )
 
     def stop_while_waiting(self) -> None:
@@ -282,11 +284,15 @@ class _AlternativeDrawing:
         for stages in product(*(self._stages(k) for k in self.consumes)):
             if "waiting" in stages:
                 both = list(zip(self.consumes, stages, strict=True))
-                given = [self.of(k, "free" if stage == "waiting" else "release") for k, stage in both]
-                asked = [k for k, stage in both if stage == "waiting"]
-                serving = [k for k in asked if self.usage.sharing.serves(self.usage.producer[k])]
-                given += [self.of(k, "unused") for k in serving]
+                given = [self.of(k, part) for k, stage in both for part in self._given_up(k, stage)]
                 yield stages, [self.of(k, stage) for k, stage in both], given
+
+    def _given_up(self, resource: str, stage: str) -> list[str]:
+        """Places to mark so as to give up a request that has come so far."""
+        if stage != "waiting":
+            return ["release"]
+        serves = self.usage.sharing.serves(self.usage.producer[resource])
+        return ["available", "unused"] if serves else ["free"]
 
     def _stages(self, resource: str) -> Iterator[str]:
         """How far the request of a resource may have come."""
@@ -308,12 +314,19 @@ class _AlternativeDrawing:
 
     def _end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
         ending = self.life.ending
-        self._draw(verb, [*consume, *ending.consume], [*produce, *ending.produce], *stages, read=ending.read)
+        taken, given = [*consume, *ending.consume], [*produce, *ending.produce]
+        self._draw(verb, taken, given, *stages, read=ending.read, rank=ending.rank)
 
     def _draw(
-        self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
+        self,
+        verb: str,
+        consume: list[str],
+        produce: list[str],
+        *of: str,
+        read: list[str] | None = None,
+        rank: int = 0,
     ) -> None:
-        self.pen.transition((f"{verb}{self.number}", *of), consume, produce, read=read)
+        self.pen.transition((f"{verb}{self.number}", *of), consume, produce, read=read, rank=rank)
 
 
 def _initials(stages: tuple[str, ...]) -> str:

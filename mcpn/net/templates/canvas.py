@@ -44,6 +44,36 @@ Role: TypeAlias = tuple[
 """
 
 
+class Ranks:
+    """The order in which internal transitions fire, where a net has producers that serve, or gates.
+
+    What is on its way comes first. Then activities are taken in the order of who consumes what, suppliers
+    first: what each does on an error, then what it answers to who asks. A producer refuses or stops when
+    nobody evaluates any more, so that it goes on if somebody needs it at the end; a gate opens last.
+
+    Args:
+        usage: Static facts of the mission.
+    """
+
+    def __init__(self, usage: Usage) -> None:
+        self._several = usage.sharing.anything or bool(usage.handover.gated)
+        self._height = usage.height
+        highest = max((usage.height(a) for a in usage.started), default=0)
+        self.settling = self._if_several(2 * highest + 3)
+        self.entering = self._if_several(2 * highest + 4)
+
+    def handling(self, activity: str) -> int:
+        """What an activity does on an error, and when a better alternative is possible again."""
+        return self._if_several(2 * self._height(activity) + 1)
+
+    def answering(self, producer: str) -> int:
+        """What a producer that serves answers to who asks."""
+        return self._if_several(2 * self._height(producer) + 2)
+
+    def _if_several(self, rank: int) -> int:
+        return rank if self._several else 0
+
+
 class Canvas(NetBuilder):
     """A net builder that knows the mission and notes the roles of places.
 
@@ -59,6 +89,7 @@ class Canvas(NetBuilder):
         self.usage = usage
         self.left_out = left_out
         self.names = names_of(usage)
+        self.ranks = Ranks(usage)
         self.roles: dict[str, Role] = {}
 
     def owners(self, resource: str) -> list[str | None]:
@@ -135,6 +166,7 @@ class Pen:
         *,
         read: list[str] | None = None,
         event: Event | None = None,
+        rank: int = 0,
     ) -> None:
         """Draws a transition, internal unless an event is given; its part is a word, or one with names."""
         self.canvas.transition(
@@ -143,5 +175,6 @@ class Pen:
             produce=produce,
             read=read or [],
             event=event,
+            rank=rank,
             provenance=self.provenance,
         )

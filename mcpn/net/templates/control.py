@@ -17,7 +17,6 @@ from itertools import product
 from math import prod
 
 from mcpn.errors import LimitError
-from mcpn.mission.facts.handover import Awaited
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
@@ -156,32 +155,24 @@ class _Control:
         return [self.of(section, "running"), *entered] if self.eventful(section) else entered
 
     def gated(self, section: Section) -> bool:
-        """Whether the section must wait at its entry until activities are idle and resources are back."""
+        """Whether the section waits at its entry until what stops has stopped, or its activities are idle."""
         handover = self.canvas.usage.handover
-        if section.name in handover.awaited:
+        if section.name in handover.gated:
             return True
         return isinstance(section, ElementarySection) and any(
             a in handover.with_idle for a in section.activities
         )
 
     def gate(self, pen: Pen, section: Section) -> None:
-        """The section's entry: it begins when all that it waits for is over."""
+        """The section's entry: it begins when nothing else is left to fire, and its activities are idle."""
         gate = pen.place("enter")
-        handover, left_out = self.canvas.usage.handover, self.canvas.left_out
-        awaited = handover.awaited.get(section.name, Awaited())
         own: tuple[str, ...] = ()
         if isinstance(section, ElementarySection):
             self.canvas.role(gate, ("pending", section.name))
-            own = tuple(a for a in section.activities if a in handover.with_idle)
-        others = [a for a in awaited.activities if a not in own and ("activity", a) not in left_out]
-        back = [
-            self.canvas.resource(s, "available", owner)
-            for s, owner in awaited.interfaces
-            if ("software", s) not in left_out and ("activity", owner) not in left_out
-        ]
-        taken, idle = self.of_activities(own, "idle"), self.of_activities(others, "idle")
-        read = [*idle, *back, *self.around.running]
-        pen.transition("begin", [gate, *taken], self.begin(section), read=read)
+            own = tuple(a for a in section.activities if a in self.canvas.usage.handover.with_idle)
+        taken, read = self.of_activities(own, "idle"), list(self.around.running)
+        rank = self.canvas.ranks.entering
+        pen.transition("begin", [gate, *taken], self.begin(section), read=read, rank=rank)
 
     def of_activities(self, activities: Iterable[str], part: str) -> list[str]:
         """The same place of each of some activities."""

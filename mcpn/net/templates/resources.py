@@ -44,13 +44,6 @@ def _watched(canvas: Canvas, pen: Pen, resource: Hardware) -> list[str]:
 def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
     """Draws the only resource of its producer: 11 places, 8 transitions.
 
-    Two places and one transition are added where they are needed: between its consumer's release and its
-    producer's stop the producer may bring another activation, or a deactivation, when both were struck by one
-    failure or when the producer had waited for a contended resource. The activation of a free resource
-    changes nothing; ``quiet`` is marked while no activation is on its way, so that the producer neither stops
-    nor refuses before its activation has been taken note of; and ``failed`` tells a resource whose consumer
-    has yet to take note of an error from one that is only ordered to stop, so that no release is mistaken.
-
     Args:
         canvas: Where to draw.
         resource: The resource.
@@ -64,32 +57,26 @@ def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> Non
     available, take = pen.place("available", initial=1), pen.place("take")
     answer, release, error = pen.place("answer"), pen.place("release"), pen.place("error")
     pen.transition("1", [take, not_available], [waiting, canvas.place_of("activity", a, "StartByRes")])
-    quiet = [pen.place("quiet", initial=1)] if canvas.usage.released_unasked(s) else []
-    pen.transition("2", [waiting, activation], [busy, answer, *quiet])
-    failed = pen.place("failed") if quiet else deactivation
-    pen.transition("3", [waiting, deactivation], [failed, error])
-    pen.transition("6", [busy, answer, deactivation], [failed, error])
-    pen.transition("8", [failed, release], [not_available, available])
+    pen.transition("2", [waiting, activation], [busy, answer])
+    pen.transition("3", [waiting, deactivation], [deactivation, error])
+    pen.transition("6", [busy, answer, deactivation], [deactivation, error])
+    pen.transition("8", [deactivation, release], [not_available, available])
     pen.transition("4", [busy, release], [free])
     pen.transition("5", [free, deactivation], [not_available, available])
-    pen.transition("7", [busy, activation], [busy, *quiet])
-    if quiet:
-        pen.transition("10", [free, activation], [free, *quiet])
-    canvas.unit([not_available, waiting, free, busy, *([failed] if quiet else [])])
+    pen.transition("7", [busy, activation], [busy])
+    canvas.unit([not_available, waiting, free, busy])
     canvas.unit([available, take, answer, release, error])
 
 
 def draw_served_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
-    """Draws a resource whose producer serves several interfaces: 10 places for each interface.
+    """Draws a resource whose producer serves: 9 places for each interface, 7 if it cannot be refused.
 
     The interfaces are those of each consumer, where it is shared, and those of the producer's other products.
-    The producer is started with the first request, serves whoever asks while it runs, and is stopped when
-    nobody asks or holds; if it fails, each consumer gets the error. So it needs no activation and no
-    deactivation; instead, of each interface, ``unused`` is marked while it is neither asked nor held, and
-    ``deactivation`` while its owner has yet to take note of an error. ``free`` is marked from its release on
-    until it is known whether the producer goes on, because another interface is held; then it is available
-    again. Otherwise the producer stops first. Where that must not depend on who comes first, the producer
-    always runs its best alternative (:meth:`mcpn.mission.facts.sharing.Sharing.order_matters`).
+    The producer is started with the first request and serves whoever asks while it runs. When it is refused
+    each consumer gets the error; the refusal stays marked and answers whoever asks. Of each interface,
+    ``unused`` is marked while it is neither asked nor held, and ``failed`` while its owner has yet to take
+    note of an error. The producer stops, or leaves its refusal, when nobody evaluates any more and all
+    interfaces are unused (:class:`mcpn.net.templates.canvas.Ranks`), whoever came and left before.
 
     Args:
         canvas: Where to draw.
@@ -98,32 +85,25 @@ def draw_served_software(canvas: Canvas, resource: Software, producer: Activity)
     """
     s, a = resource.name, producer.name
     running = canvas.place_of("activity", a, "active1" if len(producer.alternatives) == 1 else "running")
-    idle, refusing = (canvas.place_of("activity", a, part) for part in ("idle", "refusing"))
-    every = [(product, owner) for product in producer.produces for owner in canvas.owners(product)]
+    refusing = canvas.place_of("activity", a, "refusing")
     for owner in canvas.owners(s):
         pen = canvas.of_interface("software", s, resource.source, owner)
-        free, busy = pen.place("free"), pen.place("busy")
-        waiting, unused = pen.place("waiting"), pen.place("unused", initial=1)
+        busy, waiting, unused = pen.place("busy"), pen.place("waiting"), pen.place("unused", initial=1)
         available, take = pen.place("available", initial=1), pen.place("take")
         answer, release = pen.place("answer"), pen.place("release")
         pen.transition("1", [take, unused], [waiting])
-        pen.transition("2", [waiting], [busy, answer], read=[running])
-        pen.transition("4", [busy, release], [free, unused])
-        pen.transition("10", [free], [available], read=[idle])
-        for other in every:
-            if other != (s, owner):
-                part = ("9", *(name for name in other if name))
-                pen.transition(part, [free], [available], read=[canvas.answer(*other)])
-        interface = [available, take, waiting, answer, release, free]
+        rank = canvas.ranks.answering(a)
+        pen.transition("2", [waiting], [busy, answer], read=[running], rank=rank)
+        pen.transition("4", [busy, release], [available, unused])
+        interface = [available, take, waiting, answer, release]
         if canvas.usage.refusable(a):
-            error, deactivation = pen.place("error"), pen.place("deactivation")
-            pen.transition("3", [waiting], [deactivation, error, unused], read=[refusing])
-            pen.transition("6", [busy, answer], [deactivation, error, unused], read=[refusing])
-            pen.transition("5", [free], [available], read=[refusing])
-            pen.transition("8", [deactivation, release], [available])
+            error, failed = pen.place("error"), pen.place("failed")
+            pen.transition("3", [waiting], [failed, error, unused], read=[refusing], rank=rank)
+            pen.transition("6", [busy, answer], [failed, error, unused], read=[refusing])
+            pen.transition("8", [failed, release], [available])
             interface.append(error)
         canvas.unit(interface)
-        canvas.unit([unused, busy])
+        canvas.unit([unused, busy, waiting])
 
 
 def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:

@@ -41,12 +41,12 @@ class Diagrams:
         self.most_steps = 0  # about the most that a closure may take; 0: any number
         self.steps = 0  # what layers have taken
         self._left_off: dict[tuple[Zdd, Zdd | None], Staying] = {}
-        free = {
-            t for t in self.encoding.events if self.net.transitions[t].internal or not self.net.priorities
-        }
+        first = self.net.internal_ranks[0] if self.net.priorities and self.net.internal_ranks else ()
+        free = set(first if self.net.priorities else self.encoding.events)
         self.free = [t for t in self.encoding.events if t in free]
         """Transitions that fire wherever they have their tokens."""
-        self.waiting = [t for t in self.encoding.events if t not in free]
+        internal = {t for t, made in enumerate(self.net.transitions) if made.internal}
+        self.waiting = [t for t in self.encoding.events if t not in free | internal]
         """Transitions that priorities let fire in stable markings only."""
 
     @property
@@ -99,7 +99,7 @@ class Diagrams:
     def enabling(self, transitions: Collection[int]) -> Zdd:
         """States with an edge of some of these transitions."""
         found, enabling = self.nothing, self.encoding.enabling
-        for states, group in ((self.everything, self._edges_anywhere), (self.stable, self.waiting)):
+        for group, states in self.groups:
             wanted = set(group).intersection(transitions)
             conditions = [c for t in sorted(wanted) if (c := enabling[t]) is not None]
             if conditions:
@@ -109,16 +109,24 @@ class Diagrams:
     def firings(self, states: Zdd) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
         found: dict[int, int] = {}
-        for among, group in ((states, self._edges_anywhere), (states & self.stable, self.waiting)):
+        for group, where in self.groups:
             wanted = [(t, c) for t in group if (c := self.encoding.enabling[t]) is not None]
-            counts = among.counts([c for _, c in wanted])
+            counts = (states if where is self.everything else states & where).counts([c for _, c in wanted])
             found.update((t, n) for (t, _), n in zip(wanted, counts, strict=True) if n)
         return found
 
-    @property
-    def _edges_anywhere(self) -> list[int]:
-        """Transitions that label edges out of any state that has their tokens."""
-        return self.free
+    @cached_property
+    def later(self) -> list[tuple[list[int], Zdd]]:
+        """Internal transitions that wait for others, by rank, each with the states in which they may fire."""
+        if not self.net.priorities or len(self.net.internal_ranks) <= 1:
+            return []
+        both = zip(self.net.internal_ranks[1:], self.space.allowed[1:], strict=True)
+        return [([t for t in of if t in self.encoding.events], where) for of, where in both]
+
+    @cached_property
+    def groups(self) -> list[tuple[list[int], Zdd]]:
+        """Transitions that label edges, each group with the states in which they may fire."""
+        return [(self.free, self.everything), *self.later, (self.waiting, self.stable)]
 
     def image(self, states: Zdd, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
@@ -131,14 +139,17 @@ class Diagrams:
     ) -> list[tuple[list[int], Zdd]]:
         """Events of the store for what is asked for of waiting and guarded transitions.
 
-        Those of waiting transitions without a guard are together by the element of the mission that they are
-        of, and each has the states in which they may fire.
+        Those of waiting transitions without a guard are together by rank, and events by the element of the
+        mission that they are of; each group has the states in which they may fire.
         """
         wanted = set(self.waiting) if transitions is None else set(self.waiting).intersection(transitions)
         wanted.difference_update(guards or ())
-        groups = (distinct(events[t] for t in of if t in wanted) for of in elements(self.encoding))
+        groups = [
+            (distinct(events[t] for t in of if t in wanted), self.stable) for of in elements(self.encoding)
+        ]
+        later = [(self.of(events, group, transitions, guards), where) for group, where in self.groups[1:-1]]
         guarded = (([event], where) for event, where in self.guarded(events, transitions, guards))
-        return [*((group, self.stable) for group in groups if group), *guarded]
+        return [*((group, where) for group, where in (*later, *groups) if group), *guarded]
 
     def of(
         self,
@@ -162,12 +173,13 @@ class Diagrams:
         found = []
         for t, states in (guards or {}).items():
             if t in events and (transitions is None or t in transitions):
-                found.append((events[t], states & (self.stable if t in self._waits else self.everything)))
+                found.append((events[t], states & self.where[t]))
         return found
 
     @cached_property
-    def _waits(self) -> frozenset[int]:
-        return frozenset(self.waiting)
+    def where(self) -> Mapping[int, Zdd]:
+        """By transition, the states in which priorities let it fire."""
+        return {t: where for group, where in self.groups for t in group}
 
     def closure(self, begin: Zdd, events: Sequence[int], within: Zdd) -> Zdd:
         """The states that some events lead to inside a set, by saturation or by chaining, turn by turn.

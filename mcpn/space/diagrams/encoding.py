@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import chain
 
 from mcpn._kernel import Store, Zdd
 from mcpn.net.petri import PetriNet
@@ -127,14 +128,30 @@ class Encoding(Levels):
         return {t: self.event(safe[t].produce, safe[t].consume, safe[t].read) for t in self.events}
 
     @cached_property
-    def internal(self) -> list[int]:
-        """Events of internal transitions, each once."""
-        return distinct(e for t, e in self.events.items() if self.net.transitions[t].internal)
+    def internal_back(self) -> list[int]:
+        """The events that undo internal transitions, each once."""
+        return distinct(chain.from_iterable(self.undoing_ranks))
 
     @cached_property
-    def internal_back(self) -> list[int]:
+    def internal_ranks(self) -> list[list[int]]:
+        """The events of internal transitions by rank, those that fire first at first."""
+        return [distinct(self.events[t] for t in of if t in self.events) for of in self.net.internal_ranks]
+
+    @cached_property
+    def undoing_ranks(self) -> list[list[int]]:
         """The events that undo them."""
-        return distinct(e for t, e in self.undoing.items() if self.net.transitions[t].internal)
+        return [distinct(self.undoing[t] for t in of if t in self.events) for of in self.net.internal_ranks]
+
+    @cached_property
+    def unstable_ranks(self) -> list[list[int]]:
+        """When some internal transition of each rank is enabled."""
+        conditions = ([self.enabling.get(t) for t in of] for of in self.net.internal_ranks)
+        return [[c for c in of if c is not None] for of in conditions]
+
+    @property
+    def unstable(self) -> list[int]:
+        """When some internal transition is enabled."""
+        return [*chain.from_iterable(self.unstable_ranks)]
 
     def bit(self, place: int) -> tuple[int, bool]:
         """The level that says whether a place is marked, and whether it says the reverse."""

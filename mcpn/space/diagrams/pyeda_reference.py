@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mcpn.errors import UnsafeError
-from mcpn.net.petri import PetriNet, SafeTransition
+from mcpn.net.petri import EVENTS, PetriNet, SafeTransition
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,6 @@ class _Space:
         self.one_node, self.zero_node = BDDNODEONE, BDDNODEZERO
         self.places = [bddvar("p", number) for number in range(len(net.places))]
         self.index = {place.top.uniqid: number for number, place in enumerate(self.places)}
-        self.internal = [t.internal for t in net.transitions]
 
     def marked(self, places: tuple[int, ...]) -> Any:
         found = self.one
@@ -67,19 +66,26 @@ class _Space:
         left = enabled.smoothing(changed) if changed else enabled
         return left & self.unmarked(t.consume) & self.marked(t.produce)
 
-    def unstable(self, markings: Any) -> Any:
-        found = self.zero
-        for t, internal in zip(self.net.safe_transitions, self.internal, strict=True):
-            if internal:
-                found = found | self.enabled(markings, t)
+    def stable(self, markings: Any) -> Any:
+        """The markings that enable no internal transition."""
+        return self._calm(markings)[EVENTS]
+
+    def _calm(self, markings: Any) -> dict[int, Any]:
+        """By rank, the markings that enable no transition of a lower one."""
+        found: dict[int, Any] = {}
+        for rank in sorted({*self.net.ranks, EVENTS}):
+            found[rank] = markings
+            for t, of in zip(self.net.safe_transitions, self.net.ranks, strict=True):
+                if of == rank:
+                    markings = markings & ~self.enabled(found[rank], t)
         return found
 
     def firing(self, markings: Any) -> list[Any]:
         """The markings in which each transition fires, priorities respected."""
-        stable = markings & ~self.unstable(markings) if self.net.priorities else markings
+        calm = self._calm(markings) if self.net.priorities else None
         return [
-            self.enabled(markings if internal else stable, t)
-            for t, internal in zip(self.net.safe_transitions, self.internal, strict=True)
+            self.enabled(markings if calm is None else calm[rank], t)
+            for t, rank in zip(self.net.safe_transitions, self.net.ranks, strict=True)
         ]
 
     def reach(self) -> Any:
@@ -169,11 +175,10 @@ def count(net: PetriNet) -> ReferenceCounts:
     alive = space.zero
     for enabled in firing:
         alive = alive | enabled
-    unstable = space.unstable(reachable)
     return ReferenceCounts(
         states=space.count(reachable),
         edges=sum(space.count(enabled) for enabled in firing),
-        stable_states=space.count(reachable & ~unstable) if net.priorities else None,
+        stable_states=space.count(space.stable(reachable)) if net.priorities else None,
         dead_states=space.count(reachable & ~alive),
         max_tokens=space.largest(reachable),
     )

@@ -18,7 +18,7 @@ from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order, candidates
-from mcpn.space.diagrams.symbolic import Encode, Listed, SymbolicSpace, close, unstable_where
+from mcpn.space.diagrams.symbolic import Encode, Listed, SymbolicSpace, close
 from mcpn.space.markings.explicit import Counts, KernelNet
 
 if TYPE_CHECKING:
@@ -183,7 +183,7 @@ class OneByOne:
         if not self.net.priorities:
             return SymbolicSpace(encoding, listed, None, name, self.order, 0, sizes)
         reachable = listed.put_on(encoding)
-        stable = reachable.without(unstable_where(encoding))
+        stable = reachable.without(encoding.unstable)
         return SymbolicSpace(encoding, reachable, stable, name, self.order, encoding.store.peak_nodes, sizes)
 
     def _look_out(self, explored: int, fresh: int) -> None:

@@ -9,12 +9,13 @@ saturation by internal transitions alternates with steps of events, element by e
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Edge, Guards
 from mcpn.space.diagrams.base import Diagrams
+from mcpn.space.diagrams.evolution import behind, leading
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.run import Completion
 
@@ -36,10 +37,10 @@ class DiagramMarkings(Diagrams):
     ) -> Zdd:
         """States with an edge into some states."""
         undoing = self.encoding.undoing
-        found = states.images(self.of(undoing, self.free, transitions, guards), within=self.everything)
-        if self.waiting:
-            waiting = self.of(undoing, self.waiting, transitions, guards)
-            found |= states.images(waiting, within=self.stable)
+        found = self.nothing
+        for group, where in self.groups:
+            if asked := self.of(undoing, group, transitions, guards):
+                found |= states.images(asked, within=where)
         for event, where in self.guarded(undoing, transitions, guards):
             found |= states.images([event], within=where)
         return found
@@ -49,9 +50,10 @@ class DiagramMarkings(Diagrams):
     ) -> Zdd:
         """States that an edge leads to from some states."""
         events = self.encoding.events
-        found = states.images(self.of(events, self.free, transitions, guards))
-        if self.waiting:
-            found |= (states & self.stable).images(self.of(events, self.waiting, transitions, guards))
+        found = self.nothing
+        for group, where in self.groups:
+            if asked := self.of(events, group, transitions, guards):
+                found |= (states if where is self.everything else states & where).images(asked)
         for event, where in self.guarded(events, transitions, guards):
             found |= (states & where).images([event])
         return found
@@ -94,14 +96,11 @@ class DiagramMarkings(Diagrams):
 
     def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
         """Those of some states with an edge of some transitions that leads to one of them."""
-        undoing = self.encoding.undoing
-        found = states.images(self.of(undoing, self.free, transitions), within=states)
-        self.steps += self.encoding.store.steps
-        if self.waiting:
-            waiting = self.of(undoing, self.waiting, transitions)
-            more = states.images(waiting, within=states & self.stable)
-            self.steps += self.encoding.store.steps
-            found |= more
+        found = self.nothing
+        for group, where in self.groups:
+            if asked := self.of(self.encoding.undoing, group, transitions):
+                found |= states.images(asked, within=states if where is self.everything else states & where)
+                self.steps += self.encoding.store.steps
         return found
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
@@ -120,21 +119,21 @@ class DiagramAlternatives(Diagrams):
 
     def __init__(self, space: SymbolicSpace) -> None:
         assert space.stable is not None, "the alternatives graph is of nets with priorities"
-        start = space.encoding.initial().saturate(space.encoding.internal) & space.stable
-        super().__init__(space, space.stable, start)
+        super().__init__(space, space.stable, behind(space.encoding, space.encoding.initial())[1])
         self._completion = Completion(self.net)
 
-    @property
-    def _edges_anywhere(self) -> list[int]:
-        return []
+    @cached_property
+    def groups(self) -> list[tuple[list[int], Zdd]]:
+        """Events alone label edges."""
+        return [([], self.everything), (self.waiting, self.everything)]
 
     def settled(self, after: Zdd) -> Zdd:
         """The stable markings in which internal evolution ends."""
-        return after.saturate(self.encoding.internal) & self.everything
+        return behind(self.encoding, after)[1]
 
     def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
-        return goal.saturate(self.encoding.internal_back, within=self.space.reachable)
+        return leading(self.encoding, goal, self.space.allowed)
 
     def before(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None

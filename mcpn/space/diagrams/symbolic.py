@@ -18,6 +18,7 @@ from mcpn._kernel import BudgetExceeded, MemoryLimit, Zdd
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.space.diagrams.encoding import Encoding, distinct
+from mcpn.space.diagrams.evolution import Clock, behind, leading, passing
 from mcpn.space.diagrams.order import Order, candidates
 from mcpn.space.diagrams.race import FIRST_BUDGET, Race, cores
 from mcpn.space.markings.explicit import Counts
@@ -134,7 +135,12 @@ class SymbolicSpace:
     def endless(self) -> Zdd:
         """Markings from which no internal run comes to a stable one, of a net with priorities."""
         assert self.stable is not None, "asked of nets with priorities"
-        return self.reachable - self.stable.saturate(self.encoding.internal_back, within=self.reachable)
+        return self.reachable - leading(self.encoding, self.stable, self.allowed)
+
+    @cached_property
+    def allowed(self) -> list[Zdd]:
+        """By rank, the markings in which internal transitions may fire, of a net with priorities."""
+        return passing(self.encoding, self.reachable)
 
     @property
     def dead_states(self) -> int:
@@ -283,41 +289,29 @@ def _race(
     raise LimitError(f"no order of places stays within memory: {limit}")
 
 
-def unstable_where(encoding: Encoding) -> list[int]:
-    """When some internal transition is enabled."""
-    enabling, transitions = encoding.enabling, encoding.net.transitions
-    return [c for t, c in enabling.items() if c is not None and transitions[t].internal]
-
-
 def close(encoding: Encoding, name: str, order: Order, budget: int = 0) -> SymbolicSpace:
     """Reaches every marking in so many steps, or any number for 0."""
     net, store = encoding.net, encoding.store
     if not net.priorities:
         everything = encoding.initial().saturate(distinct(encoding.events.values()), max_steps=budget)
         return SymbolicSpace(encoding, everything, None, name, order, store.peak_nodes)
-    internal, unstable = encoding.internal, unstable_where(encoding)
-    peak = spent = 0
-
-    def closed(markings: Zdd) -> Zdd:
-        nonlocal peak, spent
-        if budget and spent >= budget:
-            raise BudgetExceeded(f"the budget of {budget} steps was exceeded")
-        found = markings.saturate(internal, max_steps=budget and budget - spent)
-        peak, spent = max(peak, store.peak_nodes), spent + store.steps
-        return found
+    clock, peak = Clock(budget), 0
 
     def step(settled: Zdd, events: list[int]) -> Zdd:
-        nonlocal spent
+        nonlocal peak
         fired = settled.images(events)
-        spent += store.steps
-        return closed(fired).without(unstable)
+        clock.spent += store.steps
+        ends = behind(encoding, fired, clock)[1]
+        peak = max(peak, store.peak_nodes)
+        return ends
 
     # Transient markings stay out of the sets that grow; those behind all events are put together at the end.
     by_element = [distinct(encoding.events[t] for t in of) for of in elements(encoding)]
-    begun = closed(encoding.initial())
-    stable = chained(begun.without(unstable), [partial(step, events=of) for of in by_element])
-    reachable = begun | closed(stable.images(distinct(chain.from_iterable(by_element))))
-    return SymbolicSpace(encoding, reachable, stable, name, order, peak)
+    begun, first = behind(encoding, encoding.initial(), clock)
+    stable = chained(first, [partial(step, events=of) for of in by_element])
+    every = stable.images(distinct(chain.from_iterable(by_element)))
+    reachable = begun | behind(encoding, every, clock)[0]
+    return SymbolicSpace(encoding, reachable, stable, name, order, max(peak, store.peak_nodes))
 
 
 def elements(encoding: Encoding) -> list[list[int]]:

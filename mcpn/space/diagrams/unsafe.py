@@ -14,9 +14,11 @@ def refuse_unsafe(space: SymbolicSpace) -> None:
 
     Markings beyond an unsafe firing are not followed, so the first unsafe firing of any run is seen.
     """
-    suspects = _suspects(space.encoding)
-    if any(markings.first([c for _, _, c in of]) >= 0 for markings, of in _divided(space, suspects)):
-        raise _unsafe(space, suspects)
+    suspects, markings = _suspects(space.encoding), DiagramMarkings(space)
+    for group, where in markings.groups:
+        among = set(group) if space.stable is not None else {t for t, _, _ in suspects}
+        if where.first([c for t, _, c in suspects if t in among]) >= 0:
+            raise _unsafe(markings, suspects)
 
 
 Suspect = tuple[int, int, int]
@@ -35,25 +37,14 @@ def _suspects(encoding: Encoding) -> list[Suspect]:
     return found
 
 
-def _divided(space: SymbolicSpace, suspects: list[Suspect]) -> list[tuple[Zdd, list[Suspect]]]:
-    """Suspects beside the markings in which priorities let them fire."""
-    if space.stable is None:
-        return [(space.reachable, suspects)]
-    net = space.encoding.net
-    return [
-        (space.reachable, [s for s in suspects if net.transitions[s[0]].internal]),
-        (space.stable, [s for s in suspects if not net.transitions[s[0]].internal]),
-    ]
-
-
-def _unsafe(space: SymbolicSpace, suspects: list[Suspect]) -> UnsafeError:
+def _unsafe(markings: DiagramMarkings, suspects: list[Suspect]) -> UnsafeError:
     """The error for the nearest unsafe firing: layers of a breadth-first search, then back through them."""
-    markings, net = DiagramMarkings(space), space.encoding.net
+    net = markings.net
     seen = layer = markings.initial
     layers = [layer]
     while True:
         for t, place, condition in suspects:
-            firing = layer if net.transitions[t].internal else layer & markings.stable
+            firing = layer & markings.where.get(t, markings.everything)
             found = (firing - firing.without([condition])).pick()
             if found is not None:
                 names = net.marked(markings.marking(found))

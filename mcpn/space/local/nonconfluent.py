@@ -16,14 +16,17 @@ from mcpn.mission.flatten import Section
 from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
 from mcpn.space.diagrams.encoding import distinct
+from mcpn.space.diagrams.evolution import behind, leading, passing
 from mcpn.space.diagrams.symbolic import SymbolicSpace
 from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
 from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
-from mcpn.space.stable.confluence import endless_runs, open_conflicts, prove_confluent
+from mcpn.space.stable.confluence import endless_runs, prove_confluent
 from mcpn.space.stable.joining import EndlessRun, parting_among
 from mcpn.space.stable.nearest import fault_by
+from mcpn.space.stable.patterns import without_one_end
+from mcpn.space.stable.ranks import open_conflicts
 from mcpn.space.stable.settling import fault_after
 from mcpn.steps import step
 
@@ -39,18 +42,21 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
     for type_, space in sorted(explored.items(), key=lambda pair: pair[1].reachable.nodes()):
         stages = [stage for stage in composite.sections.values() if stage.type is type_]
         step(f"proving section {stages[0].name} confluent")
-        conflicts = list(open_conflicts(space))
+        conflicts = list(open_conflicts(space.encoding, space.reachable))
         if not (conflicts or space.endless):
             continue
         encoding, begun, marking = type_.encoding, composite.empty, None
         for stage in stages:
             begun |= _begun(composite, stage)
-        transient = begun.saturate(encoding.internal)
-        try:
-            found = parting_among(encoding, begun, conflicts)
-            marking, endless = (None, bool(space.endless)) if found is None else (found[0], False)
-        except EndlessRun:
-            endless = True
+        transient = behind(encoding, begun)[0]
+        if len(encoding.net.internal_ranks) > 1:
+            marking, endless = without_one_end(encoding, begun), False
+        else:
+            try:
+                found = parting_among(encoding, begun, conflicts)
+                marking, endless = (None, bool(space.endless)) if found is None else (found[0], False)
+            except EndlessRun:
+                endless = True
         if endless and (levels := endless_runs(encoding, transient).pick()) is not None:
             marking = encoding.marking(levels)
         if marking is not None:
@@ -76,10 +82,10 @@ def _raise_before(
     type_, layout, everything = stages[0].type, composite.layout, composite.everything
     encoding = type_.encoding
     here = layout.opened(encoding.set_of(marking), layout.all_slots) & transient
-    behind = here.saturate(encoding.internal_back, within=transient)
+    ending = leading(encoding, here, passing(encoding, transient))
     for stage in stages:
         for t in type_.graph.waiting:
-            before, met = behind.images([encoding.undoing[t]]), Parts()
+            before, met = ending.images([encoding.undoing[t]]), Parts()
             if t != type_.net.start:
                 met.add(stage.name, before & everything.of(stage.name))
             else:

@@ -48,6 +48,8 @@ class KernelNet:
             for i, t in enumerate(net.safe_transitions)
             if not t.blocked and (events or net.transitions[i].internal)
         ]
+        if net.priorities:  # the kernel takes them by rank
+            self.transitions.sort(key=net.ranks.__getitem__)
 
     @cached_property
     def kernel(self) -> SafeNet:
@@ -55,9 +57,9 @@ class KernelNet:
         given = []
         for i in self.transitions:
             t = self.net.safe_transitions[i]
-            internal = self.net.transitions[i].internal
+            rank = self.net.ranks[i]
             need = sorted({*t.consume, *t.read})
-            given.append((need, list(t.consume), list(t.produce), internal, bool(t.overflow)))
+            given.append((need, list(t.consume), list(t.produce), rank, bool(t.overflow)))
         return SafeNet(len(self.net.places), given, self.net.priorities)
 
     def unsafe(self, found: Exploration) -> UnsafeError:

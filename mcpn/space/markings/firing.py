@@ -65,7 +65,8 @@ class MaskedNet:
         self.candidates = [t for t in range(len(safe)) if not blocked[t]]
         self.losers = [_bits(u for p in t.consume for u in users[p]) for t in safe]
         self.winners = [sorted({u for p in t.produce for u in users[p]}) for t in safe]
-        self.internal = _bits(i for i, t in enumerate(net.transitions) if t.internal) if net.priorities else 0
+        self.ranks = [_bits(of) for of in net.internal_ranks] if net.priorities else []
+        self.internal = sum(self.ranks)
 
     def initial(self) -> int:
         """The initial marking.
@@ -95,9 +96,13 @@ class MaskedNet:
                 covered |= 1 << t
         return covered
 
+    def first(self, covered: int) -> int:
+        """Those of some covered transitions that may fire, a bit for each."""
+        return next((left for rank in self.ranks if (left := covered & rank)), covered)
+
     def allowed(self, covered: int) -> Iterator[int]:
-        """The transitions that may fire among those covered: internal ones first, where there are any."""
-        left = covered & self.internal or covered
+        """The transitions that may fire among those covered: internal ones first, by rank."""
+        left = self.first(covered)
         while left:
             lowest = left & -left
             yield lowest.bit_length() - 1

@@ -64,9 +64,9 @@ class Searches:
     def kernel(self) -> TokenNet:
         """The net as the kernel walks it."""
         transitions = []
-        for t, transition in enumerate(self.net.transitions):
+        for t in range(len(self.net.transitions)):
             changed = list(changes(self.net, t).items())
-            transitions.append((list(needs(self.net, t).items()), changed, transition.internal))
+            transitions.append((list(needs(self.net, t).items()), changed, self.net.ranks[t]))
         return TokenNet(len(self.net.places), transitions, self.net.priorities)
 
     @property

@@ -4,64 +4,46 @@ The direct way follows one interleaving. That is sound where in every reachable 
 included, any two enabled internal transitions commute: firing one leaves the other enabled, or both give the
 same marking. Then every internal run from a marking that ends has the same length and the same end (*random
 descent*, Newman 1942; van Oostrom 2007), so that the end of the one run that is followed proves termination
-of them all.
+of them all. Where transitions have several ranks, so do the steps that must commute.
 
-Transitions whose arcs cannot conflict are passed over; for each other pair, one query on the diagram of
-reachable markings asks whether any of them enables both. Pairs that some marking does enable are joined
-(:mod:`mcpn.space.stable.joining`): where both ways always lead to the same marking again, that proves the
-same.
+Transitions whose arcs cannot conflict are passed over; for each other pair, queries on the diagram of
+reachable markings ask whether it leaves that open (:mod:`mcpn.space.stable.ranks`). Pairs of one rank that
+are left are joined (:mod:`mcpn.space.stable.joining`): where both ways always lead to the same marking again,
+that proves the same. With several ranks, what is left is explored (:mod:`mcpn.space.stable.patterns`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.diagrams.encoding import Encoding, distinct
+from mcpn.space.diagrams.evolution import passing
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import mask_of
-from mcpn.space.stable.joining import EndlessRun, Joining, Parting, open_pairs, parting_among
+from mcpn.space.stable.joining import EndlessRun, Joining, Parting, parting_among
 from mcpn.space.stable.nearest import nearest_fault
-from mcpn.space.stable.settling import DEFAULT_MAX_STATES, PROOF_BY_MARKINGS, confluence_error, judged
+from mcpn.space.stable.patterns import without_one_end
+from mcpn.space.stable.ranks import open_conflicts
+from mcpn.space.stable.settling import (
+    DEFAULT_MAX_STATES,
+    PROOF_BY_MARKINGS,
+    confluence_error,
+    fault_after,
+    judged,
+)
 from mcpn.steps import step
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
 PROOF_BY_JOINING = (
     "symbolic: wherever internal transitions conflict, both ways lead to the same marking again"
 )
+PROOF_BY_PATTERNS = (
+    "symbolic: behind each event every interleaving explored, once for markings that evolve alike"
+)
 PROOF = "symbolic: in no reachable marking do internal transitions conflict; each run followed has ended"
-
-
-def open_conflicts(
-    space: SymbolicSpace, among: Zdd | None = None, pairs: Iterable[tuple[int, int]] | None = None
-) -> Iterator[tuple[int, int]]:
-    """Pairs of internal transitions in conflict that some reachable marking enables both.
-
-    Args:
-        space: The reachable markings of a net with priorities.
-        among: Those of them to look at; all by default.
-        pairs: The pairs to ask for; all that conflict by default.
-
-    Yields:
-        Pairs whose results differ; where there is none, all enabled internal transitions commute.
-    """
-    encoding, net = space.encoding, space.encoding.net
-    if pairs is None:
-        pairs = open_pairs(net, encoding.transitions)
-    found: list[tuple[tuple[int, int], int]] = []
-    for first, second in pairs:
-        one, other = net.safe_transitions[first], net.safe_transitions[second]
-        condition = encoding.condition((*one.consume, *one.read, *other.consume, *other.read))
-        if condition is not None:
-            found.append(((first, second), condition))
-    markings = space.reachable if among is None else among
-    while (at := markings.first([condition for _, condition in found])) >= 0:
-        yield found[at][0]
-        del found[: at + 1]
 
 
 def proof_by_diagram(net: PetriNet) -> str | None:
@@ -83,7 +65,11 @@ def proof_by_diagram(net: PetriNet) -> str | None:
         space = reach(net)
     except LimitError:  # no diagram within memory: marking by marking may still do
         return None
-    return PROOF if next(open_conflicts(space), None) is None else proof_by_joining(space)
+    return (
+        PROOF
+        if next(open_conflicts(space.encoding, space.reachable), None) is None
+        else proof_of_conflicts(space)
+    )
 
 
 def prove_confluent(
@@ -106,36 +92,42 @@ def prove_confluent(
         LimitError: A limit was hit.
     """
     space = space or reach(net)
-    if not space.endless and next(open_conflicts(space), None) is None:
+    if not space.endless and next(open_conflicts(space.encoding, space.reachable), None) is None:
         return PROOF_OF_ENDS
-    proof = proof_by_joining(space)
+    proof = proof_of_conflicts(space)
     if proof is None:
         judged(KernelNet(net), max_states)
         return PROOF_BY_MARKINGS
     return proof
 
 
-def proof_by_joining(space: SymbolicSpace) -> str | None:
+def proof_of_conflicts(space: SymbolicSpace) -> str | None:
     """Proves that conflicts between internal transitions do not decide the outcome, where that is so.
 
     Args:
         space: The reachable markings of a net with priorities.
 
     Returns:
-        The proof in words; ``None`` where internal evolution may have no end.
+        The proof in words; ``None`` where it takes the markings one by one to decide.
 
     Raises:
         ConfluenceError: Two runs behind one event end in different stable markings.
+        DivergenceError: An internal run need not end.
     """
     net = space.encoding.net
-    if space.endless:
-        return None
     assert space.stable is not None, "asked of nets with priorities"
-    encoding, conflicts = space.encoding, list(open_conflicts(space))
+    encoding = space.encoding
     events = [e for t, e in encoding.events.items() if not net.transitions[t].internal]
     begun = encoding.initial() | space.stable.images(distinct(events))
+    if len(net.internal_ranks) > 1:
+        marking = without_one_end(encoding, begun)
+        if marking is None:
+            return PROOF_BY_PATTERNS
+        raise nearest_fault(net) or _error_behind(space, marking)
+    if space.endless:
+        return None
     try:
-        found = parting_among(encoding, begun, conflicts)
+        found = parting_among(encoding, begun, list(open_conflicts(encoding, space.reachable)))
     except EndlessRun:
         return None
     if found is not None:
@@ -148,19 +140,35 @@ def endless_runs(encoding: Encoding, markings: Zdd) -> Zdd:
     left, before = markings, None
     while left != before:
         before = left
-        left = left.images(encoding.internal_back, within=left)
+        allowed, found = passing(encoding, left), encoding.store.empty()
+        for events, where in zip(encoding.undoing_ranks, allowed, strict=True):
+            found |= left.images(events, within=where)
+        left = found
     return left
 
 
-def _error_at(space: SymbolicSpace, marking: tuple[int, ...], parting: Parting) -> SemanticsError:
-    """The error for runs that part in a marking."""
+def _error_behind(space: SymbolicSpace, marking: Marking) -> SemanticsError:
+    """The error for a marking, just after an event, from which internal evolution has not one end."""
     net = space.encoding.net
+    fired = [t for t in _run_to(space, marking) if not net.transitions[t].internal]
+    error = fault_after(net, fired)
+    assert error is not None, "the marking is reached by these events"
+    return error
+
+
+def _run_to(space: SymbolicSpace, marking: Marking) -> list[int]:
     markings = DiagramMarkings(space)
     begin = markings.initial.pick()
     assert begin is not None, "there is an initial marking"
     run = markings.run(begin, space.encoding.set_of(marking))
     assert run is not None, "the marking is reachable"
-    before = [edge.transition for edge in run]
+    return [edge.transition for edge in run]
+
+
+def _error_at(space: SymbolicSpace, marking: Marking, parting: Parting) -> SemanticsError:
+    """The error for runs that part in a marking."""
+    net = space.encoding.net
+    before = _run_to(space, marking)
     before, _, parting = Joining(net).deciding(before, mask_of(marking), parting)
     runs = [[*before, *way] for way in (parting.first, parting.second)]
     return confluence_error(net, [[net.transitions[t].name for t in run] for run in runs])

@@ -10,14 +10,15 @@ so that all such markings are done at once. No interleavings are listed.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.net.structure import conflicts
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.markings.firing import MaskedNet, mask_of
+from mcpn.space.stable.ranks import open_pairs
 
 DECIDING_WAYS = 3_000
 """Markings behind a parting from which every order is tried before it is taken for one that decides."""
@@ -284,20 +285,6 @@ class Joining:
         return *found, None
 
 
-def harmless(net: PetriNet, first: int, second: int) -> bool:
-    """Whether firing either of two transitions, each enabled, gives the same marking."""
-    one, other = net.safe_transitions[first], net.safe_transitions[second]
-    return set(one.consume) == set(other.consume) and set(one.produce) == set(other.produce)
-
-
-def open_pairs(net: PetriNet, transitions: Iterable[int] | None = None) -> Iterator[tuple[int, int]]:
-    """Pairs of internal transitions that may be in conflict and do not give the same marking."""
-    among = range(len(net.transitions)) if transitions is None else transitions
-    for t, u in conflicts(net, [t for t in among if net.transitions[t].internal]):
-        if not harmless(net, t, u):
-            yield t, u
-
-
 def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -> Zdd:
     """The markings in which conflicts are judged: those in which nothing else is left to fire.
 
@@ -318,7 +305,9 @@ def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -
         EndlessRun: An internal run need not end.
     """
     contended = distinct(encoding.events[t] for pair in conflicts for t in pair)
-    free = dict.fromkeys(event for event in encoding.internal if event not in contended)
+    assert len(encoding.internal_ranks) <= 1, "ranks are another matter: see mcpn.space.stable.ranks"
+    internal = chain.from_iterable(encoding.internal_ranks)
+    free = dict.fromkeys(event for event in internal if event not in contended)
     conditions = [c for t, c in encoding.enabling.items() if c is not None and encoding.events.get(t) in free]
     known, front, seen = encoding.store.empty(), begun, set[Zdd]()
     # The front holds what as many firings of contended transitions lead to. It is empty once all runs ended.

@@ -10,17 +10,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from heapq import heappop, heappush
 
-from mcpn.errors import SemanticsError
+from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.events import What
 from mcpn.net.petri import PetriNet
+from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.markings.firing import mask_of
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting
-from mcpn.space.stable.settling import confluence_error, divergence_error
+from mcpn.space.stable.settling import Walk, confluence_error, divergence_error, settled
 
 FIRINGS = 50_000
 """Firings after which the search gives up; about a second."""
 
 WAYS = 30
 """Markings behind one event from which every order is tried."""
+
+MOST_NEAR = 100
+"""Stable ends behind one event that are looked for, with :data:`settling.LEAST_TRANSIENT` markings."""
 
 HARDWARE = {What.OUT_OF_SERVICE, What.REPAIRED, What.LOST}
 
@@ -64,17 +69,36 @@ class _Search:
         self.joining = Joining(net)
         self.masked = self.joining.masked
         self.firings = firings
+        self.ranked = KernelNet(net, events=False) if len(net.internal_ranks) > 1 else None
         self.end = 0
         self.prefix: list[int] = []
 
     def settle(self, marking: int, prefix: list[int]) -> SemanticsError | None:
         """Follows a run to its end, which :attr:`end` and :attr:`prefix` then say, or to an error."""
+        if self.ranked is not None:
+            return self.settle_by_rank(self.ranked, marking, prefix)
         try:
             run, self.end, found = self.joining.parting_behind(marking, WAYS)
         except EndlessRun as endless:
             return divergence_error(self.names([*prefix, *endless.run]))
         self.prefix = [*prefix, *run]
         return None if found is None else self.parted(self.prefix, found)
+
+    def settle_by_rank(self, behind: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
+        """The same where internal transitions have ranks: every interleaving is explored."""
+        walk = Walk(self.net)
+        walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
+        walk.run[:] = prefix
+        try:
+            found = settled(behind, walk.marking, every=True, max_states=MOST_NEAR)
+        except LimitError:  # too much behind this event to be near
+            found = None
+        if found is not None and found.trouble is not None:
+            return walk.fault(behind, found)
+        walk.settle()
+        self.joining.firings += len(walk.run) - len(prefix)
+        self.prefix, self.end = walk.run, mask_of(walk.marking)
+        return None
 
     def parted(self, prefix: list[int], found: Parting) -> SemanticsError:
         return confluence_error(

@@ -93,7 +93,7 @@ def _fault_found(prepared: KernelNet, found: Exploration) -> SemanticsError:
     """The error for the trouble that the proof came to, with whole runs from the initial marking."""
     assert found.trouble is not None, "asked of what has come to trouble"
     state, firings, _ = found.trouble
-    walk = _Walk(prepared.net)
+    walk = Walk(prepared.net)
     if not prepared.net.transitions[prepared.transitions[firings[0]]].internal:  # else before any event
         walk.settle()
         for t in found.run(state):
@@ -115,7 +115,7 @@ def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
     Raises:
         LimitError: Too many markings behind an event.
     """
-    behind, walk = KernelNet(net, events=False), _Walk(net)
+    behind, walk = KernelNet(net, events=False), Walk(net)
     for t in (None, *events):
         if t is not None:
             walk.fire(t)
@@ -126,8 +126,12 @@ def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
     return None
 
 
-class _Walk:
-    """A run from the initial marking, and where it is."""
+class Walk:
+    """A run from the initial marking, and where it is.
+
+    Args:
+        net: A net with priorities.
+    """
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
@@ -136,10 +140,12 @@ class _Walk:
         self.run: list[int] = []
 
     def fire(self, t: int) -> None:
+        """Goes on by one firing."""
         self.net.fire_in_place(self.marking, t)
         self.run.append(t)
 
     def settle(self) -> None:
+        """Goes on to a stable marking, along one interleaving."""
         self.run += self.completion.settle(self.marking)
 
     def fault(self, prepared: KernelNet, found: Exploration) -> SemanticsError:

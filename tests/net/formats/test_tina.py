@@ -37,7 +37,8 @@ def problem_of(data: bytes) -> Problem | None:
 @given(net=odd_nets())
 def test_written_nets_are_read_back_equal(net: PetriNet) -> None:
     if len({t.internal for t in net.transitions}) < 2:
-        net = replace(net, priorities=False)  # one level alone: no pr line, and no effect
+        # One level alone: no pr line, and no effect.
+        net = replace(net, priorities=False, transitions=tuple(replace(t, rank=0) for t in net.transitions))
     assert read(write_tina(net)) == net
 
 
@@ -136,8 +137,24 @@ def test_two_levels_make_internal_transitions_and_events(priorities: str) -> Non
     ],
 )
 def test_other_priorities_are_refused(priorities: str) -> None:
-    with pytest.raises(InputError, match="only two levels of priority are supported"):
+    with pytest.raises(InputError, match="above all of the levels after its own"):
         levels(priorities)
+
+
+@pytest.mark.parametrize("priorities", ["pr a > b c d\npr b > c d", "pr b > c d\npr a > b c\npr a > d"])
+def test_more_levels_rank_internal_transitions(priorities: str) -> None:
+    net = read(f"tr a p -> q\ntr b q -> p\ntr c : C p -> p\ntr d p -> p\n{priorities}\n")
+    assert levels(priorities) == {"a": None, "b": None, "c": "C", "d": "d"}
+    assert [t.rank for t in net.transitions] == [0, 1, 0, 0]
+
+
+def test_ranks_without_events_are_refused() -> None:
+    builder = NetBuilder("ranks", priorities=True)
+    builder.place("p", initial=1)
+    builder.transition("first", consume=["p"])
+    builder.transition("second", consume=["p"], rank=1)
+    with pytest.raises(InputError, match="ranks of a net without events"):
+        write_tina(builder.build())
 
 
 def test_without_priorities_labels_are_events() -> None:

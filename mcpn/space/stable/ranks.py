@@ -1,0 +1,96 @@
+"""Confluence rank by rank: conflicts between internal transitions that some marking leaves open.
+
+A transition of rank *k* fires where none of a lower rank is enabled; what it enables of lower ranks follows
+before another of rank *k* may fire. Both together are one step. Two such steps commute where
+
+1. their first transitions do;
+2. nothing of a lower rank that one brings about is in conflict with the first transition of the other;
+3. what follows of lower ranks after both first transitions is itself confluent.
+
+So conflicts of rank *k* are asked for in the markings that rank *k* may come to, and those of lower ranks
+also in the markings behind two firings of rank *k* (``papers/mcpn.md``, Proposition 2). Where all internal
+transitions have one rank, this asks whether some reachable marking enables both of a pair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from mcpn._kernel import Zdd
+from mcpn.net.petri import PetriNet
+from mcpn.net.structure import conflicts
+from mcpn.space.diagrams.encoding import Encoding, distinct
+from mcpn.space.diagrams.evolution import behind, passing
+
+Pair = tuple[int, int]
+"""Two internal transitions, the first of no higher rank than the second."""
+
+
+def open_pairs(net: PetriNet, transitions: Iterable[int] | None = None) -> Iterator[Pair]:
+    """Pairs of internal transitions that may be in conflict and do not give the same marking."""
+    among = range(len(net.transitions)) if transitions is None else transitions
+    for t, u in conflicts(net, [t for t in among if net.transitions[t].internal]):
+        if not harmless(net, t, u):
+            yield (t, u) if net.ranks[t] <= net.ranks[u] else (u, t)
+
+
+def harmless(net: PetriNet, first: int, second: int) -> bool:
+    """Whether firing either of two transitions, each enabled, gives the same marking."""
+    one, other = net.safe_transitions[first], net.safe_transitions[second]
+    return set(one.consume) == set(other.consume) and set(one.produce) == set(other.produce)
+
+
+def open_conflicts(encoding: Encoding, markings: Zdd) -> Iterator[Pair]:
+    """Pairs of internal transitions in conflict that leave it open whether steps commute.
+
+    Args:
+        encoding: A net with priorities on the levels of a store.
+        markings: Its reachable markings, or some from which internal evolution does not lead out.
+
+    Yields:
+        Pairs; where there is none, every internal run from one of the markings that ends has the same end
+        and the same length.
+    """
+    net, ranks = encoding.net, encoding.net.internal_ranks
+    rank_of = {t: rank for rank, of in enumerate(ranks) for t in of}
+    by_rank: list[dict[int, list[Pair]]] = [{} for _ in ranks]
+    for pair in open_pairs(net, encoding.transitions):
+        by_rank[rank_of[pair[1]]].setdefault(rank_of[pair[0]], []).append(pair)
+    for rank in reversed(range(len(ranks))):
+        allowed = passing(encoding, markings)
+        for lower, pairs in by_rank[rank].items():
+            for first, second in _both_covered(encoding, allowed[lower], pairs):
+                if lower == rank or _meet(encoding, allowed[rank], rank, first, second):
+                    yield first, second
+        if rank:
+            events = encoding.internal_ranks[rank]
+            twice = allowed[rank].images(events).images(events)
+            markings = behind(encoding, markings | twice, ranks=rank)[0]
+
+
+def _both_covered(encoding: Encoding, markings: Zdd, pairs: Iterable[Pair]) -> Iterator[Pair]:
+    """The pairs of which some marking has the tokens for both."""
+    found = [(pair, c) for pair in pairs if (c := _covering(encoding, *pair)) is not None]
+    while (at := markings.first([condition for _, condition in found])) >= 0:
+        yield found[at][0]
+        del found[: at + 1]
+
+
+def _covering(encoding: Encoding, *transitions: int) -> int | None:
+    """The condition that a marking has the tokens that transitions need."""
+    safe = encoding.net.safe_transitions
+    return encoding.condition([p for t in transitions for p in (*safe[t].consume, *safe[t].read)])
+
+
+def _meet(encoding: Encoding, allowed: Zdd, rank: int, lower: int, second: int) -> bool:
+    """Whether another transition of the second one's rank, both enabled, may bring about the lower one."""
+    alone, both = _covering(encoding, second), _covering(encoding, lower, second)
+    assert alone is not None, "some marking covers it"
+    assert both is not None, "some marking covers both"
+    others = distinct(
+        event
+        for t in encoding.net.internal_ranks[rank]
+        if t != second and (event := encoding.events.get(t)) is not None
+    )
+    begun = (allowed - allowed.without([alone])).images(others)
+    return behind(encoding, begun, ranks=rank)[0].first([both]) >= 0
