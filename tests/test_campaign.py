@@ -36,7 +36,7 @@ from mcpn.space.stable.listing import written_out
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.test_lockstep import walk
-from tests.net.promises import check_promises
+from tests.net.promises import check_each_is_one_thing, check_promises
 
 MISSIONS = st.one_of(
     missions(),
@@ -127,7 +127,9 @@ def lockstep(mission_net: MissionNet, whole: AlternativesGraph, choice: random.R
     for _ in range(EVENTS):
         assert one.possible == other.possible
         assert (one.mode, one.outcome) == (other.mode, other.outcome)
-        assert one.state.objectives == other.state.objectives
+        for name in ("objectives", "waiting", "refused"):
+            assert getattr(one.state, name) == getattr(other.state, name), name
+        check_each_is_one_thing(mission_net, one.state)
         if not one.possible or (one.outcome and choice.random() < 0.3):
             one, other = (Runtime.from_document(d) for d in documents)
             continue

@@ -82,5 +82,6 @@ def save_graph(
 
 def _label(state: Situation) -> str:
     parts = [*state.objectives, *(f"{a}: {alt}" for a, alt in state.mode.items() if a != alt)]
-    parts += [f"{name} refused" for name in state.refused] + [f"{h} out" for h in state.out_of_service]
+    parts += [f"{name} waits" for name in state.waiting] + [f"{name} refused" for name in state.refused]
+    parts += [f"{h} out" for h in state.out_of_service]
     return ", ".join([*parts, *([state.outcome] if state.outcome else [])]) or "idle"

@@ -157,6 +157,8 @@ def used_by(found: MissionNet, marking: Marking, activities: Iterable[str]) -> f
         for kind, name in said:
             if kind == "refused" and name == activity:
                 using.add((kind, name))
+            elif kind == "want" and name.split(".", 1)[0] == activity:
+                using.add((kind, name))  # it has asked nobody yet
             elif kind in ("active", "wait") and name.split(".", 1)[0] == activity:
                 using.add((kind, name))
                 serving = {producers[r] for r in consumed[name] if r in producers} - seen
@@ -244,10 +246,10 @@ class Words:
     def __init__(self, costs: Costs, section: ElementarySection) -> None:
         self.costs, self.play, self.section = costs, costs.play, section
 
-    def said(self, marking: Marking, kind: str) -> dict[str, str]:
+    def said(self, marking: Marking, *kinds: str) -> dict[str, str]:
         """Of each activity that serves the objective its alternative, what it waits with, or nothing."""
         used, roles = self.costs.used(marking, self.section), self.costs.found.roles.values()
-        return {n.partition(".")[0]: n.partition(".")[2] for k, n in roles if k == kind and (k, n) in used}
+        return {n.partition(".")[0]: n.partition(".")[2] for k, n in roles if k in kinds and (k, n) in used}
 
     def lost(self, marking: Marking) -> bool:
         return not self.costs.objective_survives(marking, self.section.name, self.costs.dead)
@@ -264,8 +266,8 @@ class Words:
             a: alternative for a, alternative in now.items() if was.get(a, alternative) != alternative
         }
         changes = [f"{a}: {was[a]} -> {switched[a]}" for a in was if a in switched]
-        for kind, words in (("refused", "has no possible alternative"), ("wait", "waits")):
-            changes += [f"{a} {words}" for a in self.said(after, kind) if a not in self.said(before, kind)]
+        for kinds, words in ((["refused"], "has no possible alternative"), (["wait", "want"], "waits")):
+            changes += [f"{a} {words}" for a in self.said(after, *kinds) if a not in self.said(before, *kinds)]
         stopped = [f"{a} stops" for a in was if a not in now]
         ways = {
             (a.name, w.name): w.consumes for a in self.costs.found.mission.activities for w in a.alternatives
@@ -361,13 +363,13 @@ def assert_words(found: MissionNet, rows: list[Row]) -> None:
 
 WAITING = {
     # Where h fails while `b` holds g, `a` waits for what its supplier cannot give; where k2 fails, b lets go.
-    "a waits": """
+    "p waits, a waits": """
         <software name="s"/><activity name="p" produces="s" consumes="g"/>
         <activity name="a"><alternative name="a1" consumes="h"/>
           <alternative name="a2" consumes="s"/></activity>
         """,
-    # The same, but `a` takes g itself: no alternative of it is selected.
-    "a stops": """
+    # The same, but `a` takes g itself: it waits with no alternative selected.
+    "a waits": """
         <activity name="a"><alternative name="a1" consumes="h"/>
           <alternative name="a2" consumes="g"/></activity>
         """,

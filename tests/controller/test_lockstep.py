@@ -21,6 +21,7 @@ from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.controller.oracle import NetRobot
 from tests.draws import composed, fewer
+from tests.net.promises import check_each_is_one_thing
 from tests.small import activity, hw, mission, robot
 
 
@@ -67,6 +68,7 @@ def walk(
             assert dict(runtime.mode) == robot.mode
             assert runtime.outcome == robot.outcome
             assert set(runtime.state.objectives) == robot.objectives
+            check_each_is_one_thing(mission_net, runtime.state)
         if not possible:
             break
         chosen = rng.choice(possible)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.net.compose import MissionNet
 from mcpn.net.templates.names import names_of
+from mcpn.runtime.tables import Inside
 from mcpn.space.markings.graph import Ints, StateGraph
 
 
 def check_promises(found: MissionNet, graph: StateGraph) -> None:
-    """Checks unit invariants in every marking, hardware in the stable ones, and idleness at the ends.
+    """Checks unit invariants in every marking, hardware and activities in the stable ones, idleness at the ends.
 
     Args:
         found: The mission's net.
@@ -23,9 +25,20 @@ def check_promises(found: MissionNet, graph: StateGraph) -> None:
     for hardware in found.mission.hardware:
         known = tokens(found, graph, hardware.name, "free", "busy", "OOS")
         assert (known[stable] == 1).all(), f"{hardware.name} is neither free nor busy nor out of service"
+    for state in np.flatnonzero(stable).tolist():
+        check_each_is_one_thing(found, situation(found, graph.marking(state)))
     ends = stable & (graph.marked(found.success) | graph.marked(found.failure))
     for state in np.flatnonzero(ends).tolist():
         assert found.not_idle(graph.marking(state)) == []
+
+
+def check_each_is_one_thing(found: MissionNet, now: Situation | Inside) -> None:
+    """Checks that each activity of an objective that runs does so by one alternative, waits, or is refused."""
+    activities = {section.name: section.activities for section in found.graph.walk()}
+    for objective in now.objectives:
+        for activity in activities[objective]:
+            said = [activity in those for those in (now.mode, now.waiting, now.refused)]
+            assert said.count(True) == 1, f"{activity} of {objective}: {now}"
 
 
 def unit_invariants(found: MissionNet, graph: StateGraph) -> None:

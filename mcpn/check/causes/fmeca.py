@@ -179,6 +179,7 @@ class _Table(Generic[S]):
             for way in usage.activities[name].alternatives:
                 started_as = f"{name}.{way.name}"
                 roles += [(("active", started_as), way.consumes), (("wait", started_as), way.consumes)]
+                roles.append((("want", started_as), ()))  # it holds nothing yet
             for role, consumes in roles:
                 for place in varying.intersection(by_role.get(role, ())):
                     marked = space.restricted(states, [place], ()) if states else states

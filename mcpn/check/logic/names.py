@@ -20,17 +20,17 @@ MAX_LISTED = 20
 """How many known names an error lists where none of them is near."""
 
 WORDS = {
-    "objective": "objective",
-    "pending": "pending",
-    "activity": "active",
-    "alternative": "active",
-    "waiting": "wait",
-    "refused": "refused",
-    "oos": "oos",
-    "available": "oos",
-    "event": "",
+    "objective": ("objective",),
+    "pending": ("pending",),
+    "activity": ("active",),
+    "alternative": ("active",),
+    "waiting": ("wait", "want"),
+    "refused": ("refused",),
+    "oos": ("oos",),
+    "available": ("oos",),
+    "event": (),
 }
-"""The words about an element of the mission, and what the places say that they are of."""
+"""The words about an element of the mission, and what the places say of it that they mean."""
 ENDINGS = ("success", "failure")
 PROGRESS = "progress"
 
@@ -63,8 +63,8 @@ class Names:
         """What a word about the mission means.
 
         Args:
-            said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value`` the value
-                too; or ``success`` or ``failure`` alone.
+            said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value`` and
+                ``waiting(activity)=value`` the value too; or ``success`` or ``failure`` alone.
         """
         meaning = self._meaning(*said)
         if meaning not in (TRUE, FALSE):  # which other formulas mean as well
@@ -75,6 +75,8 @@ class Names:
         of = self.mission_net
         if of is None:
             raise InputError.at(None, f"{kind} is a word of missions, and this net is of none")
+        if value is not None and kind not in ("alternative", "waiting"):
+            raise InputError.at(None, f"expected {kind}({name}) alone, found ={value} after it")
         match kind:
             case "success" | "failure":
                 about = [of.mission.name]
@@ -106,11 +108,11 @@ class Names:
             case _:
                 activity = _element(name, of.usage.activities, "activity")
                 ways = [a.name for a in of.usage.activities[activity].alternatives]
-                if kind == "alternative":
-                    ways = [_element(value or "", ways, f"alternative of {activity}")]
+                if value is not None:
+                    ways = [_element(value, ways, f"alternative of {activity}")]
                 about = [activity] if kind == "refused" else [f"{activity}.{way}" for way in ways]
-        role = WORDS.get(kind, kind)
-        said = marked(*(place for place, (what, of_) in of.roles.items() if what == role and of_ in about))
+        roles = WORDS.get(kind, (kind,))
+        said = marked(*(place for place, (what, of_) in of.roles.items() if what in roles and of_ in about))
         return ~said if kind == "available" else said
 
 

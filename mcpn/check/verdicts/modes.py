@@ -13,12 +13,14 @@ from functools import cache
 from itertools import compress
 from typing import TYPE_CHECKING, TypeAlias
 
+from mcpn.check.logic.names import WORDS
 from mcpn.space.images import ImageStore
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
     from mcpn.space.algebra import S, Space
 
+_WAITING = dict.fromkeys(WORDS["waiting"], "waiting")
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
 
@@ -32,7 +34,8 @@ class Situation:
         pending: Objectives about to be entered, which wait until an activity is idle.
         done: Branches of parallel blocks that have ended while others run.
         mode: The functioning mode.
-        waiting: Selected alternatives that wait for a resource, by activity.
+        waiting: Alternatives that wait for a resource, by activity: another activity has it, or it is asked for
+            and its producer waits.
         refused: Activities that have no possible alternative.
         out_of_service: Hardware out of service.
         outcome: ``success``, ``failure``, or ``None`` while the mission runs; in the net of a section also
@@ -61,14 +64,14 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
     for place in marked:
         if place in roles:
             kind, name = roles[place]
-            said.setdefault(kind, []).append(name)
+            said.setdefault(_WAITING.get(kind, kind), []).append(name)
     ends = (*(kind for kind in ("success", "failure") if kind in said), *said.get("exit", ()))
     return Situation(
         objectives=tuple(said.get("objective", ())),
         pending=tuple(said.get("pending", ())),
         done=tuple(said.get("done", ())),
         mode=dict(name.split(".", 1) for name in said.get("active", ())),
-        waiting=dict(name.split(".", 1) for name in said.get("wait", ())),
+        waiting=dict(name.split(".", 1) for name in said.get("waiting", ())),
         refused=tuple(said.get("refused", ())),
         out_of_service=tuple(said.get("oos", ())),
         outcome=next(iter(ends), None),

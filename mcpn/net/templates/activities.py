@@ -164,6 +164,8 @@ class _AlternativeDrawing:
         self.pen = canvas.of_alternative(activity, alternative)
         self.number = index + 1
         name = self.pen.provenance.name
+        if self.usage.waits_for_release(activity.name, index):
+            canvas.role(evaluation, ("want", name))
         self.active = canvas.role(self.pen.place(f"active{self.number}"), ("active", name))
         if self.consumes:
             self.wait = canvas.role(self.pen.place(f"wait{self.number}"), ("wait", name))

@@ -15,6 +15,7 @@ Role: TypeAlias = tuple[
     Literal[
         "active",
         "wait",
+        "want",
         "refused",
         "oos",
         "objective",
@@ -32,6 +33,8 @@ Role: TypeAlias = tuple[
 
 ``("active", "localisation.gps_localisation")``: this alternative of this activity runs;
 ``("wait", …)``: it is selected and waits for answers;
+``("want", …)``: it would be selected but for another activity, which has a resource that it needs: it waits
+for the release, and holds nothing (:meth:`~mcpn.mission.facts.usage.Usage.waits_for_release`);
 ``("refused", "diving")``: no alternative of the activity is possible;
 ``("oos", "GPS_sensor")``: the hardware resource is out of service;
 ``("objective", "diving")``: the objective runs;
