@@ -134,7 +134,7 @@ class _Flattening:
         if several(block):
             self.copies(block, scope, success, failure, sections)
         elif isinstance(block, Objective):
-            parameters = tuple(scope.with_defaults(block.parameters).values())
+            parameters = scope.in_force(block.parameters)
             self.count(len(parameters))
             sections.append(
                 ElementarySection(

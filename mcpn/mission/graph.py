@@ -54,8 +54,8 @@ class ElementarySection(_Routes):
         success: The next section, or one of the graph's own exits, ``succeed`` and ``fail``.
         failure: The same for failure.
         source: Its line.
-        parameters: For the control laws: those of enclosing recursive objectives and protocols, then its own;
-            the innermost of a name counts, and a use's overrides replace what its protocol says.
+        parameters: For the control laws, one of each name: its own, else what the innermost block around it
+            says, uses and rounds among them, else what the innermost protocol around it declares.
         description: For reports.
         duration: Its mean duration in hours, where known.
         failure_probability: How probable it is that it fails though it could succeed.

@@ -226,7 +226,7 @@ class Use(BlockElement):
 
     Args:
         protocol: The protocol's name.
-        parameters: Override those of the same name inside the protocol.
+        parameters: Of names that the protocol declares: they count in it, but where its blocks say otherwise.
     """
 
     protocol: str
@@ -271,7 +271,8 @@ class Protocol(Element):
 
     Args:
         blocks: At least one.
-        parameters: Defaults for the control laws inside; a use may override them.
+        parameters: Defaults for the control laws inside: they count where no block says the name, neither one
+            inside, nor a use of the protocol, nor one around that.
     """
 
     blocks: tuple[Block, ...]

@@ -284,12 +284,14 @@ class _Checks:
                 block.source, f"{block.name} uses the protocol", block.protocol, self.protocols
             )
             return
-        if protocol.name not in self.parameters:
-            self.parameters[protocol.name] = _parameters(protocol)
+        declared = self.parameters.setdefault(
+            protocol.name, frozenset(parameter.name for parameter in protocol.parameters)
+        )
         for parameter in block.parameters:
-            if parameter.name not in self.parameters[protocol.name]:
+            if parameter.name not in declared:
                 message = f"{block.name} overrides the parameter {parameter.name}, which protocol"
-                yield Problem(parameter.source, f"{message} {protocol.name} does not have")
+                remedy = "declare it there with its default, before the first block"
+                yield Problem(parameter.source, f"{message} {protocol.name} does not have: {remedy}")
 
     def parallel(self, block: Parallel) -> Iterator[Problem]:
         if not any(child.mandatory for child in block.blocks):
@@ -345,12 +347,6 @@ def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
     for block in walk(blocks):
         if isinstance(block, Recursive | Each):
             yield block.blocks
-
-
-def _parameters(protocol: Protocol) -> frozenset[str]:
-    """Names of the parameters that are written in a protocol, which a use of it may override."""
-    blocks = (block for block in walk(protocol.blocks) if not isinstance(block, Parallel | Each))
-    return frozenset(p.name for element in (protocol, *blocks) for p in element.parameters)
 
 
 def _elements(mission: Mission) -> Iterator[Element]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from markupsafe import Markup
-
 from mcpn.check.causes.find import Causes
 from mcpn.check.verdicts.mission import MissionCheck
 from mcpn.controller.hierarchy import Controller
@@ -20,9 +18,17 @@ from mcpn.report.pictures.machines import controller_drawing, graph_drawing
 from mcpn.report.pictures.mission import mission_drawing
 from mcpn.report.pictures.nets import net_drawing, units_drawing
 from mcpn.report.pictures.objectives import objectives_picture
+from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
 from mcpn.space.stable.alternatives import AlternativesGraph
 from mcpn.space.stable.clash import enumeration
+
+_TABLE = (
+    "<table><caption>{{ caption }}</caption>"
+    "<thead><tr>{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr></thead>"
+    "<tbody>{% for row in rows %}<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>{% endfor %}"
+    "</tbody></table>"
+)
 
 
 def show(what: object, kind: str) -> str | None:
@@ -57,13 +63,7 @@ def _drawing(what: object) -> Drawing | None:
 
 def _table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table of texts, each escaped."""
-
-    def line(cells: Sequence[str], tag: str) -> Markup:
-        return Markup("").join(Markup(f"<{tag}>{{}}</{tag}>").format(cell) for cell in cells)
-
-    body = Markup("").join(Markup("<tr>{}</tr>").format(line(row, "td")) for row in rows)
-    form = Markup("<table><caption>{}</caption><thead><tr>{}</tr></thead><tbody>{}</tbody></table>")
-    return str(form.format(caption, line(heads, "th"), body))
+    return environment().from_string(_TABLE).render(caption=caption, heads=heads, rows=rows)
 
 
 def _check(check: MissionCheck) -> str:

@@ -15,8 +15,6 @@ from dataclasses import dataclass, field, replace
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-from markupsafe import Markup
-
 from mcpn import __version__
 from mcpn.net.events import Event
 from mcpn.report.causes import COLUMNS, fmeca_rows
@@ -110,8 +108,8 @@ def page(findings: Findings) -> str:
             warnings=findings.warnings,
             controlled=findings.controller is not None,
             # Data in a script element ends at the first "<" that closes it: there is none.
-            data=Markup(data.replace("<", "\\u003c")),
-            script=Markup(script),
+            data=data.replace("<", "\\u003c"),
+            script=script,
             digest=digest,
             version=__version__,
         )

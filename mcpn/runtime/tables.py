@@ -63,8 +63,8 @@ class Action:
         alternative: The alternative, for ``select``.
         hardware: The hardware resource, for ``release``.
         objective: The running objective that names the activity, for ``select`` and ``start``.
-        parameters: For ``select``: of the activity, the alternative and the objective, the last one first
-            where two have one name; empty for other verbs.
+        parameters: For ``select``: of the activity, the alternative and the objective, one of each name: the
+            objective's, else the alternative's, else the activity's; empty for other verbs.
     """
 
     verb: str
@@ -225,7 +225,7 @@ class Laws:
         self.objectives: Mapping[str, Any] = document["objectives"]
 
     def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[Parameter, ...]:
-        """Those in force for an alternative that an objective runs; the objective's count before others."""
+        """Those in force for an alternative: the objective's, the alternative's, the activity's, by name."""
         found: dict[str, Any] = {}
         if activity is not None and activity in self.activities:
             said = self.activities[activity]

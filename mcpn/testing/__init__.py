@@ -39,6 +39,7 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.testing.names import awkwardly_named
+from mcpn.testing.shape import PARAMETERS
 from mcpn.testing.shape import Shape as Shape
 from mcpn.testing.shown import register
 
@@ -101,7 +102,8 @@ class _Drawing:
         if not self.shape.text or not self.chance():
             return ()
         unit = self.draw(st.none() | TEXTS)
-        return (Parameter(name=self.name("par"), value=self.draw(TEXTS), unit=unit),)
+        name = self.draw(st.sampled_from(PARAMETERS))
+        return (Parameter(name=name, value=self.draw(TEXTS), unit=unit),)
 
     def value(self, least: float, most: float) -> float | None:
         return self.draw(st.none() | st.floats(least, most)) if self.shape.numbers else None
@@ -288,7 +290,7 @@ class _Drawing:
         if depth and self.chance():
             values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]
             blocks, size = self.series(depth - 1, islands, budget // len(values))
-            parameter = self.draw(st.none() | st.just(self.name("value")))
+            parameter = self.draw(st.none() | st.sampled_from(PARAMETERS))
             drawn = Each(name=self.name("each"), values=tuple(values), blocks=blocks, parameter=parameter)
             return drawn, size * len(values)
         repeat = self.draw(st.none() | st.integers(1, min(3, budget)))

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+PARAMETERS = ("speed", "depth", "round")
+"""Names of parameters that are drawn: few, so that blocks one in the other say the same."""
+
 
 @dataclass(frozen=True)
 class Shape:

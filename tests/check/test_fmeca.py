@@ -267,7 +267,9 @@ class Words:
         }
         changes = [f"{a}: {was[a]} -> {switched[a]}" for a in was if a in switched]
         for kinds, words in ((["refused"], "has no possible alternative"), (["wait", "want"], "waits")):
-            changes += [f"{a} {words}" for a in self.said(after, *kinds) if a not in self.said(before, *kinds)]
+            changes += [
+                f"{a} {words}" for a in self.said(after, *kinds) if a not in self.said(before, *kinds)
+            ]
         stopped = [f"{a} stops" for a in was if a not in now]
         ways = {
             (a.name, w.name): w.consumes for a in self.costs.found.mission.activities for w in a.alternatives

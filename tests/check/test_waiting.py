@@ -1,4 +1,4 @@
-"""Each activity of an objective that runs does so itself, waits or is refused: roles, words and files agree."""
+"""Each activity of an objective that runs does so, waits or is refused: roles, words and files agree."""
 
 from __future__ import annotations
 
@@ -120,7 +120,8 @@ def test_each_activity_is_one_thing_in_the_words_of_every_engine(mission: Missio
         check_promises(found, markings)
         graph = by_reduction(markings)
     except (LimitError, ConfluenceError, DivergenceError) as error:
-        return returns_early(type(error).__name__)
+        returns_early(type(error).__name__)
+        return
     wait = waiting_in(found, graph)
     for engine in ENGINES:
         questions = Questions(found.net, found, on="alternatives", engine=engine)

@@ -123,7 +123,7 @@ def test_parameters_of_a_use_override_those_of_its_protocol(ulysse: Mission) -> 
     }
 
 
-def test_inner_parameters_win_and_uses_override_what_is_written(tmp_path: Path) -> None:
+def test_inner_parameters_win_and_those_of_protocols_are_defaults(tmp_path: Path) -> None:
     inner = (
         '<protocol name="inner"><parameter name="d" value="inner"/>'
         '<objective name="x" activities="go"><parameter name="own" value="x"/></objective></protocol>'
@@ -147,15 +147,14 @@ def test_inner_parameters_win_and_uses_override_what_is_written(tmp_path: Path) 
     assert told == {
         "u.y": {"d": "y", **everywhere},
         "u.z": {"d": "r", **everywhere},
-        "u.w": {"d": "outer", **everywhere},
-        "u.i.x": {"d": "inner", "own": "x", **everywhere},
+        "u.w": {"d": "all", **everywhere},  # outer says what counts where nobody else does
+        "u.i.x": {"d": "all", "own": "x", **everywhere},
         "u.j.x": {"d": "j", "own": "x", **everywhere},
-        "v.y": {"d": "v", **everywhere},
-        "v.z": {"d": "v", **everywhere},
+        "v.y": {"d": "y", **everywhere},
+        "v.z": {"d": "r", **everywhere},
         "v.w": {"d": "v", **everywhere},
-        # The text of inner is its own; what outer says of it is in its uses.
-        "v.i.x": {"d": "inner", "own": "x", **everywhere},
-        "v.j.x": {"d": "v", "own": "x", **everywhere},
+        "v.i.x": {"d": "v", "own": "x", **everywhere},
+        "v.j.x": {"d": "j", "own": "x", **everywhere},
     }
 
 
@@ -381,7 +380,7 @@ def test_values_of_rounds_are_parameters_like_those_that_a_use_states(tmp_path: 
     told = {s.name: {p.name: p.value for p in s.parameters} for s in flatten(found).walk()}
     assert told == {
         "plain_a.x": {"place": "a"},
-        "deep_a.i.x": {"place": "inner"},  # the text of outer does not hand it on
+        "deep_a.i.x": {"place": "a"},
         "said_a.x": {"place": "said"},
         "own_a": {"place": "own"},
     }

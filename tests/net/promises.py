@@ -12,7 +12,7 @@ from mcpn.space.markings.graph import Ints, StateGraph
 
 
 def check_promises(found: MissionNet, graph: StateGraph) -> None:
-    """Checks unit invariants in every marking, hardware and activities in the stable ones, idleness at the ends.
+    """Checks unit invariants in every marking, hardware and activities in stable ones, idleness at the ends.
 
     Args:
         found: The mission's net.
@@ -33,7 +33,7 @@ def check_promises(found: MissionNet, graph: StateGraph) -> None:
 
 
 def check_each_is_one_thing(found: MissionNet, now: Situation | Inside) -> None:
-    """Checks that each activity of an objective that runs does so by one alternative, waits, or is refused."""
+    """Checks that each activity of an objective that runs does so, waits, or is refused: one of three."""
     activities = {section.name: section.activities for section in found.graph.walk()}
     for objective in now.objectives:
         for activity in activities[objective]:

@@ -89,7 +89,9 @@ def nothing_left(found: MissionNet, marking: Marking) -> None:
     sections = {s.name: s for s in found.graph.walk()}
     objectives = said(found, marking, "objective", "pending")
     needed = {b for o in objectives for a in sections[o].activities for b in found.usage.closure(a)}
-    assert {name.split(".")[0] for name in said(found, marking, "active", "wait", "want", "refused")} <= needed
+    assert {
+        name.split(".")[0] for name in said(found, marking, "active", "wait", "want", "refused")
+    } <= needed
     orders = ("_Stop", "_halt", "_halted", "_halting")
     marked = [p.name for p, tokens in zip(found.net.places, marking, strict=True) if tokens]
     assert not [name for name in marked if name.endswith(orders)]

@@ -34,8 +34,8 @@ class Situation:
         pending: Objectives about to be entered, which wait until an activity is idle.
         done: Branches of parallel blocks that have ended while others run.
         mode: The functioning mode.
-        waiting: Alternatives that wait for a resource, by activity: another activity has it, or it is asked for
-            and its producer waits.
+        waiting: Alternatives that wait for a resource, by activity: another activity has it, or its
+            producer waits.
         refused: Activities that have no possible alternative.
         out_of_service: Hardware out of service.
         outcome: ``success``, ``failure``, or ``None`` while the mission runs; in the net of a section also

@@ -81,7 +81,7 @@ def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
             for section in controller.sections
         ],
         "types": [_machine(machine) for machine in controller.types],
-        **_laws(mission_net),
+        **laws(mission_net),
     }
 
 
@@ -129,7 +129,7 @@ def _action(action: Action) -> dict[str, str]:
     return {key: value for key, value in parts if value is not None}
 
 
-def _laws(mission_net: MissionNet) -> dict[str, Any]:
+def laws(mission_net: MissionNet) -> dict[str, Any]:
     """What the control laws need to know of objectives and activities."""
     return {
         "objectives": {

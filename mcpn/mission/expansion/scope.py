@@ -20,10 +20,9 @@ class Scope:
         prefix: Qualifies names.
         suffix: Ends the names of blocks of which there are several copies, one for each round or try.
         depth: How many blocks stand around.
-        defaults: Parameters that an objective has unless it says otherwise.
-        overrides: What the use of this text says instead of the parameters written in it. It does not
-            reach into protocols used there: their interface is what the uses in this text say.
-        rounds: The values of the rounds in this text that stand around; uses hand them to their protocols.
+        parameters: What the blocks around say, uses and rounds among them, the innermost of each name.
+        defaults: What the protocols around declare, the innermost of each name: it counts where no block
+            says the name.
         handlers: Those of the blocks around, up to the mission or the branch of a parallel block, innermost
             first.
     """
@@ -31,9 +30,8 @@ class Scope:
     prefix: str = ""
     suffix: str = ""
     depth: int = 0
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
     defaults: Mapping[str, Parameter] = field(default_factory=dict)
-    overrides: Mapping[str, Parameter] = field(default_factory=dict)
-    rounds: Mapping[str, Parameter] = field(default_factory=dict)
     handlers: tuple[Interruption, ...] = ()
 
     def name(self, block: Block) -> str:
@@ -52,37 +50,31 @@ class Scope:
                 closed.add(handler.event)
         return tuple(found)
 
-    def written(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
-        """Parameters written in this text, as the use of the text overrides them."""
-        return {p.name: self.overrides.get(p.name, p) for p in parameters}
-
-    def with_defaults(self, parameters: tuple[Parameter, ...]) -> dict[str, Parameter]:
-        """The parameters in force where these are written."""
-        return {**self.defaults, **self.written(parameters)}
+    def in_force(self, own: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+        """The parameters of an objective that stands here and says some itself, one of each name."""
+        return tuple({**self.defaults, **_saying(self.parameters, own)}.values())
 
     def into(self, block: Block, parameters: tuple[Parameter, ...] = ()) -> Scope:
         """The scope of what a block holds in the same text; a copy of a block qualifies it."""
         prefix = f"{self.name(block)}." if self.suffix else self.prefix
-        defaults = self.with_defaults(parameters)
-        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), defaults=defaults)
+        said = _saying(self.parameters, parameters)
+        return replace(self, prefix=prefix, suffix="", depth=self.deeper(block), parameters=said)
 
     def into_protocol(self, use: Use, protocol: Protocol) -> Scope:
         """The scope of a protocol's text as one use of it sees it."""
-        overrides = {**self.rounds, **self.written(use.parameters)}
-        text = Scope(f"{self.name(use)}.", "", self.deeper(use), self.defaults, overrides)
-        defaults = text.with_defaults(protocol.parameters)
-        return replace(text, defaults=defaults, handlers=self.handlers)
+        return replace(
+            self,
+            prefix=f"{self.name(use)}.",
+            suffix="",
+            depth=self.deeper(use),
+            parameters=_saying(self.parameters, use.parameters),
+            defaults=_saying(self.defaults, protocol.parameters),
+        )
 
     def copy(self, block: Block, suffix: str, value: Parameter | None = None) -> Scope:
         """The scope of one copy of a block, or of what stands in one round of it."""
-        values = {value.name: value} if value else {}
-        return replace(
-            self,
-            suffix=f"{self.suffix}_{suffix}",
-            depth=self.deeper(block),
-            defaults={**self.defaults, **values},
-            rounds={**self.rounds, **values},
-        )
+        said = _saying(self.parameters, (value,) if value else ())
+        return replace(self, suffix=f"{self.suffix}_{suffix}", depth=self.deeper(block), parameters=said)
 
     def deeper(self, block: Block) -> int:
         """The depth inside a block."""
@@ -90,6 +82,11 @@ class Scope:
             message = f"blocks nested more than {MAX_NESTING} deep after expansion: the limit was hit"
             raise LimitError(f"{block.source}: {message}" if block.source else message)
         return self.depth + 1
+
+
+def _saying(around: Mapping[str, Parameter], inner: tuple[Parameter, ...]) -> Mapping[str, Parameter]:
+    """Parameters by name, where the inner ones count before those around."""
+    return {**around, **{p.name: p for p in inner}} if inner else around
 
 
 def several(block: Block) -> bool:
