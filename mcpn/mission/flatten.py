@@ -13,7 +13,7 @@ from dataclasses import replace
 
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.once import reachable, unfold_once
-from mcpn.mission.expansion.scope import MAX_NESTING, Scope, copies, several
+from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
 from mcpn.mission.graph import (
     Branch,
     ElementarySection,
@@ -34,6 +34,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
+from mcpn.mission.validate import valid
 
 __all__ = [
     "MAX_NESTING",
@@ -48,7 +49,6 @@ __all__ = [
     "flatten",
 ]
 
-MAX_OBJECTIVES = 100_000
 MAX_PARAMETERS = 1_000_000
 
 
@@ -56,16 +56,17 @@ def flatten(mission: Mission) -> ObjectivesGraph:
     """The objectives graph of a mission.
 
     Args:
-        mission: A valid mission.
+        mission: A mission; one that was built in Python is checked here, once.
 
     Returns:
         Its graph; sections that no route reaches are kept aside in it.
 
     Raises:
+        InputError: The mission is not valid, with every problem.
         LimitError: Uses of protocols expand to more than :data:`MAX_OBJECTIVES` objectives, to more than
             :data:`MAX_PARAMETERS` parameters of objectives, or to blocks more than :data:`MAX_NESTING` deep.
     """
-    return _Flattening(mission).graph(mission.blocks, Scope(), mission.handlers)
+    return _Flattening(valid(mission)).graph(mission.blocks, Scope(), mission.handlers)
 
 
 class _Flattening:

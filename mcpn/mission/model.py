@@ -294,6 +294,8 @@ class Mission(Drawn, Element):
     robots: tuple[Robot, ...] = ()
     protocols: tuple[Protocol, ...] = ()
     handlers: tuple[Handler, ...] = ()
+    # Whether it has been found valid: who asks again need not look again.
+    checked: bool = field(default=False, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:
         sizes = {

@@ -6,10 +6,10 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from itertools import islice, product
 
-from mcpn.errors import Problem, Source
-from mcpn.mission.flatten import MAX_OBJECTIVES
+from mcpn.errors import InputError, Problem, Source
+from mcpn.mission.expansion.clashes import MAX_ROUNDS, clashes
+from mcpn.mission.fields import find_misfits
 from mcpn.mission.model import (
     FAIL,
     SUCCEED,
@@ -29,25 +29,39 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.near import Hints
 
-MAX_ROUNDS = 100_000
-"""The largest number of rounds or tries that a block may ask for."""
-
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
 
 def find_errors(mission: Mission) -> list[Problem]:
-    """What makes a mission invalid.
+    """What makes a mission invalid, what the schema says of files included.
 
     Args:
-        mission: Any mission, read or built in Python. What the schema says of files (names, empty blocks,
-            where routes and ``mandatory`` may stand) is said of built ones here.
+        mission: Any mission, read or built in Python.
 
     Returns:
-        Every problem, with its line; empty for a valid mission. The time is nearly linear in the mission's
-        size.
+        Every problem, with its line; empty for a valid mission, which is not looked at again. Where values
+        are of wrong types nothing else is looked for. Nearly linear in the mission's size.
     """
-    return list(_Checks(mission).errors())
+    if mission.checked:
+        return []
+    problems = list(find_misfits(mission)) or list(_Checks(mission).errors())
+    if not problems:
+        object.__setattr__(mission, "checked", True)
+    return problems
+
+
+def valid(mission: Mission) -> Mission:
+    """The same mission, once it has been found valid.
+
+    Raises:
+        InputError: It is none, or it is not valid, with every problem.
+    """
+    if not isinstance(mission, Mission):
+        raise InputError.at(None, f"expected a mission, found {type(mission).__name__}")
+    if problems := find_errors(mission):
+        raise InputError(problems)
+    return mission
 
 
 class _Checks:
@@ -187,7 +201,7 @@ class _Checks:
         yield from _duplicates("block", all_blocks)
         if isinstance(owner, Protocol):
             yield from _duplicates("parameter", owner.parameters)
-        yield from _clashes(blocks)
+        yield from clashes(blocks)
         for siblings in _families(blocks):
             yield from self.routing(siblings)
         if isinstance(owner, Mission):
@@ -313,34 +327,6 @@ def _consumed(activity: Activity) -> list[str]:
     return list(dict.fromkeys(k for alternative in activity.alternatives for k in alternative.consumes))
 
 
-def _clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:
-    """Copies of a block that would bear the name of another block, or of another's copy, in one text."""
-    named: dict[str, Block] = {block.name: block for block in walk(blocks)}
-    names = ((block, name) for block, name in _copies(blocks) if name != block.name)
-    for block, name in islice(names, MAX_OBJECTIVES):  # with more, flattening hits its limit
-        other = named.setdefault(name, block)
-        if other is not block:
-            where = f" ({other.source})" if other.source else ""
-            message = f"{name}, a round or a try of {block.name}, would have the name of another block"
-            yield Problem(block.source, f"{message}: {other.name}{where}")
-            return
-
-
-def _copies(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, str]]:
-    """Every block with the name of each of its copies in its own text."""
-    stack: list[tuple[Block, tuple[str, ...]]] = [(block, ("",)) for block in blocks]
-    while stack:
-        block, values = stack.pop()
-        rounds = [f"_{n}" for n in range(1, min(block.repeat or 0, MAX_ROUNDS) + 1)] or [""]
-        most = min(block.retries, MAX_ROUNDS)
-        tries = [f"_try{n}" for n in range(1, most + 2)] if most > 0 else [""]
-        for value, number, attempt in product(values, rounds, tries):
-            yield block, f"{block.name}{value}{number}{attempt}"
-        if isinstance(block, Holder):
-            inner = tuple(f"_{value}" for value in block.values) if isinstance(block, Each) else ("",)
-            stack.extend((child, inner) for child in block.blocks)
-
-
 def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
     """Every series of sibling blocks that are routed to one another."""
     yield blocks
@@ -369,10 +355,11 @@ def _elements(mission: Mission) -> Iterator[Element]:
 def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:
     first: dict[str, Element] = {}
     for element in elements:
-        earlier = first.setdefault(element.name, element)
-        if earlier is not element:
+        earlier = first.get(element.name)
+        if earlier is not None:
             where = f", first declared at {earlier.source}" if earlier.source else ""
             yield Problem(element.source, f"{kind} {element.name} is declared twice{where}")
+        first.setdefault(element.name, element)
 
 
 def _repeats(element: Element, attribute: str, names: tuple[str, ...]) -> Iterator[Problem]:

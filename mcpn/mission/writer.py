@@ -8,7 +8,6 @@ from typing import Any
 
 from lxml import etree
 
-from mcpn.errors import InputError
 from mcpn.files import write_atomically
 from mcpn.mission.model import (
     Alternative,
@@ -25,6 +24,7 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.mission.schema import NAMESPACE
+from mcpn.mission.validate import valid
 
 
 def write_mission(mission: Mission) -> bytes:
@@ -37,15 +37,17 @@ def write_mission(mission: Mission) -> bytes:
         UTF-8 XML with robots and protocols as children of the mission, before its blocks.
 
     Raises:
-        InputError: A text holds a character that XML cannot.
+        InputError: The mission is not valid, with every problem.
     """
-    try:
-        return _written(mission)
-    except ValueError as error:
-        raise InputError.at(mission.source, f"mission {mission.name} cannot be written: {error}") from error
+    return written(valid(mission))
 
 
-def _written(mission: Mission) -> bytes:
+def written(mission: Mission) -> bytes:
+    """The same of a mission that need not be valid, as far as a file can say it.
+
+    Raises:
+        ValueError: A text holds a character that XML cannot.
+    """
     root = etree.fromstring(f'<mission xmlns="{NAMESPACE}"/>')
     _attributes(root, mission)
     for robot in mission.robots:
@@ -65,7 +67,7 @@ def save_mission(mission: Mission, path: Path | str) -> None:
     """Writes a mission to a file, whole or not at all.
 
     Raises:
-        InputError: The file cannot be written.
+        InputError: The mission is not valid, or the file cannot be written.
     """
     write_atomically(Path(path), write_mission(mission))
 

@@ -101,7 +101,7 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
     failures come whether it is used or not.
 
     Args:
-        mission: A valid mission (see :func:`mcpn.mission.xml.read_mission`).
+        mission: A mission, read or built in Python; it is checked once.
         templates: The set of templates; the paper's by default.
 
     Returns:
@@ -109,7 +109,8 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
 
     Raises:
         LimitError: An element is too wide for its template.
-        InputError: Templates of the caller's name a place that none of them draws.
+        InputError: The mission is not valid, with every problem; or templates of the caller's name a place
+            that none of them draws.
     """
     graph = flatten(mission)
     usage = Usage(mission, graph)
@@ -122,7 +123,7 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
 
 def as_net(of: Mission | MissionNet) -> MissionNet:
     """The net of a mission, composed unless it is one already."""
-    return compose(of) if isinstance(of, Mission) else of
+    return of if isinstance(of, MissionNet) else compose(of)
 
 
 @dataclass(frozen=True, slots=True)

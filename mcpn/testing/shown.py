@@ -21,7 +21,7 @@ def print_whole(example: Any, printer: Any, cycle: bool) -> None:
         printer.text(f"{name}(...)")
         return
     with printer.group(4, f"{name}(", ")"):
-        for number, field in enumerate(fields(example)):
+        for number, field in enumerate(f for f in fields(example) if f.init):
             if number:
                 printer.text(",")
                 printer.breakable()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -9,8 +10,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lxml import etree
 
-from mcpn.controller.generate import generate
+from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.mission.flatten import flatten
@@ -221,6 +223,25 @@ def test_the_objective_s_count_before_the_alternative_s_and_these_before_the_act
         (select,) = [a for a in runtime.handle(event) if a.verb == "select"]
         carried[select.objective] = {p.name: p.value for p in select.parameters}
     assert carried == {name: of_the_robot | own for name, own in SAID.items()}
+
+
+HOSTILE = "\"'<&>]]>\n\t\\u0041 --> {{ é"
+
+
+@pytest.mark.parametrize("form", ["flat", "hierarchical"])
+def test_scxml_carries_what_counts_whatever_it_is(form: Form, fault: Mission) -> None:
+    (of,) = fault.activities
+    hostile = replace(of, parameters=(Parameter(name="k", value=HOSTILE, unit=HOSTILE),))
+    found = compose(replace(fault, robots=(replace(fault.robots[0], activities=(hostile,)),)))
+    ((_, text),) = files(generate(found, form), found, "scxml").items()
+    carried = [
+        {name: p["value"] for name, p in json.loads(json.loads(log.get("expr", ""))).items()}
+        for log in etree.fromstring(text.encode()).iter("{*}log")
+        if log.get("label", "").startswith("select ")
+    ]
+    of_the_robot = {"k": HOSTILE, "x": "alt", "room": "alt"}
+    assert [said_ for said_ in carried if said_ not in [of_the_robot | own for own in SAID.values()]] == []
+    assert all(of_the_robot | own in carried for own in SAID.values())
 
 
 def test_generated_programs_hold_what_each_says(fault: Mission) -> None:

@@ -56,8 +56,8 @@ class _Document:
 
     def text(self) -> str:
         c = self.controller
-        root = etree.Element(f"{{{NAMESPACE}}}scxml", nsmap={None: NAMESPACE}, version="1.0")
-        for key, value in {"datamodel": "ecmascript", "initial": "controller"}.items():
+        root = etree.fromstring(f'<scxml xmlns="{NAMESPACE}"/>')
+        for key, value in (("version", "1.0"), ("datamodel", "ecmascript"), ("initial", "controller")):
             root.set(key, value)
         root.set("name", identifiers([c.mission])[c.mission])
         root.addprevious(_comment(f"Controller of the mission {c.mission}, {c.form}: {c.size}."))

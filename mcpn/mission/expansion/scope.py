@@ -10,6 +10,7 @@ from mcpn.mission.graph import Interruption
 from mcpn.mission.model import ROUND, Block, Each, Parameter, Protocol, Use
 
 MAX_NESTING = 128
+MAX_OBJECTIVES = 100_000
 
 
 @dataclass(frozen=True, slots=True)
