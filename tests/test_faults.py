@@ -205,7 +205,7 @@ def test_a_resource_that_fails_while_its_activity_waits_can_be_repaired() -> Non
     begin = (START, ok("plan"))
     failed = Event(What.OUT_OF_SERVICE, "arm")
     waiting = situation(found, after(found, graph, *begin))
-    assert waiting.waiting == {"sample": "sample0"}
+    assert waiting.waiting == {"sample": "sample0", "imaging": "imaging0"}
     without = situation(found, after(found, graph, *begin, failed))
     assert (without.out_of_service, without.refused, without.waiting) == (("arm",), ("sample",), {})
     repaired = (*begin, failed, Event(What.REPAIRED, "arm"))

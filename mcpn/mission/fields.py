@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cache
@@ -20,7 +19,6 @@ _WORDS = {
     NoneType: "None",
     Source: "a source",
 }
-_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +63,7 @@ def _fields(element: type) -> tuple[_Field, ...]:
 
 
 def find_misfits(mission: Mission) -> Iterator[Problem]:
-    """Fields of a mission whose values are not what the model says, and texts that no file can hold.
+    """Fields of a mission whose values are not what the model says.
 
     Args:
         mission: A mission built in Python.
@@ -85,18 +83,15 @@ def find_misfits(mission: Mission) -> Iterator[Problem]:
             for member in value if of.several else (value,):
                 if not of.fits(member):
                     yield _misfit(element, of, f"{'holds' if of.several else 'is'} {_shown(member)}")
-                elif isinstance(member, str):
-                    if of.name != "name" and (found := _NO_XML.search(member)):
-                        yield _misfit(element, of, f"holds {found[0]!r}", "characters that a file can hold")
                 elif isinstance(member, Element | Handler):
                     stack.append(member)
 
 
-def _misfit(element: Any, of: _Field, found: str, expected: str = "") -> Problem:
+def _misfit(element: Any, of: _Field, found: str) -> Problem:
     source = element.source if isinstance(element.source, Source) else None
     name = getattr(element, "name", None) or getattr(element, "event", None)
     owner = type(element).__name__ + (f" {name}" if isinstance(name, str) else "")
-    return Problem(source, f"{of.name} of {owner} {found}, expected {expected or of.expected}")
+    return Problem(source, f"{of.name} of {owner} {found}, expected {of.expected}")
 
 
 def _shown(value: object) -> str:

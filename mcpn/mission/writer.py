@@ -8,6 +8,7 @@ from typing import Any
 
 from lxml import etree
 
+from mcpn.errors import InputError
 from mcpn.files import write_atomically
 from mcpn.mission.model import (
     Alternative,
@@ -37,9 +38,12 @@ def write_mission(mission: Mission) -> bytes:
         UTF-8 XML with robots and protocols as children of the mission, before its blocks.
 
     Raises:
-        InputError: The mission is not valid, with every problem.
+        InputError: The mission is not valid, with every problem, or a text holds a character that XML cannot.
     """
-    return written(valid(mission))
+    try:
+        return written(valid(mission))
+    except ValueError as error:
+        raise InputError.at(mission.source, f"mission {mission.name} cannot be written: {error}") from error
 
 
 def written(mission: Mission) -> bytes:

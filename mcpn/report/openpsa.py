@@ -27,6 +27,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, Section
 from mcpn.mission.model import FAIL, SUCCEED, Hardware
+from mcpn.report.terminal import plain
 from mcpn.space.images import ImageStore
 
 Reference: TypeAlias = tuple[Literal["gate", "basic-event"], str]
@@ -246,7 +247,8 @@ def _identifier(name: str) -> str:
 
 def _basic_event(parent: etree._Element, hardware: Hardware, *, quantitative: bool) -> None:
     element = etree.SubElement(parent, "define-basic-event", name=hardware.name)
-    etree.SubElement(element, "label").text = hardware.description or f"{hardware.name} is out of service"
+    label = plain(hardware.description or f"{hardware.name} is out of service")
+    etree.SubElement(element, "label").text = label
     rate, repair = hardware.failure_rate, hardware.repair_rate
     if rate is None:
         attributes = etree.SubElement(element, "attributes")

@@ -257,7 +257,7 @@ def test_no_mission_s_name_makes_a_name_of_the_templates(tmp_path: Path) -> None
     assert {"stdint", "string"} <= headers
     for name in clashing | headers:
         assert f"{name}.h" not in named(name)
-    for name in ("local", "string", "int", "a.b"):
+    for name in ("local", "string", "int", "a_b"):
         build(named(name), tmp_path / name, "-I", str(tmp_path / name))
 
 

@@ -219,7 +219,7 @@ def test_no_activity_is_stopped_while_it_changes_its_alternative() -> None:
             name=name,
             alternatives=tuple(Alternative(name=f"{name}{i}", consumes=way) for i, way in enumerate(each)),
             produces=products.get(name, ()),
-            switch_back=True,
+            switch_back=len(each) > 1,
         )
         for name, each in ways.items()
     )
