@@ -112,7 +112,13 @@ class Activity(Element):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeclaredEvent(Element):
-    """Something that may happen at any moment and interrupt what the robot does: a leak, a call back."""
+    """Something that may happen at any moment and interrupt what the robot does: a leak, a call back.
+
+    Args:
+        rate: How often it happens per hour, for numbers of risk; in them it never does where ``None``.
+    """
+
+    rate: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

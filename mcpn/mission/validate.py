@@ -121,11 +121,11 @@ class _Checks:
     def rates(self) -> Iterator[Problem]:
         for h in self.mission.hardware:
             for name, rate in (("failure_rate", h.failure_rate), ("repair_rate", h.repair_rate)):
-                if rate is not None and not 0 <= rate < math.inf:
-                    expected = "expected a finite number per hour, at least 0"
-                    yield Problem(h.source, f"{name} of {h.name} is {rate:g}, {expected}")
+                yield from _rate(name, rate, h)
                 if rate and not h.faulty:
                     yield Problem(h.source, f"{h.name} has a {name}, though it cannot fail (faulty is false)")
+        for event in self.mission.events:
+            yield from _rate("rate", event.rate, event)
 
     def products(self) -> Iterator[Problem]:
         for software in self.mission.software:
@@ -350,6 +350,12 @@ def _elements(mission: Mission) -> Iterator[Element]:
             yield block
             if not isinstance(block, Parallel | Each):
                 yield from block.parameters
+
+
+def _rate(attribute: str, rate: float | None, of: Element) -> Iterator[Problem]:
+    if rate is not None and not 0 <= rate < math.inf:
+        expected = "expected a finite number per hour, at least 0"
+        yield Problem(of.source, f"{attribute} of {of.name} is {rate:g}, {expected}")
 
 
 def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:

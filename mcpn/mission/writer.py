@@ -116,7 +116,7 @@ def _write_robot(element: etree._Element, robot: Robot) -> None:
     for software in robot.software:
         _child(element, "software", software, exclusive="true" if software.exclusive else None)
     for event in robot.events:
-        _child(element, "event", event)
+        _child(element, "event", event, rate=event.rate)
     for activity in robot.activities:
         first = activity.alternatives[0]
         short = activity.alternatives == (Alternative(name=activity.name, consumes=first.consumes),)

@@ -215,7 +215,7 @@ class _Reader:
             elif tag == "software":
                 software.append(Software(**common, exclusive=_truth(child, "exclusive", "false")))
             elif tag == "event":
-                events.append(DeclaredEvent(**common))
+                events.append(DeclaredEvent(**common, **_numbers(child, "rate")))
             else:
                 activities.append(self.activity(child, path))
         return Robot(

@@ -130,12 +130,15 @@ class _Drawing:
                     hardware=hardware,
                     software=software,
                     activities=tuple(self.activities),
-                    events=tuple(DeclaredEvent(name=e, description=self.description()) for e in self.events),
+                    events=tuple(map(self.event, self.events)),
                 ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
             handlers=self.handlers([b.name for b in blocks]),
         )
+
+    def event(self, name: str) -> DeclaredEvent:
+        return DeclaredEvent(name=name, description=self.description(), rate=self.value(0, 1e6))
 
     def handlers(self, siblings: list[str]) -> tuple[Handler, ...]:
         """What a block that stands among some siblings does on events."""

@@ -8,9 +8,10 @@ exit comes from the same linear system, with ``s`` added to the rate at which ea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import chain, product
 from typing import TypeVar
 
 import numpy as np
@@ -51,6 +52,8 @@ class Listed:
         entries: The first state, by the status with which it is entered; -1 where it is never entered so.
         failing: By edge, the number of the resource that fails; -1 for other edges.
         repaired: The same of one that is repaired.
+        interrupting: By edge of a declared event its rate, 0 where the mission gives none; 0 for other edges.
+        ending: Edges with which some objective ends.
         inside: Edges between its own states, or from these to its exits.
     """
 
@@ -73,6 +76,11 @@ class Listed:
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)
         self.failing = self._hardware_of(What.OUT_OF_SERVICE, hardware)
         self.repaired = self._hardware_of(What.REPAIRED, hardware)
+        self.interrupting: Floats = np.zeros(self.graph.edges)
+        for event in prospects.mission_net.mission.events:
+            self.interrupting[self.carrying(What.DECLARED, event.name)] = event.rate or 0.0
+        ends = product((What.SUCCESS, What.FAILURE), prospects.sections)
+        self.ending = self.of(chain.from_iterable(prospects.carrying(*end) for end in ends))
         entering = self.carrying(What.START)
         outside = self.ended.copy()
         outside[sources[entering]] = True
@@ -93,7 +101,11 @@ class Listed:
 
     def carrying(self, what: What, element: str = "") -> Mask:
         """Edges of an event."""
-        return np.isin(self.graph.labels, list(self.prospects.carrying(what, element)))
+        return self.of(self.prospects.carrying(what, element))
+
+    def of(self, transitions: Iterable[int]) -> Mask:
+        """Edges of some transitions."""
+        return np.isin(self.graph.labels, list(transitions))
 
     def at_entries(self, states: npt.NDArray[T]) -> npt.NDArray[T]:
         """What is said of states, of the first one by status; zero where it is never entered so."""
@@ -145,7 +157,7 @@ class Chain:
         self.listed = listed
         self.graph = graph = listed.graph
         fails, back = np.array([*rates, (0.0, 0.0)]).T
-        self.rates = fails[listed.failing] + back[listed.repaired]
+        self.rates = fails[listed.failing] + back[listed.repaired] + listed.interrupting
         failed = self._run_objectives(ending)
         self.hasty = np.zeros(graph.states, np.bool_)
         self.hasty[graph.sources[failed]] = True
@@ -158,7 +170,7 @@ class Chain:
     def _run_objectives(self, ending: Sequence[tuple[float, float]]) -> Mask:
         """Gives rates to edges that end objectives; those of objectives that fail at once are returned."""
         listed, sources, targets = self.listed, self.graph.sources, self.graph.targets
-        may_happen = (self.rates > 0) | ((listed.failing < 0) & (listed.repaired < 0))
+        may_happen = (self.rates > 0) | listed.ending
         failed = np.zeros(self.graph.edges, np.bool_)
         objectives = listed.prospects.objectives.items()
         for (name, goal), (rate, failure) in zip(objectives, ending, strict=True):
@@ -167,7 +179,8 @@ class Chain:
                 running, won = goal.running.mask, goal.won.mask
                 self.rates[well] = rate * (1.0 - failure)
                 self.rates[badly & won[sources]] = rate * failure
-                going_on = running[sources] & running[targets] & ~well & ~badly & may_happen
+                # What ends the present run may lead back into the objective: that is another run.
+                going_on = running[sources] & running[targets] & may_happen & ~listed.of(goal.ends)
                 failed |= badly & (running & ~self.graph.reaching(won, going_on))[sources]
         return failed
 

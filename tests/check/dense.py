@@ -1,0 +1,332 @@
+"""Numbers of risk by dense linear algebra on the stable states of a mission, and missions drawn with rates.
+
+The model is that of ``papers/causes.md``, written down once more: nothing of ``mcpn/check/causes`` is used.
+Which event ends the present run of an objective is read from the net: it takes the token of the objective's
+place, be it that another comes before all is stable.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import networkx as nx
+import numpy as np
+import numpy.typing as npt
+from hypothesis import strategies as st
+
+from mcpn.mission.model import Activity, Block, DeclaredEvent, Handler, Holder, Mission, Objective, Parallel
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import START, Event, What
+from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.testing import missions
+from tests.check.oracle import Play
+from tests.small import activity, hw, robot
+
+Rates = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What the model says of one mission, as :class:`mcpn.check.causes.risk.Risk` does."""
+
+    success: float
+    failure: float
+    degraded_modes: float
+    importance: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One event between two stable states.
+
+    Args:
+        source: The state before it.
+        target: The state after it.
+        event: What happens.
+        ended: Objectives whose present run it ends.
+    """
+
+    source: int
+    target: int
+    event: Event
+    ended: frozenset[str]
+
+
+class Dense:
+    """A mission's stable states and the events between them, as the net has them.
+
+    Args:
+        found: The mission's net.
+        graph: Its alternatives graph.
+    """
+
+    def __init__(self, found: MissionNet, graph: AlternativesGraph) -> None:
+        self.play = Play(found)
+        self.found, self.states = found, graph.states
+        self.objectives = {o.name: o for o in found.graph.walk()}
+        self.hardware = {h.name: h for h in found.mission.hardware if h.faulty}
+        self.events = {e.name: e.rate or 0.0 for e in found.mission.events}
+        markings = [graph.marking(s) for s in range(graph.states)]
+        role = found.roles
+        self.runs = [
+            {role[p][1] for p, n in enumerate(m) if n and p in role and role[p][0] == "objective"}
+            for m in markings
+        ]
+        self.active = [
+            {role[p][1] for p, n in enumerate(m) if n and p in role and role[p][0] == "active"}
+            for m in markings
+        ]
+        self.succeeded = {s for s, m in enumerate(markings) if m[found.success]}
+        self.failed = {s for s, m in enumerate(markings) if m[found.failure]}
+        self.edges: list[Edge] = []
+        self.begin: dict[int, int] = {}
+        self.out: dict[str, int] = {}
+        ends = self.succeeded | self.failed
+        for source in range(graph.states):
+            for label, target in graph.successors(source):
+                event = graph.net.transitions[label].event
+                assert event is not None
+                if event == START:
+                    self.begin[source] = target
+                elif source == 0 and event.what is What.OUT_OF_SERVICE:
+                    self.out[event.element] = target
+                if event != START and source not in ends and self.runs[source]:
+                    ended = self.ended(markings[source], label, self.runs[source])
+                    self.edges.append(Edge(source, target, event, ended))
+
+    def ended(self, marking: tuple[int, ...], label: int, running: Collection[str]) -> frozenset[str]:
+        """Objectives that run whose token an event takes, or what follows the event at once."""
+        net, taken = self.found.net, set[int]()
+        after = net.fire(marking, label)
+        self.play.settle(after, taken)
+        taken |= {p for p, _ in net.transitions[label].consume}
+        return frozenset(name for name in running if self.play.place[f"OBJ_{name}"] in taken)
+
+    def numbers(self) -> Numbers:
+        """All numbers of the mission."""
+        rates = {n: (h.failure_rate or 0.0, h.repair_rate or 0.0) for n, h in self.hardware.items()}
+        start = self.begin[0]
+        jumps = Jumps(self, rates)
+        success, failure = jumps.probability(self.succeeded, start), jumps.probability(self.failed, start)
+        importance = {}
+        for name in rates:
+            frozen = Jumps(self, {**rates, name: (0.0, 0.0)})
+            lost = self.begin[self.out[name]] if name in self.out else start
+            importance[name] = frozen.probability(self.succeeded, start) - frozen.probability(
+                self.succeeded, lost
+            )
+        return Numbers(success, failure, jumps.degraded_modes(start), importance)
+
+
+class Jumps:
+    """The chain of jumps under given rates of hardware.
+
+    Attributes:
+        matrix: The probability of a jump from one state to another.
+    """
+
+    def __init__(self, of: Dense, rates: Rates) -> None:
+        self.of = of
+        possible = {name: self.possible(name, rates) for name in of.objectives}
+        hasty = {s for s in range(of.states) for name in of.runs[s] if s not in possible[name]}
+        self.hasty = hasty - of.succeeded - of.failed
+        self.weights = [(edge, w) for edge in of.edges if (w := self.weight(edge, rates, possible)) > 0]
+        total = np.zeros(of.states)
+        for edge, w in self.weights:
+            total[edge.source] += w
+        self.matrix = np.zeros((of.states, of.states))
+        self.gained = np.zeros(of.states)
+        for edge, w in self.weights:
+            share = w / total[edge.source]
+            self.matrix[edge.source, edge.target] += share
+            self.gained[edge.source] += (
+                share * (self.mode(edge.source) != self.mode(edge.target)) * (self.counts(edge.target))
+            )
+
+    def own_rate(self, event: Event, rates: Rates) -> float:
+        """How often hardware changes, or a declared event happens, per hour."""
+        if event.what is What.OUT_OF_SERVICE:
+            return rates[event.element][0]
+        if event.what is What.REPAIRED:
+            return rates[event.element][1]
+        return self.of.events[event.element]
+
+    def possible(self, name: str, rates: Rates) -> set[int]:
+        """States in which an objective runs whose present run may still end in success."""
+        before: dict[int, list[int]] = {}
+        stack = []
+        for edge in self.of.edges:
+            if edge.event == Event(What.SUCCESS, name):
+                stack.append(edge.source)
+            ends = edge.event.what in (What.SUCCESS, What.FAILURE)
+            going_on = name in self.of.runs[edge.source] and name not in edge.ended
+            if going_on and (ends or self.own_rate(edge.event, rates) > 0):
+                before.setdefault(edge.target, []).append(edge.source)
+        found = set(stack)
+        while stack:
+            for state in before.get(stack.pop(), ()):
+                if state not in found:
+                    found.add(state)
+                    stack.append(state)
+        return found
+
+    def weight(self, edge: Edge, rates: Rates, possible: Mapping[str, set[int]]) -> float:
+        """The rate of an edge; in states that are left at once a share."""
+        what, name = edge.event.what, edge.event.element
+        if edge.source in self.hasty:
+            return float(what is What.FAILURE and edge.source not in possible[name])
+        if what not in (What.SUCCESS, What.FAILURE):
+            return self.own_rate(edge.event, rates)
+        objective = self.of.objectives[name]
+        assert objective.duration is not None
+        failing = objective.failure_probability
+        if what is What.SUCCESS:
+            return (1 - failing) / objective.duration
+        may_end = any(e.source == edge.source and e.event == Event(What.SUCCESS, name) for e in self.of.edges)
+        return failing / objective.duration if may_end else 0.0
+
+    def mode(self, state: int) -> tuple[frozenset[str], frozenset[str]]:
+        return frozenset(self.of.runs[state]), frozenset(self.of.active[state])
+
+    def counts(self, state: int) -> bool:
+        """Whether a state is a degraded mode that lasts."""
+        first = {f"{a.name}.{a.alternatives[0].name}" for a in self.of.found.mission.activities}
+        ended = state in self.of.succeeded or state in self.of.failed
+        return bool(self.of.active[state] - first) and state not in self.hasty and not ended
+
+    def solved(self, states: Collection[int], gained: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """What is expected to be gained before some states are left."""
+        at = sorted(states)
+        found = np.zeros(self.of.states)
+        if at:
+            found[at] = np.linalg.solve(np.eye(len(at)) - self.matrix[np.ix_(at, at)], gained[at])
+        return found
+
+    def graph(self) -> nx.DiGraph[int]:
+        graph: nx.DiGraph[int] = nx.DiGraph()
+        graph.add_nodes_from(range(self.of.states))
+        graph.add_edges_from((edge.source, edge.target) for edge, _ in self.weights)
+        return graph
+
+    def probability(self, goal: Collection[int], start: int) -> float:
+        """That it comes to a goal."""
+        if start in goal:
+            return 1.0
+        graph = self.graph()
+        coming = set[int]().union(*(nx.ancestors(graph, s) for s in goal)) - set(goal)
+        gained = self.matrix[:, sorted(goal)].sum(axis=1)
+        return float(self.solved(coming, gained)[start])
+
+    def degraded_modes(self, start: int) -> float:
+        graph = self.graph()
+        graph = graph.subgraph({start, *nx.descendants(graph, start)})
+        condensed = nx.condensation(graph)
+        for component in condensed:
+            members = condensed.nodes[component]["members"]
+            if not condensed.out_degree(component) and any(self.gained[s] > 0 for s in members):
+                return math.inf
+        gaining = {s for s in graph if self.gained[s] > 0}
+        coming = gaining.union(*(nx.ancestors(graph, s) for s in gaining))
+        return float(self.solved(coming, self.gained)[start] + self.counts(start))
+
+
+def rated(draw: st.DrawFn, mission: Mission, *, events: bool = True) -> Mission:
+    """Rates and durations near one another, so that everything happens now and then.
+
+    Args:
+        draw: Given by hypothesis.
+        mission: A mission of any kind.
+        events: Whether declared events may have rates.
+    """
+
+    def timed(block: Block) -> Block:
+        if isinstance(block, Holder):
+            return replace(block, blocks=tuple(timed(b) for b in block.blocks))
+        if not isinstance(block, Objective):
+            return block
+        values = draw(st.tuples(st.sampled_from([0.5, 1.0, 4.0]), st.sampled_from([0.0, 0.25])))
+        return replace(block, duration=values[0], failure_probability=values[1])
+
+    def often(event: DeclaredEvent) -> DeclaredEvent:
+        return replace(event, rate=draw(st.sampled_from([None, 0.0, 0.2, 1.0])) if events else None)
+
+    robots = []
+    for of in mission.robots:
+        parts = []
+        for h in of.hardware:
+            values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
+            parts.append(replace(h, failure_rate=values[0], repair_rate=values[1]) if h.faulty else h)
+        robots.append(replace(of, hardware=tuple(parts), events=tuple(map(often, of.events))))
+    protocols = tuple(replace(p, blocks=tuple(map(timed, p.blocks))) for p in mission.protocols)
+    return replace(
+        mission, robots=tuple(robots), blocks=tuple(map(timed, mission.blocks)), protocols=protocols
+    )
+
+
+@st.composite
+def interrupted_missions(draw: st.DrawFn) -> Mission:
+    """Objectives in a row or side by side that events lead back into, or on, or out of.
+
+    Args:
+        draw: Given by hypothesis.
+
+    Returns:
+        A strategy of missions with rates; their hardware is shared, so that nothing contends.
+    """
+    resources = tuple(replace(h, shared=True) for h in hw("h", "g")[: draw(st.integers(1, 2))])
+    ways = st.lists(st.sampled_from([(h.name,) for h in resources]), min_size=1, max_size=2, unique=True)
+    activities = (activity("free", ()), *(activity(f"a{i}", *draw(ways)) for i in range(2)))
+    events = ("e", "f")[: draw(st.integers(1, 2))]
+    numbers = iter(range(100))
+
+    def handlers(targets: list[str]) -> tuple[Handler, ...]:
+        return tuple(
+            Handler(event=e, goto=draw(st.sampled_from(targets)), once=draw(st.integers(0, 3)) == 0)
+            for e in events
+            if draw(st.booleans())
+        )
+
+    def objective() -> Objective:
+        return Objective(name=f"o{next(numbers)}", activities=(draw(st.sampled_from(activities)).name,))
+
+    def block() -> Block:
+        if draw(st.integers(0, 2)):
+            return replace(objective(), retries=draw(st.sampled_from([0, 0, 0, 1])))
+        # Branches that start the same activity might ask for it at the same moment.
+        chosen = draw(st.permutations(activities))[: draw(st.integers(1, 2))]
+        names = [(f"o{next(numbers)}", a.name) for a in chosen]
+        branches = (
+            Objective(name=n, activities=(a,), handlers=handlers(["succeed", "fail"])) for n, a in names
+        )
+        return Parallel(name=f"p{next(numbers)}", blocks=tuple(branches))
+
+    row = [block() for _ in range(draw(st.integers(1, 3)))]
+    siblings = [b.name for b in row]
+    routes = st.sampled_from([None, *siblings, "succeed"])
+    blocks = tuple(
+        replace(b, failure=draw(routes), handlers=handlers(["succeed", "fail", *siblings, b.name]))
+        for b in row
+    )
+    of = robot(resources, *activities, events=events)
+    around = handlers(["succeed", "fail", *siblings, siblings[0]])
+    return rated(draw, Mission(name="m", robots=(of,), blocks=blocks, handlers=around))
+
+
+@st.composite
+def any_missions(draw: st.DrawFn) -> Mission:
+    """Missions of any shape, small, with rates.
+
+    Args:
+        draw: Given by hypothesis.
+    """
+    small = {"hardware": 2, "producers": 1, "alternatives": 2, "events": 2}
+    chosen = draw(
+        st.one_of(
+            missions(sections=4, **small),
+            missions(sections=5, own_hardware=True, shared_activities=False, **small),
+            missions(sections=5, disjoint_branches=True, **small),
+        )
+    )
+    return rated(draw, chosen)
