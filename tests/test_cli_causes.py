@@ -106,3 +106,17 @@ def test_rates(tmp_path: Path) -> None:
     # Closed form: the resource outlives an exponential duration of mean 2 h with 1 / (1 + 0.25 * 2).
     assert found["risk"]["success"] == pytest.approx(1 / 1.5)
     assert found["risk"]["importance"] == {"H": pytest.approx(1.0)}
+    assert found["risk"]["unrated"] == []
+
+
+def test_events_without_a_rate_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    event, handler = '<event name="leak"/></robot>', '<on event="leak" goto="fail"/><objective'
+    path.write_text(TIMED.replace("</robot>", event).replace("<objective", handler, 1))
+    assert output("causes", path, "--rates")["risk"]["unrated"] == ["leak"]
+    assert "event leak has no rate: not counted in these numbers" in mcpn("causes", path, "--rates").stdout
+    path.write_text(path.read_text().replace('"leak"/>', '"leak" rate="0.5"/>', 1))
+    found = output("causes", path, "--rates")["risk"]
+    # It ends at 0.5 per hour, the resource fails at 0.25, it leaks at 0.5.
+    assert (found["success"], found["unrated"]) == (pytest.approx(0.4), [])
+    assert "no rate" not in mcpn("causes", path, "--rates").stdout

@@ -25,6 +25,7 @@ from mcpn.errors import InputError, McpnError, Source
 
 if TYPE_CHECKING:
     from mcpn.check.spaces import Asked, Engine
+    from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
     from mcpn.report.progress import Steps
@@ -146,10 +147,15 @@ def findings(
         local, missing = local_pictures(mission_net, steps.at)
     notes += missing
     risk = None
-    if causes is not None and any(h.failure_rate for h in mission_net.mission.hardware):
+    if causes is not None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: find_risk(causes.prospects, MOST_STATES))
     warnings = list(dict.fromkeys(warnings))
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
+
+
+def _has_rates(mission: Mission) -> bool:
+    """Whether something of a mission happens at a rate that its files give."""
+    return any(h.failure_rate for h in mission.hardware) or any(event.rate for event in mission.events)
 
 
 def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps) -> tuple[Any, Any]:

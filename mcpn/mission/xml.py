@@ -215,7 +215,8 @@ class _Reader:
             elif tag == "software":
                 software.append(Software(**common, exclusive=_truth(child, "exclusive", "false")))
             elif tag == "event":
-                events.append(DeclaredEvent(**common, **_numbers(child, "rate")))
+                common |= _numbers(child, "rate")
+                events.append(DeclaredEvent(**common))
             else:
                 activities.append(self.activity(child, path))
         return Robot(

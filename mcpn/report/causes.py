@@ -6,7 +6,6 @@ import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -361,8 +360,21 @@ def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
 
 
 def print_risk(numbers: Risk) -> None:
-    """Prints probabilities, degraded modes and importances."""
-    counts = {name: value for name, value in asdict(numbers).items() if name != "importance"}
+    """Prints probabilities, degraded modes and importances, and which events do not count in them."""
+    counts = {
+        "success": numbers.success,
+        "failure": numbers.failure,
+        "degraded modes": numbers.degraded_modes,
+    }
     for hardware, value in sorted(numbers.importance.items(), key=lambda pair: -pair[1]):
         counts[f"importance of {hardware}"] = value
     print_counts({name: f"{value:.6g}" for name, value in counts.items()})
+    if numbers.unrated:
+        Terminal().print(without_a_rate(numbers))
+
+
+def without_a_rate(numbers: Risk) -> str:
+    """Says of events without a rate that the numbers leave them out."""
+    several = len(numbers.unrated) > 1
+    names = f"event{'s' * several} {', '.join(numbers.unrated)}"
+    return f"{names} {'have' if several else 'has'} no rate: not counted in these numbers"

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn import __version__
 from mcpn.net.events import Event
-from mcpn.report.causes import COLUMNS, fmeca_rows
+from mcpn.report.causes import COLUMNS, fmeca_rows, without_a_rate
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
@@ -181,6 +181,8 @@ def _answers(findings: Findings) -> Iterator[tuple[str, str]]:
     if findings.risk is not None:
         chance = findings.risk
         told = f"it succeeds with probability {chance.success:.6g} and fails with {chance.failure:.6g}"
+        if chance.unrated:
+            told += f"; {without_a_rate(chance)}"
         yield "note", f"With the given rates {told}."
 
 

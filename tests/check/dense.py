@@ -16,11 +16,11 @@ import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Activity, Block, DeclaredEvent, Handler, Holder, Mission, Objective, Parallel
+from mcpn.mission.model import Block, DeclaredEvent, Handler, Holder, Mission, Objective, Parallel
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.space.stable.alternatives import AlternativesGraph
-from mcpn.testing import missions
+from mcpn.testing import Shape, missions
 from tests.check.oracle import Play
 from tests.small import activity, hw, robot
 
@@ -232,13 +232,13 @@ class Jumps:
         return float(self.solved(coming, self.gained)[start] + self.counts(start))
 
 
-def rated(draw: st.DrawFn, mission: Mission, *, events: bool = True) -> Mission:
+@st.composite
+def with_numbers(draw: st.DrawFn, mission: Mission) -> Mission:
     """Rates and durations near one another, so that everything happens now and then.
 
     Args:
         draw: Given by hypothesis.
         mission: A mission of any kind.
-        events: Whether declared events may have rates.
     """
 
     def timed(block: Block) -> Block:
@@ -250,7 +250,7 @@ def rated(draw: st.DrawFn, mission: Mission, *, events: bool = True) -> Mission:
         return replace(block, duration=values[0], failure_probability=values[1])
 
     def often(event: DeclaredEvent) -> DeclaredEvent:
-        return replace(event, rate=draw(st.sampled_from([None, 0.0, 0.2, 1.0])) if events else None)
+        return replace(event, rate=draw(st.sampled_from([None, 0.0, 0.2, 1.0])))
 
     robots = []
     for of in mission.robots:
@@ -311,7 +311,7 @@ def interrupted_missions(draw: st.DrawFn) -> Mission:
     )
     of = robot(resources, *activities, events=events)
     around = handlers(["succeed", "fail", *siblings, siblings[0]])
-    return rated(draw, Mission(name="m", robots=(of,), blocks=blocks, handlers=around))
+    return draw(with_numbers(Mission(name="m", robots=(of,), blocks=blocks, handlers=around)))
 
 
 @st.composite
@@ -321,12 +321,12 @@ def any_missions(draw: st.DrawFn) -> Mission:
     Args:
         draw: Given by hypothesis.
     """
-    small = {"hardware": 2, "producers": 1, "alternatives": 2, "events": 2}
+    small = Shape(hardware=2, producers=1, alternatives=2, events=2, sections=5)
     chosen = draw(
         st.one_of(
-            missions(sections=4, **small),
-            missions(sections=5, own_hardware=True, shared_activities=False, **small),
-            missions(sections=5, disjoint_branches=True, **small),
+            missions(small, sections=4),
+            missions(small, own_hardware=True, shared_activities=False),
+            missions(small, disjoint_branches=True),
         )
     )
-    return rated(draw, chosen)
+    return draw(with_numbers(chosen))

@@ -25,7 +25,6 @@ from mcpn.mission.model import (
     Block,
     Each,
     Hardware,
-    Holder,
     Mission,
     Objective,
     Parallel,
@@ -37,6 +36,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests import small
+from tests.check.dense import with_numbers
 from tests.check.oracle import Play, fragile_missions
 from tests.draws import fewer
 from tests.shares import returns_early
@@ -413,28 +413,10 @@ class Simulation:
         return section.failure_probability / section.duration if f"OBJ_{name}_EV_OK" in edges else 0.0
 
 
-def with_numbers(draw: st.DataObject, mission: Mission) -> Mission:
-    """Rates and durations near one another, so that everything happens now and then."""
-
-    def timed(block: Block) -> Block:
-        if isinstance(block, Holder):
-            return replace(block, blocks=tuple(timed(b) for b in block.blocks))
-        assert isinstance(block, Objective)
-        values = draw.draw(st.tuples(st.sampled_from([0.5, 1.0, 4.0]), st.sampled_from([0.0, 0.25])))
-        return replace(block, duration=values[0], failure_probability=values[1])
-
-    def rated(h: Hardware) -> Hardware:
-        values = draw.draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
-        return replace(h, failure_rate=values[0], repair_rate=values[1]) if h.faulty else h
-
-    robots = tuple(replace(r, hardware=tuple(map(rated, r.hardware))) for r in mission.robots)
-    return replace(mission, robots=robots, blocks=tuple(map(timed, mission.blocks)))
-
-
 @fewer(0.1)
 @given(fragile_missions(max_hardware=3, max_objectives=3, max_sections=5), st.data())
 def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) -> None:
-    found = compose(with_numbers(data, mission))
+    found = compose(data.draw(with_numbers(mission)))
     try:
         computed = numbers(found, max_states=600)
     except (LimitError, ConfluenceError) as error:
@@ -467,7 +449,7 @@ def test_numbers_are_those_of_simulation(mission: Mission, data: st.DataObject) 
 def test_numbers_by_composition_and_by_diagrams_are_those_of_the_whole(
     mission: Mission, data: st.DataObject
 ) -> None:
-    found = compose(with_numbers(data, mission))
+    found = compose(data.draw(with_numbers(mission)))
     try:
         whole = numbers(found, max_states=600)
     except (LimitError, ConfluenceError) as error:

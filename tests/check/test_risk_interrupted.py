@@ -7,11 +7,9 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from collections import Counter
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings
@@ -19,10 +17,9 @@ from hypothesis import strategies as st
 
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
-from mcpn.check.spaces import Engine, space_of
+from mcpn.check.spaces import space_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
@@ -85,6 +82,6 @@ def test_campaign() -> None:
         found[judge(mission)] += 1
 
     judged()
-    print(f"\n{dict(found)}", file=sys.stderr)
+    sys.stderr.write(f"\n{', '.join(f'{count} {what}' for what, count in found.most_common())}\n")
     assert found["interruptions with rates"] > number / 10
     assert found["interruptions without rates"] > number / 10

@@ -22,6 +22,8 @@ TEXT = """<mission name="m" xmlns="urn:mcpn:mission:1">
 <hardware name="H" failure_rate="2.5e-4" repair_rate="1"/>
 <hardware name="free" faulty="false"/>
 <activity name="go" consumes="H"/>
+<event name="leak" rate="0.01"/>
+<event name="call"/>
 </robot>
 <objective name="x" activities="go" duration="0.5" failure_probability="0.125"/>
 <objective name="y" activities="go"/>
@@ -39,6 +41,7 @@ def test_numbers_are_read(tmp_path: Path) -> None:
     known, free = mission.hardware
     assert (known.failure_rate, known.repair_rate) == (0.00025, 1.0)
     assert (free.failure_rate, free.repair_rate) == (None, None)
+    assert [(e.name, e.rate) for e in mission.events] == [("leak", 0.01), ("call", None)]
     x, y = flatten(mission).walk()
     assert (x.duration, x.failure_probability) == (0.5, 0.125)
     assert (y.duration, y.failure_probability) == (None, 0.0)
@@ -59,13 +62,15 @@ def test_numbers_survive_the_round_trip(tmp_path_factory: pytest.TempPathFactory
         ('"2.5e-4"', '"nan"', 3, "expected a decimal number"),
         ('"2.5e-4"', '"1e999"', 3, "failure_rate of H is inf, expected a finite number per hour"),
         ('faulty="false"', 'faulty="false" failure_rate="1"', 4, "though it cannot fail"),
-        ('"0.5"', '"0"', 7, "duration of x is 0, expected a finite number of hours above 0"),
-        ('"0.5"', '"half an hour"', 7, "expected a decimal number"),
-        ('"0.125"', '"1.5"', 7, "failure_probability of x is 1.5, expected a number from 0 to 1"),
+        ('"0.01"', '"-1"', 6, "rate of <event> is '-1', expected a decimal number"),
+        ('"0.01"', '"1e999"', 6, "rate of leak is inf, expected a finite number per hour, at least 0"),
+        ('"0.5"', '"0"', 9, "duration of x is 0, expected a finite number of hours above 0"),
+        ('"0.5"', '"half an hour"', 9, "expected a decimal number"),
+        ('"0.125"', '"1.5"', 9, "failure_probability of x is 1.5, expected a number from 0 to 1"),
         (
             'activities="go"/>',
             'duration="1"><objective name="z" activities="go"/></objective>',
-            8,
+            10,
             "elementary",
         ),
     ],

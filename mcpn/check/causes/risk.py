@@ -7,8 +7,11 @@ The model, all durations exponential and independent, hours the unit of time:
   ``repair_rate``; one that is not given is 0;
 - an objective of mean duration ``d`` ends at rate ``1/d`` while its success is possible: with its
   ``failure_probability`` in failure, else in success;
-- an objective that cannot succeed any more fails at once (the activity's error to the controller, paper 6.2);
-  one that only waits for a resource waits. Of several that fail at once, each is as likely to be the first.
+- a declared event happens at its ``rate`` wherever something handles it; one without a rate never happens;
+- an objective whose *present run* cannot succeed any more fails at once (the activity's error to the
+  controller, paper 6.2); one that only waits for a resource waits. Of several that fail at once, each is as
+  likely to be the first. A declared event that stops an objective ends its run, also where it leads back
+  into it.
 
 By composition each type of section is one chain (:mod:`mcpn.check.causes.chain`), and they are put together
 at the status of the hardware (:mod:`mcpn.check.causes.section_chains`). Otherwise the whole mission is one
@@ -17,7 +20,7 @@ section. Both give the same numbers but for rounding.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -28,6 +31,7 @@ from mcpn.check.causes.section_chains import Outlook, Section, Sections
 from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.compose import MissionNet
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
@@ -47,12 +51,14 @@ class Risk:
             ever.
         importance: Birnbaum importance by hardware: how much more probable success is if the resource never
             fails than if it is out of service from the start and never repaired.
+        unrated: Declared events that interrupt something and have no rate: in the numbers they never happen.
     """
 
     success: float
     failure: float
     degraded_modes: float
     importance: Mapping[str, float]
+    unrated: tuple[str, ...] = ()
 
 
 def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
@@ -80,7 +86,16 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     for name in rates:
         frozen = Outlook(model, {**rates, name: (0.0, 0.0)}, expected)
         importance[name] = frozen.ends()[0] - frozen.ends(name)[0]
-    return Risk(*expected.ends(), expected.degraded_modes(), importance)
+    return Risk(
+        *expected.ends(), expected.degraded_modes(), importance, tuple(_unrated(prospects.mission_net))
+    )
+
+
+def _unrated(mission_net: MissionNet) -> Iterator[str]:
+    handled = {i.event for section in mission_net.graph.all_sections() for i in section.interruptions}
+    for event in mission_net.mission.events:
+        if event.name in handled and event.rate is None:
+            yield event.name
 
 
 def _refuse_unknown(prospects: Prospects[Any]) -> None:
