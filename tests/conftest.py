@@ -56,6 +56,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     for option, variable, what in (
         ("--mcc", "MCPN_MCC", "nets of the Model Checking Contest with oracles.tsv"),
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
+        ("--faults", "MCPN_FAULTS", "missions that once showed a fault"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
 
@@ -124,6 +125,12 @@ def mcc_oracles(mcc: Path) -> dict[str, dict[str, str]]:
 def reference(request: pytest.FixtureRequest) -> Path:
     """The folder of the reference nets of the Ulysse mission."""
     return _folder(request, "--reference", "reference")
+
+
+@pytest.fixture(scope="session")
+def faults(request: pytest.FixtureRequest) -> Path:
+    """The folder of missions that once showed a fault."""
+    return _folder(request, "--faults", "faults")
 
 
 @pytest.fixture(scope="session")

@@ -10,21 +10,27 @@ from __future__ import annotations
 import os
 import sys
 from collections import Counter
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings
 from hypothesis import strategies as st
 
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
-from mcpn.check.spaces import space_of
+from mcpn.check.spaces import Engine, space_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Mission
+from mcpn.mission.model import Block, DeclaredEvent, Handler, Hardware, Mission, Objective, Parallel
+from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
+from tests.check.asked import ENGINES
 from tests.check.dense import Dense, Numbers, any_missions, interrupted_missions
 from tests.draws import MOST_TRANSITIONS, fewer
+from tests.small import activity, mission, robot
 
 DRAWN = st.one_of(interrupted_missions(), any_missions())
 MOST_STATES = 300
@@ -35,6 +41,115 @@ def assert_same(found: Risk, numbers: Numbers) -> None:
     assert found.failure == pytest.approx(numbers.failure, rel=1e-9, abs=1e-11)
     assert found.degraded_modes == pytest.approx(numbers.degraded_modes, rel=1e-9, abs=1e-11)
     assert found.importance == pytest.approx(dict(numbers.importance), rel=1e-9, abs=1e-11)
+
+
+def by(engine: Engine, mission: Mission) -> Risk:
+    found = compose(mission)
+    return risk(Prospects(found, space_of(found, engine, "alternatives")))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("name", "success"),
+    [
+        ("risk_self_interrupt", 0.5),
+        ("risk_self_interrupt_success", 1.0),
+        ("risk_mission_handler_to_first", 0.5),
+        ("risk_parallel_to_itself", 0.5),
+    ],
+)
+def test_what_can_only_fail_does_not_wait_for_an_event(
+    faults: Path, name: str, success: float, engine: Engine
+) -> None:
+    found = by(engine, read_mission(faults / f"{name}.xml"))
+    assert found.success == pytest.approx(success)
+    assert found.failure == pytest.approx(1 - success)
+    assert found.unrated == ("e",)
+
+
+RHO, LAMBDA, D = 0.7, 0.25, 1.6
+END = 1 / D
+
+
+def leg(*handlers: Handler, **more: str) -> Objective:
+    """An objective that needs the hardware, with mean duration D."""
+    return Objective(name="leg", activities=("go",), duration=D, handlers=handlers, **more)  # type: ignore[arg-type]
+
+
+def leaking(rate: float | None, *blocks: Block, handlers: tuple[Handler, ...] = ()) -> Mission:
+    hardware = (Hardware(name="h", failure_rate=LAMBDA),)
+    of = robot(hardware, activity("go", ("h",)), activity("free", ()))
+    of = replace(of, events=(DeclaredEvent(name="leak", rate=rate),))
+    return replace(mission(of, *blocks), handlers=handlers)
+
+
+def to(target: str, *, once: bool = False) -> Handler:
+    return Handler(event="leak", goto=target, once=once)
+
+
+def other(name: str, duration: float = 1.0) -> Objective:
+    return Objective(name=name, activities=("free",), duration=duration)
+
+
+def restarted_block() -> float:
+    """Success of two branches, of which one needs the hardware, that the event restarts together.
+
+    The unknowns are the success with both running, with the free one left, with the other left.
+    """
+    leaving = LAMBDA + RHO
+    after_loss = 1 / (1 + RHO)  # the free one left, its sibling ended well, the hardware lost since
+    system = [[END + 1 + leaving - RHO, -END, -1], [-RHO, 1 + leaving, 0], [-RHO, 0, END + leaving]]
+    return float(np.linalg.solve(system, [0, 1 + LAMBDA * after_loss, END])[0])
+
+
+STAGE = END + LAMBDA + RHO
+INTERRUPTED: list[tuple[str, Mission, float]] = [
+    ("never without a rate", leaking(None, leg(to("home")), other("home")), END / (END + LAMBDA)),
+    ("never at the rate 0", leaking(0.0, leg(to("home")), other("home")), END / (END + LAMBDA)),
+    ("on to another", leaking(RHO, leg(to("home")), other("home")), (END + RHO) / STAGE),
+    ("out of the mission", leaking(RHO, leg(to("fail"))), END / STAGE),
+    ("into itself", leaking(RHO, leg(to("leg"))), END / (END + LAMBDA)),
+    ("to the first", leaking(RHO, leg(), handlers=(to("leg"),)), END / (END + LAMBDA)),
+    (
+        "back to the first",
+        leaking(RHO, other("start"), leg(to("start")), other("end")),
+        # In "start" the hardware may fail unnoticed; without repair what counts is whether it outlives all.
+        (s := 1 / (1 + LAMBDA)) * END / (STAGE - RHO * s),
+    ),
+    (
+        "once, then out",
+        leaking(RHO, leg(to("leg", once=True)), handlers=(to("fail"),)),
+        END / STAGE * (1 + RHO / STAGE),
+    ),
+    (
+        "a block into itself",
+        leaking(RHO, Parallel(name="both", blocks=(leg(), other("beside")), handlers=(to("both"),))),
+        restarted_block(),
+    ),
+    (
+        "a block, one branch of which handles it",
+        leaking(RHO, Parallel(name="both", blocks=(leg(to("succeed")), other("beside")))),
+        (END + RHO) / STAGE,
+    ),
+]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("of", "success"), [row[1:] for row in INTERRUPTED], ids=[row[0] for row in INTERRUPTED]
+)
+def test_interruptions_against_closed_forms(of: Mission, success: float, engine: Engine) -> None:
+    found = by(engine, of)
+    assert found.success == pytest.approx(success)
+    assert found.failure == pytest.approx(1 - success)
+    assert found.unrated == (("leak",) if of.events[0].rate is None else ())
+
+
+def test_interruptions_count_in_importance() -> None:
+    row = by("explicit", leaking(RHO, leg(to("home")), other("home")))
+    # Where the hardware never fails it comes home or to its end; where it is lost the leg fails at once.
+    assert row.importance == pytest.approx({"h": 1.0})
+    assert by("local", leaking(RHO, leg(to("fail")))).importance == pytest.approx({"h": END / (END + RHO)})
 
 
 def judge(mission: Mission) -> str:
