@@ -67,6 +67,23 @@ def test_what_can_only_fail_does_not_wait_for_an_event(
     assert found.unrated == ("e",)
 
 
+def test_the_stable_states_of_a_small_block(faults: Path) -> None:
+    """Five activities on one resource: few stable states, listed here without a proof, far more markings."""
+    found = compose(read_mission(faults / "slow_small_block.xml"))
+    graph = direct(found.net, proof=False)
+    assert (graph.states, graph.edges) == (336, 1340)
+    assert_same(risk(Prospects(found, ArraySpace(graph))), Dense(found, graph).numbers())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_small_block_by_every_engine(faults: Path, engine: Engine) -> None:
+    """The same with the proof of confluence, which takes minutes where all its markings are looked at."""
+    of = read_mission(faults / "slow_small_block.xml")
+    found = compose(of)
+    assert_same(by(engine, of), Dense(found, direct(found.net, proof=False)).numbers())
+
+
 RHO, LAMBDA, D = 0.7, 0.25, 1.6
 END = 1 / D
 

@@ -235,6 +235,19 @@ def test_risk_is_told_where_there_are_rates() -> None:
     assert "importance of" in text
 
 
+def test_risk_is_told_where_an_event_alone_has_a_rate(tmp_path: Path) -> None:
+    (tmp_path / "m.xml").write_text(
+        """<mission name="m" xmlns="urn:mcpn:mission:1">
+          <robot name="r"><event name="leak" rate="0.5"/><event name="call"/><activity name="go"/></robot>
+          <on event="leak" goto="fail"/><on event="call" goto="fail"/>
+          <objective name="leg" activities="go" duration="2"/>
+        </mission>"""
+    )
+    text = Elements(page(findings(compose(read_mission(tmp_path / "m.xml"))))).text
+    assert "it succeeds with probability 0.5 and fails with 0.5" in text
+    assert "event call has no rate: not counted in these numbers" in text
+
+
 def test_a_mission_whose_sections_are_interrupted(browser: Any, tmp_path: Path) -> None:
     """The warehouse drone: low battery ends any section, people nearby one of them."""
     found = findings(compose(read_mission(ROOT / "experiments" / "drone" / "mission.xml")))

@@ -105,7 +105,9 @@ class Listed:
 
     def of(self, transitions: Iterable[int]) -> Mask:
         """Edges of some transitions."""
-        return np.isin(self.graph.labels, list(transitions))
+        wanted = np.zeros(len(self.graph.net.transitions), np.bool_)
+        wanted[list(transitions)] = True
+        return np.asarray(wanted[self.graph.labels], np.bool_)
 
     def at_entries(self, states: npt.NDArray[T]) -> npt.NDArray[T]:
         """What is said of states, of the first one by status; zero where it is never entered so."""
