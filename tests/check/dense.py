@@ -93,8 +93,14 @@ class Dense:
                 elif source == 0 and event.what is What.OUT_OF_SERVICE:
                     self.out[event.element] = target
                 if event != START and source not in ends and self.runs[source]:
-                    ended = self.ended(markings[source], label, self.runs[source])
+                    ended = frozenset(self.runs[source] - self.runs[target])
+                    if event.what in (What.SUCCESS, What.FAILURE):
+                        ended |= {event.element}
+                    elif event.what is What.DECLARED and self.runs[source] & self.runs[target]:
+                        ended |= self.ended(markings[source], label, self.runs[source])
                     self.edges.append(Edge(source, target, event, ended))
+
+        self.may_succeed = {(e.source, e.event.element) for e in self.edges if e.event.what is What.SUCCESS}
 
     def ended(self, marking: tuple[int, ...], label: int, running: Collection[str]) -> frozenset[str]:
         """Objectives that run whose token an event takes, or what follows the event at once."""
@@ -184,8 +190,7 @@ class Jumps:
         failing = objective.failure_probability
         if what is What.SUCCESS:
             return (1 - failing) / objective.duration
-        may_end = any(e.source == edge.source and e.event == Event(What.SUCCESS, name) for e in self.of.edges)
-        return failing / objective.duration if may_end else 0.0
+        return failing / objective.duration if (edge.source, name) in self.of.may_succeed else 0.0
 
     def mode(self, state: int) -> tuple[frozenset[str], frozenset[str]]:
         return frozenset(self.of.runs[state]), frozenset(self.of.active[state])
