@@ -1,11 +1,12 @@
 #include "python/operation.hpp"
 
-#include <pthread.h>
-
 #include <chrono>
-#include <condition_variable>
 #include <exception>
-#include <mutex>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "python/deep_stack.hpp"
 
 namespace nb = nanobind;
 using namespace mcpn;
@@ -14,27 +15,6 @@ namespace {
 
 constexpr std::size_t kStackBase = 8u << 20, kStackPerLevel = 1024;  // lazily committed by the system
 constexpr Level kShallow = 400;
-
-struct Job {
-  std::function<void()> body;
-  std::exception_ptr error;
-  std::mutex mutex;
-  std::condition_variable done_signal;
-  bool done = false;
-};
-
-void* run_job(void* pointer) {
-  Job& job = *static_cast<Job*>(pointer);
-  try {
-    job.body();
-  } catch (...) {
-    job.error = std::current_exception();
-  }
-  const std::lock_guard lock(job.mutex);
-  job.done = true;
-  job.done_signal.notify_one();
-  return nullptr;
-}
 
 // Tells the caller of a long operation that it goes on, and hears whether it should: with the GIL.
 class Watch {
@@ -82,30 +62,28 @@ void run_here(Store& store, const std::function<void()>& body, Watch& watch) {
 }
 
 void run_on_deep_stack(Store& store, std::function<void()> body, Watch& watch) {
-  Job job;
-  job.body = std::move(body);
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes, kStackBase + kStackPerLevel * (std::size_t(store.levels) + 1) * 2);
-  pthread_t thread;
-  const int failed = pthread_create(&thread, &attributes, run_job, &job);
-  pthread_attr_destroy(&attributes);
-  if (failed) throw MemoryLimit("no thread with a stack for this many levels could be made");
+  std::unique_ptr<DeepStack> stack;
+  try {
+    stack = DeepStack::take(kStackBase + kStackPerLevel * (std::size_t(store.levels) + 1) * 2);
+  } catch (const std::system_error&) {
+    throw MemoryLimit("no thread with a stack for this many levels could be made");
+  }
+  stack->begin(std::move(body));
   bool signalled = false;
   for (bool done = false; !done;) {
     {
       const nb::gil_scoped_release release;
-      std::unique_lock lock(job.mutex);
-      done = job.done_signal.wait_for(lock, std::chrono::milliseconds(100), [&] { return job.done; });
+      done = stack->ended(std::chrono::milliseconds(100));
     }
     if (!done && !signalled && watch.must_stop()) {
       signalled = true;
       store.stop.store(true);
     }
   }
-  pthread_join(thread, nullptr);
+  const std::exception_ptr error = stack->end();
+  DeepStack::leave(std::move(stack));
   if (signalled) throw nb::python_error();
-  if (job.error) std::rethrow_exception(job.error);
+  if (error) std::rethrow_exception(error);
 }
 
 }  // namespace

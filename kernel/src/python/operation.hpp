@@ -1,6 +1,6 @@
 // One way to run a long operation on a store.
 //
-// Operations recurse as deep as there are levels. Where that is deep they run on a thread of their own with a stack
+// Operations recurse as deep as there are levels. Where that is deep they run on another thread with a stack
 // to match, while the calling thread looks for signals; else they run on the calling thread, without the GIL, and
 // look for signals themselves now and then.
 #pragma once
