@@ -102,13 +102,20 @@ def stays(
 def weigh(
     markings: npt.NDArray[np.uint64], terms: Sequence[tuple[int, int, int, int]]
 ) -> npt.NDArray[np.int64]:
-    """By marking, a sum of fields of its words: each given by word, lowest bit, width and weight."""
+    """By marking, a sum of fields of its words: each given by word, lowest bit, width and weight.
+
+    Raises:
+        OverflowError: A sum is beyond 64 bits.
+    """
 
 def satisfying(
     markings: npt.NDArray[np.uint64],
     alternatives: Sequence[Sequence[tuple[Sequence[tuple[int, int, int, int]], int]]],
 ) -> npt.NDArray[np.bool_]:
-    """Which markings satisfy, of one of some alternatives, all bounds on sums of fields from above."""
+    """Which markings satisfy, of one of some alternatives, all bounds on sums of fields from above.
+
+    Sums are exact; bounds beyond 2^126 are taken for that.
+    """
 
 def before(
     offsets: npt.NDArray[np.int64],
@@ -149,7 +156,11 @@ class Zdd:
         """Index of the first condition that some marking satisfies, or -1."""
 
     def largest(self, weights: Sequence[int]) -> int:
-        """The most weight of marked levels in one marking; a ValueError for the empty set."""
+        """The most weight of marked levels in one marking.
+
+        Raises:
+            ValueError: The set is empty, or a weight is beyond 2^105.
+        """
 
     def nodes(self) -> int:
         """Number of nodes of the diagram, terminals aside."""
@@ -180,7 +191,11 @@ class Zdd:
         """
 
     def weighing(self, weights: Sequence[int], least: int, most: int) -> Zdd:
-        """The markings whose marked levels weigh at least and at most so much."""
+        """The markings whose marked levels weigh at least and at most so much.
+
+        Raises:
+            ValueError: A weight is beyond 2^105. Sums and bounds are exact, whatever they are.
+        """
 
     def __iter__(self) -> Markings:
         """Each marking as its marked levels, in a fixed order."""

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import os
+import signal
+import threading
+from collections import deque
+from itertools import islice, pairwise, repeat, starmap
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,6 +92,46 @@ def test_closures_are_what_they_say(data: st.DataObject) -> None:
     assert members(graph.before(mask(states, goal), keep)) == {s for s, t in kept if t in goal}
 
 
+NARROW = st.integers(-3, 3) | st.integers(-(2**63), 2**63 - 1)
+
+
+@given(st.data())
+def test_sums_of_tokens_are_those_of_whole_numbers(data: st.DataObject) -> None:
+    words = data.draw(st.integers(1, 3))
+    rows = data.draw(
+        st.lists(st.lists(st.integers(0, 2**64 - 1), min_size=words, max_size=words), min_size=1, max_size=5)
+    )
+    markings = np.array(rows, np.uint64)
+
+    def terms() -> list[tuple[int, int, int, int]]:
+        found = []
+        for _ in range(data.draw(st.integers(0, 6))):
+            shift = data.draw(st.integers(0, 63))
+            width = data.draw(st.integers(1, min(63, 64 - shift)))
+            found.append((data.draw(st.integers(0, words - 1)), shift, width, data.draw(NARROW)))
+        return found
+
+    def total(row: list[int], given: list[tuple[int, int, int, int]]) -> int:
+        return sum(weight * (row[word] >> shift & 2**width - 1) for word, shift, width, weight in given)
+
+    one = terms()
+    sums = [total(row, one) for row in rows]
+    if all(-(2**63) <= found < 2**63 for found in sums):
+        assert _kernel.weigh(markings, one).tolist() == sums
+    else:
+        with pytest.raises(OverflowError, match="64 bits"):
+            _kernel.weigh(markings, one)
+    ways = []
+    for _ in range(data.draw(st.integers(0, 3))):
+        bounds = []
+        for given_ in (one, terms())[: data.draw(st.integers(1, 2))]:
+            near = total(data.draw(st.sampled_from(rows)), given_) + data.draw(st.integers(-1, 1))
+            bounds.append((given_, data.draw(st.just(near) | NARROW)))
+        ways.append(bounds)
+    expected = [any(all(total(row, g) <= most for g, most in way) for way in ways) for row in rows]
+    assert _kernel.satisfying(markings, ways).tolist() == expected
+
+
 def test_a_long_way_to_and_fro_is_gone_to_its_end() -> None:
     states = 400  # each sweep goes one step of it
     way = [number for pair in zip(range(200), range(399, 199, -1), strict=True) for number in pair]
@@ -110,3 +155,48 @@ def test_arrays_that_are_no_graph_are_refused() -> None:
     ):
         with pytest.raises(ValueError, match=r"no such|one row|another size"):
             wrong()
+
+
+STATES = 1 << 18
+TIMES = 3000
+"""Calls that are begun at most: seconds of work, of which a signal leaves some undone."""
+
+
+def chain(states: int) -> tuple[Any, Any]:
+    """Each state leads to the next one, the last to none."""
+    offsets = np.minimum(np.arange(states + 1), states - 1).astype(np.int64)
+    return offsets, np.arange(1, states, dtype=np.uint32)
+
+
+def long_calls() -> dict[str, tuple[Any, ...]]:
+    """Calls with work to do on many states: the function and its arguments."""
+    rows, every, number = chain(STATES), np.ones(STATES, np.bool_), np.arange(STATES)
+    none, words = np.zeros(STATES, np.bool_), np.ones((STATES, 1), np.uint64)
+    return {
+        "incoming": (_kernel.incoming, *rows),
+        "spread": (_kernel.spread, *rows, number == 0),
+        "staying": (_kernel.staying, *rows, *_kernel.incoming(*rows), every),
+        "stays": (_kernel.stays, *rows, number == 0, number < STATES - 1),
+        "before": (_kernel.before, *rows, none),
+        "sweep_reaching": (_kernel.sweep_reaching, *rows, none),
+        "sweep_staying": (_kernel.sweep_staying, *rows, number < STATES - 1),
+        "weigh": (_kernel.weigh, words, [(0, 0, 1, 1)] * 8),
+        "satisfying": (_kernel.satisfying, words, [[([(0, 0, 1, 1)], 0)]] * 8),
+    }
+
+
+@pytest.mark.parametrize("name", long_calls())
+def test_signals_are_heard_within_calls(name: str) -> None:
+    """One built-in makes all calls, so that signals are heard within a call or when all of them are made."""
+    call, *given = long_calls()[name]
+    left = islice(repeat(given), TIMES)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            deque(starmap(call, left), maxlen=0)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
+    assert next(left, None) is not None

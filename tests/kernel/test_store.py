@@ -197,17 +197,36 @@ def test_saturation_stays_within_its_limit(system: tuple[int, Sets, list[Touches
     assert read(store, before) == closure(closure(markings, events, within), back, within)
 
 
-@given(systems(), st.lists(st.integers(-3, 3), min_size=7, max_size=7), st.integers(-5, 5), st.integers(0, 5))
+FAR = 2**105  # no weight of a level is farther from 0
+WEIGHTS = st.lists(st.integers(-3, 3) | st.integers(-FAR, FAR), min_size=7, max_size=7)
+
+
+@given(systems(), WEIGHTS, st.data())
 def test_weighing_keeps_the_sums_between_its_bounds(
-    system: tuple[int, Sets, list[Touches]], drawn: list[int], least: int, span: int
+    system: tuple[int, Sets, list[Touches]], drawn: list[int], data: st.DataObject
 ) -> None:
     levels, markings, _ = system
     store, weights = Store(levels), drawn[:levels]
-    found = build(store, markings).weighing(weights, least, least + span)
-    assert read(store, found) == {m for m in markings if least <= sum(weights[p] for p in m) <= least + span}
+    sums = {m: sum(weights[p] for p in m) for m in markings}
+    near = st.sampled_from(sorted({0, *sums.values()})).flatmap(lambda at: st.integers(at - 2, at + 2))
+    bounds = near | st.integers(-(2**200), 2**200)
+    least, most = data.draw(bounds), data.draw(bounds)
+    found = build(store, markings).weighing(weights, least, most)
+    assert read(store, found) == {m for m in markings if least <= sums[m] <= most}
 
 
-@given(systems(), st.lists(st.integers(-9, 9), min_size=7, max_size=7))
+def test_weights_have_a_limit() -> None:
+    zdd = Store(1).singleton([0])
+    for weight in (FAR + 1, -FAR - 1, 2**126, -(2**127), 2**300):
+        with pytest.raises(ValueError, match="beyond 2\\^105"):
+            zdd.weighing([weight], 0, 1)
+        with pytest.raises(ValueError, match="beyond 2\\^105"):
+            zdd.largest([weight])
+    with pytest.raises(TypeError):
+        zdd.weighing([0.5], 0, 1)  # type: ignore[list-item]
+
+
+@given(systems(), WEIGHTS)
 def test_largest_is_the_heaviest_marking(system: tuple[int, Sets, list[Touches]], drawn: list[int]) -> None:
     levels, markings, _ = system
     store = Store(levels)

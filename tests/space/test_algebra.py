@@ -165,10 +165,12 @@ class Questions:
         for name, space in self.spaces.items():
             some = space.staying(sets_a[name], sets_b[name])
             assert bool(sets_b[name] & some) == bool(stays & b), name
-        weights = dict(
-            zip(self.places(), self.draw(st.lists(st.integers(-2, 2), min_size=3, max_size=3)), strict=False)
-        )
-        bound = self.draw(st.integers(-3, 3))
+        huge = st.integers(-(2**63) + 1, 2**63 - 1)
+        drawn = self.draw(st.lists(st.integers(-2, 2) | huge, min_size=3, max_size=3))
+        weights = dict(zip(self.places(), drawn, strict=False))
+        sums = sorted({sum(m[p] * w for p, w in weights.items()) for m in graph})
+        near = st.sampled_from(sums).flatmap(lambda at: st.integers(at - 1, at + 1))
+        bound = self.draw(st.integers(-3, 3) | near | huge)
         same(
             {m for m in graph if sum(m[p] * w for p, w in weights.items()) <= bound},
             lambda s, n: s.at_most(weights, bound),

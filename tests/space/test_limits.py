@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn._kernel import MemoryLimit, SafeNet
 from mcpn.check.spaces import Choice, space_of
@@ -23,6 +24,7 @@ from mcpn.net.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
 from mcpn.net.templates import control
 from mcpn.space import images
+from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
@@ -31,7 +33,7 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.counted import count_tokens, explore_tokens
 from mcpn.space.markings.explicit import count, explore
 from mcpn.space.markings.tokens import boundedness
-from mcpn.space.search.goal import FALSE
+from mcpn.space.search.goal import FALSE, AtMost
 from mcpn.space.search.searches import Searches
 from mcpn.space.stable.alternatives import direct, direct_with_proof
 from mcpn.space.stable.listing import written_out
@@ -296,8 +298,36 @@ def test_numbers_of_tokens() -> None:
         count_tokens(with_tokens(2, 2**62 + 1))
 
 
-def test_weighted_sums_of_diagrams() -> None:
-    space = DiagramMarkings(reach_markings(with_tokens(3, 1)))
-    assert space.at_most({0: 2**29}, 2**30).count() == 3  # two tokens or fewer
-    with pytest.raises(LimitError, match="a sum of tokens is beyond"):
-        space.at_most({0: 2**31}, 2**30)
+@given(st.integers(-(2**63) + 1, 2**63 - 1), st.integers(-(2**63) + 1, 2**63 - 1))
+def test_weighted_sums_of_several_tokens(weight: int, bound: int) -> None:
+    net = with_tokens(12, 1)
+    spaces = {
+        "diagrams": DiagramMarkings(reach_markings(net)),
+        "arrays": ArraySpace(explore_tokens(net)),
+    }
+    for name, space in spaces.items():
+        for limit in (bound, 5 * weight, 12 * weight - 1):
+            expected = sum(n * weight - (12 - n) <= limit for n in range(13))
+            assert space.at_most({0: weight, 1: -1}, limit).count() == expected, name
+        assert space.at_most({0: 2**61}, 10).count() == 1  # none of the tokens
+
+
+def test_weights_of_tokens_have_a_limit() -> None:
+    net = with_tokens(12, 1)
+    with pytest.raises(LimitError, match="beyond 2\\^105"):
+        DiagramMarkings(reach_markings(net)).at_most({0: 2**105}, 0)
+    arrays = ArraySpace(explore_tokens(net))
+    with pytest.raises(LimitError, match="weight of tokens is beyond 64 bits"):
+        arrays.at_most({0: 2**63}, 0)
+    with pytest.raises(LimitError, match="bound of tokens is beyond"):
+        arrays.at_most({0: 1}, 2**127)
+    with pytest.raises(LimitError, match="sum of tokens is beyond 64 bits"):
+        arrays.graph.tokens({0: 2**62})
+
+
+@given(st.integers(-(2**29), 2**29), st.integers() | st.integers(-(2**70), 2**70))
+def test_weighted_sums_of_searches(weight: int, bound: int) -> None:
+    net = with_tokens(12, 1)
+    found = Searches(net).seek(AtMost(((0, weight),), bound), max_states=100)
+    met = any(n * weight <= bound for n in range(13))
+    assert found.outcome == ("reached" if met else "unreachable")

@@ -57,9 +57,9 @@ template <std::size_t Fixed> struct Exact {
   std::size_t width;
   std::size_t words() const { return Fixed ? Fixed : width; }
   void add(Word* to, const Word* more) const {
-    unsigned __int128 carry = 0;
+    WideWord carry = 0;
     for (std::size_t i = 0; i < words(); ++i) {
-      carry += (unsigned __int128)to[i] + more[i];
+      carry += WideWord(to[i]) + more[i];
       to[i] = Word(carry);
       carry >>= 64;
     }
@@ -67,9 +67,9 @@ template <std::size_t Fixed> struct Exact {
   void add_product(Word* to, const Word* a, const Word* b) const {
     for (std::size_t i = 0; i < words(); ++i) {
       if (a[i] == 0) continue;
-      unsigned __int128 carry = 0;
+      WideWord carry = 0;
       for (std::size_t j = 0; i + j < words(); ++j) {
-        carry += (unsigned __int128)a[i] * b[j] + to[i + j];
+        carry += WideWord(a[i]) * b[j] + to[i + j];
         to[i + j] = Word(carry);
         carry >>= 64;
       }

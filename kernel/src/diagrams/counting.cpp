@@ -19,13 +19,13 @@ template <class T> using Memo = std::unordered_map<std::uint64_t, T, KeyHash>;
 
 }  // namespace
 
-std::int64_t Store::largest(Node a, const std::vector<std::int32_t>& weights) {
-  Memo<std::int64_t> memo;
+Wide Store::largest(Node a, const std::vector<Wide>& weights) {
+  Memo<Wide> memo;
   Scratch scratch(*this);
-  auto visit = [&](auto&& self, Node n) -> std::int64_t {
+  auto visit = [&](auto&& self, Node n) -> Wide {
     if (n < 2) return 0;
     if (const auto found = memo.find(n); found != memo.end()) return found->second;
-    std::int64_t result = self(self, hi(n)) + weights[level(n)];
+    Wide result = self(self, hi(n)) + weights[level(n)];
     if (lo(n) != 0) result = std::max(result, self(self, lo(n)));
     count_step();
     scratch.take(kEntry);

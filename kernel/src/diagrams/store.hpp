@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "pages.hpp"
+#include "wide.hpp"
 
 namespace mcpn {
 
@@ -73,7 +74,7 @@ class Store {
   Node images(Node a, const std::vector<std::uint32_t>& events, Node within = kAnything);
   Node beyond(Node a, Node from, const std::vector<std::uint32_t>& events);  // what no event makes of `from`
   Node singleton(const std::vector<Level>& marked);
-  Node weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most);
+  Node weighing(Node a, const std::vector<Wide>& weights, Wide least, Wide most);
 
   // --- events ---
   std::uint32_t suffix(Level level, Touch touch, std::uint32_t next, std::uint32_t more = 0);
@@ -85,7 +86,7 @@ class Store {
   // --- counting: exact, numbers as little-endian limbs ---
   std::vector<std::vector<std::uint64_t>> counts(Node a, const std::vector<std::uint32_t>& conditions);
   std::int64_t first(Node a, const std::vector<std::uint32_t>& conditions);  // that some marking satisfies, or -1
-  std::int64_t largest(Node a, const std::vector<std::int32_t>& weights);  // most weight in one marking
+  Wide largest(Node a, const std::vector<Wide>& weights);  // most weight in one marking
   std::uint64_t size(Node a);
   std::vector<bool> support(Node a);  // levels that some marking marks
   bool possible(std::uint32_t suffix, const std::vector<bool>& support) const;  // no level wanted that none marks

@@ -12,17 +12,17 @@ constexpr std::uint64_t kEntry = 160;  // bytes of what is remembered of a node 
 
 }  // namespace
 
-Node Store::weighing(Node a, const std::vector<std::int32_t>& weights, std::int64_t least, std::int64_t most) {
+Node Store::weighing(Node a, const std::vector<Wide>& weights, Wide least, Wide most) {
   // What the levels from each one on can add at least and at most.
-  std::vector<std::int64_t> lowest(levels + 1, 0), highest(levels + 1, 0);
+  std::vector<Wide> lowest(levels + 1, 0), highest(levels + 1, 0);
   for (Level at = levels; at-- > 0;) {
-    lowest[at] = lowest[at + 1] + std::min<std::int64_t>(0, weights[at]);
-    highest[at] = highest[at + 1] + std::max<std::int64_t>(0, weights[at]);
+    lowest[at] = lowest[at + 1] + std::min<Wide>(0, weights[at]);
+    highest[at] = highest[at + 1] + std::max<Wide>(0, weights[at]);
   }
-  std::map<std::pair<Node, std::int64_t>, Node> memo;
+  std::map<std::pair<Node, Wide>, Node> memo;
   std::vector<Node> made;  // what the memo names must outlive any collection of garbage
   Scratch scratch(*this);
-  auto visit = [&](auto&& self, Node n, std::int64_t so_far) -> Node {
+  auto visit = [&](auto&& self, Node n, Wide so_far) -> Node {
     const Level at = level(n);
     if (n == 0 || so_far + lowest[at] > most || so_far + highest[at] < least) return 0;
     if (so_far + lowest[at] >= least && so_far + highest[at] <= most) return n;

@@ -114,11 +114,9 @@ Node Store::without(Node a, const std::vector<std::uint32_t>& conditions) {
       begin_pending();
       declare(wanted);
       return meeting_none(a, 0, 0);
-    } catch (const TooManySets&) {
-      held_.clear();
+    } catch (const TooManySets&) {  // one after the other
     }
   }
-  // One after the other: what is left only shrinks.
   Held left(*this, a);
   for (const std::uint32_t condition : wanted) {
     const Held met(*this, filter(left, condition));
@@ -185,14 +183,12 @@ Node Store::images(Node a, const std::vector<std::uint32_t>& events, Node within
   }
   Held all(*this, nothing ? (within == kAnything ? a : meet(a, within)) : 0);
   if (wanted.size() > 1) {
-    const std::size_t held = held_.size();
     try {
       begin_pending();
       declare(wanted);
       const Held made(*this, images_from(a, 0, 0, true, within));
       return join(all, made);
-    } catch (const TooManySets&) {
-      held_.resize(held);
+    } catch (const TooManySets&) {  // one after the other
     }
   }
   for (const std::uint32_t event : wanted) {

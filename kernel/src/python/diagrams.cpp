@@ -17,6 +17,7 @@
 #include "diagrams/store.hpp"
 #include "python/module.hpp"
 #include "python/operation.hpp"
+#include "python/numbers.hpp"
 
 namespace nb = nanobind;
 using namespace mcpn;
@@ -198,6 +199,12 @@ class Markings {
   bool more_ = false;
 };
 
+void check_weights(const Handle& set, const std::vector<Wide>& weights) {
+  if (weights.size() != set.store().levels) throw std::invalid_argument("one weight for each level");
+  for (const Wide weight : weights)
+    if (weight > kMostWeight || weight < -kMostWeight) throw std::invalid_argument("a weight is beyond 2^105");
+}
+
 nb::object to_int(const std::vector<std::uint64_t>& limbs) {
   const nb::bytes data(reinterpret_cast<const char*>(limbs.data()), limbs.size() * sizeof(std::uint64_t));
   return nb::module_::import_("builtins").attr("int").attr("from_bytes")(data, "little");
@@ -236,8 +243,8 @@ void bind_diagrams(nb::module_& module) {
       .def("count", [](const Handle& a) {
         return to_int(measured(a, [&](Store& s) { return s.counts(a.node, {0}); }).front());
       })
-      .def("largest", [](const Handle& a, const std::vector<std::int32_t>& weights) {
-        if (weights.size() != a.store().levels) throw std::invalid_argument("one weight for each level");
+      .def("largest", [](const Handle& a, const std::vector<Wide>& weights) {
+        check_weights(a, weights);
         if (a.node == 0) throw std::invalid_argument("the empty set has no largest marking");
         return measured(a, [&](Store& s) { return s.largest(a.node, weights); });
       }, nb::arg("weights"))
@@ -287,9 +294,8 @@ void bind_diagrams(nb::module_& module) {
         };
         return computed(a.owner, body, max_nodes, max_steps);
       }, nb::arg("events"), nb::arg("max_nodes") = 0, nb::arg("within").none() = nb::none(), nb::arg("max_steps") = 0)
-      .def("weighing", [](const Handle& a, const std::vector<std::int32_t>& weights, std::int64_t least,
-                          std::int64_t most) {
-        if (weights.size() != a.store().levels) throw std::invalid_argument("one weight for each level");
+      .def("weighing", [](const Handle& a, const std::vector<Wide>& weights, Wide least, Wide most) {
+        check_weights(a, weights);
         return computed(a.owner, [&](Store& s) { return s.weighing(a.node, weights, least, most); });
       }, nb::arg("weights"), nb::arg("least"), nb::arg("most"))
       .def("__iter__", [](const Handle& a) { return Markings(a); });

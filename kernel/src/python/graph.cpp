@@ -5,7 +5,9 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -14,8 +16,13 @@
 #include <vector>
 
 #include "python/module.hpp"
+#include "python/numbers.hpp"
+#include "python/signals.hpp"
+#include "wide.hpp"
 
 namespace nb = nanobind;
+using mcpn::Wide;
+using mcpn::WideWord;
 
 namespace {
 
@@ -46,7 +53,8 @@ class Bits {  // one state in 64 a word: closures look at random states, whose b
   std::vector<std::uint64_t> words_;
 };
 
-// Edges of state s: at offsets[s] to offsets[s + 1], those alone that `keep` names.
+// Edges of state s: at offsets[s] to offsets[s + 1], those alone that `keep` names. Signals are looked for as rows are
+// read.
 struct Rows {
   Rows(const Column<std::int64_t>& offsets, const Column<State>& targets, const std::optional<Mask>& keep = {})
       : offsets(offsets.data()), targets(targets.data()), keep(keep ? keep->data() : nullptr),
@@ -67,11 +75,13 @@ struct Rows {
     if (found >= states) throw std::invalid_argument("no such state");
     return found;
   }
-  template <class F> void each(std::size_t state, F body) const {
+  template <class F> void each(std::size_t state, F body) {
+    signals.after(std::size_t(offsets[state + 1] - offsets[state]) + 1);
     for (std::int64_t e = offsets[state]; e < offsets[state + 1]; ++e)
       if (!keep || keep[e]) body(target(e));
   }
-  bool any(std::size_t state, const Bits& among) const {
+  bool any(std::size_t state, const Bits& among) {
+    signals.after(std::size_t(offsets[state + 1] - offsets[state]) + 1);
     for (std::int64_t e = offsets[state]; e < offsets[state + 1]; ++e)
       if ((!keep || keep[e]) && among[target(e)]) return true;
     return false;
@@ -80,11 +90,12 @@ struct Rows {
   const State* targets;
   const bool* keep;
   std::size_t edges, states = 0;
+  Signals signals;
 };
 
 std::tuple<Array<std::int64_t>, Array<State>> incoming(const Column<std::int64_t>& offsets, const Column<State>& targets,
                                                        const std::optional<Mask>& keep) {
-  const Rows rows(offsets, targets, keep);
+  Rows rows(offsets, targets, keep);
   Values<std::int64_t> begin(rows.states + 1);
   std::optional<Values<State>> sources;
   {
@@ -104,7 +115,7 @@ std::tuple<Array<std::int64_t>, Array<State>> incoming(const Column<std::int64_t
 
 Array<bool> spread(const Column<std::int64_t>& offsets, const Column<State>& targets, const Mask& begin,
                    const std::optional<Mask>& along, const std::optional<Mask>& keep) {
-  const Rows rows(offsets, targets, keep);
+  Rows rows(offsets, targets, keep);
   const bool* start = Rows::expect(begin, rows.states);
   const bool* allowed = along ? Rows::expect(*along, rows.states) : nullptr;
   Values<bool> found(rows.states);
@@ -130,7 +141,7 @@ Array<bool> spread(const Column<std::int64_t>& offsets, const Column<State>& tar
 
 Array<bool> staying(const Column<std::int64_t>& offsets, const Column<State>& targets,
                     const Column<std::int64_t>& incoming_offsets, const Column<State>& sources, const Mask& along) {
-  const Rows rows(offsets, targets), back(incoming_offsets, sources);
+  Rows rows(offsets, targets), back(incoming_offsets, sources);
   const bool* inside = Rows::expect(along, rows.states);
   if (back.states != rows.states) throw std::invalid_argument("rows of another graph");
   Values<bool> left(rows.states);
@@ -157,21 +168,20 @@ Array<bool> staying(const Column<std::int64_t>& offsets, const Column<State>& ta
   return left.array();
 }
 
-constexpr std::size_t kManyStates = 1u << 18;
 constexpr int kMostSweeps = 64;  // about as many take the time in which the edges of a large graph are turned round
 
 // Looks at all states again and again, from the last to the first and back: most edges of a graph that was explored
 // breadth first lead to later states, so that few sweeps do. `decide` says of a state by its targets whether it
-// changes. Whether in the end none does. Signals are looked for after each sweep over many:
-// the largest take a second.
+// changes. Whether in the end none does.
 template <class Decide> bool swept(std::size_t states, Decide decide) {
+  Signals signals;
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     bool changed = false;
-    for (std::size_t i = 0; i < states; ++i) changed |= decide(sweep % 2 ? i : states - 1 - i);
+    for (std::size_t i = 0; i < states; ++i) {
+      signals.after(1);
+      changed |= decide(sweep % 2 ? i : states - 1 - i);
+    }
     if (!changed) return true;
-    if (states < kManyStates) continue;
-    const nb::gil_scoped_acquire acquire;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
   }
   return false;
 }
@@ -179,7 +189,7 @@ template <class Decide> bool swept(std::size_t states, Decide decide) {
 std::tuple<Array<bool>, bool> sweep_reaching(const Column<std::int64_t>& offsets, const Column<State>& targets,
                                              const Mask& goal, const std::optional<Mask>& along,
                                              const std::optional<Mask>& keep) {
-  const Rows rows(offsets, targets, keep);
+  Rows rows(offsets, targets, keep);
   const bool* wanted = Rows::expect(goal, rows.states);
   const bool* allowed = along ? Rows::expect(*along, rows.states) : nullptr;
   Values<bool> found(rows.states);
@@ -200,7 +210,7 @@ std::tuple<Array<bool>, bool> sweep_reaching(const Column<std::int64_t>& offsets
 
 std::tuple<Array<bool>, bool> sweep_staying(const Column<std::int64_t>& offsets, const Column<State>& targets,
                                             const Mask& along) {
-  const Rows rows(offsets, targets);
+  Rows rows(offsets, targets);
   const bool* inside = Rows::expect(along, rows.states);
   Values<bool> left(rows.states);
   bool ended = false;
@@ -221,7 +231,7 @@ std::tuple<Array<bool>, bool> sweep_staying(const Column<std::int64_t>& offsets,
 
 // Depth first: a state that is met again on the way to itself is on a cycle.
 bool stays(const Column<std::int64_t>& offsets, const Column<State>& targets, const Mask& begin, const Mask& along) {
-  const Rows rows(offsets, targets);
+  Rows rows(offsets, targets);
   const bool* start = Rows::expect(begin, rows.states);
   const bool* inside = Rows::expect(along, rows.states);
   const nb::gil_scoped_release release;
@@ -232,6 +242,7 @@ bool stays(const Column<std::int64_t>& offsets, const Column<State>& targets, co
     met.set(first);
     path.push_back({State(first), rows.offsets[first]});
     while (!path.empty()) {
+      rows.signals.after(1);
       const State at = path.back().first;
       if (rows.offsets[at] == rows.offsets[at + 1]) return true;
       if (path.back().second == rows.offsets[at + 1]) {
@@ -251,7 +262,7 @@ bool stays(const Column<std::int64_t>& offsets, const Column<State>& targets, co
 
 Array<bool> before(const Column<std::int64_t>& offsets, const Column<State>& targets, const Mask& into,
                    const std::optional<Mask>& keep) {
-  const Rows rows(offsets, targets, keep);
+  Rows rows(offsets, targets, keep);
   const bool* wanted = Rows::expect(into, rows.states);
   Values<bool> found(rows.states);
   {
@@ -275,11 +286,36 @@ void check(const Markings& markings, const Sum& sum) {
       throw std::invalid_argument("no such field");
 }
 
+std::uint64_t most_in(std::uint32_t width) { return (std::uint64_t(1) << width) - 1; }
+
+// Whether no marking's sum is beyond 64 bits.
+bool is_narrow(const Sum& sum) {
+  constexpr Wide most = std::numeric_limits<std::int64_t>::max();
+  Wide farthest = 0;
+  for (const auto& [word, shift, width, weight] : sum) {
+    farthest += (weight < 0 ? -Wide(weight) : Wide(weight)) * most_in(width);
+    if (farthest > most) return false;
+  }
+  return true;
+}
+
 std::int64_t weighed(const std::uint64_t* marking, const Sum& sum) {
   std::int64_t found = 0;
   for (const auto& [word, shift, width, weight] : sum)
-    found += weight * std::int64_t(marking[word] >> shift & ((std::uint64_t(1) << width) - 1));
+    found += weight * std::int64_t(marking[word] >> shift & most_in(width));
   return found;
+}
+
+// The same of any number of terms: 2^64 times the first, and the second.
+std::pair<Wide, std::uint64_t> weighed_far(const std::uint64_t* marking, const Sum& sum) {
+  Wide high = 0;
+  WideWord low = 0;
+  for (const auto& [word, shift, width, weight] : sum) {
+    const Wide term = Wide(weight) * (marking[word] >> shift & most_in(width));
+    high += term >> 64;
+    low += std::uint64_t(term);
+  }
+  return {high + Wide(low >> 64), std::uint64_t(low)};
 }
 
 Array<std::int64_t> weigh(const Markings& markings, const Sum& sum) {
@@ -288,27 +324,48 @@ Array<std::int64_t> weigh(const Markings& markings, const Sum& sum) {
   Values<std::int64_t> sums(markings.shape(0));
   {
     const nb::gil_scoped_release release;
-    for (std::size_t s = 0; s < sums.size; ++s, marking += markings.shape(1)) sums[s] = weighed(marking, sum);
+    const bool narrow = is_narrow(sum);
+    Signals signals;
+    for (std::size_t s = 0; s < sums.size; ++s, marking += markings.shape(1)) {
+      signals.after(1 + sum.size());
+      if (narrow) {
+        sums[s] = weighed(marking, sum);
+        continue;
+      }
+      const auto [high, low] = weighed_far(marking, sum);
+      sums[s] = std::int64_t(low);
+      if (high != (sums[s] < 0 ? -1 : 0)) throw std::overflow_error("a sum of tokens is beyond 64 bits");
+    }
   }
   return sums.array();
 }
 
-using Bounds = std::vector<std::tuple<Sum, std::int64_t>>;
+using Bounds = std::vector<std::tuple<Sum, Wide>>;
 
 Array<bool> satisfying(const Markings& markings, const std::vector<Bounds>& alternatives) {
   for (const Bounds& all : alternatives)
     for (const auto& [sum, most] : all) check(markings, sum);
+  struct Bound { const Sum& sum; bool narrow; Wide most; };
+  std::vector<std::vector<Bound>> ways;
+  for (const Bounds& all : alternatives) {
+    auto& way = ways.emplace_back();
+    for (const auto& [sum, most] : all) way.push_back({sum, is_narrow(sum), most});
+  }
   const std::uint64_t* marking = markings.data();
   Values<bool> found(markings.shape(0));
   {
     const nb::gil_scoped_release release;
-    const auto holds = [&](const Bounds& all) {
-      for (const auto& [sum, most] : all)
-        if (weighed(marking, sum) > most) return false;
-      return true;
+    const auto holds = [&](const std::vector<Bound>& way) {
+      return std::all_of(way.begin(), way.end(), [&](const Bound& bound) {
+        if (bound.narrow) return weighed(marking, bound.sum) <= bound.most;
+        return weighed_far(marking, bound.sum) <= std::pair(bound.most >> 64, std::uint64_t(bound.most));
+      });
     };
-    for (std::size_t s = 0; s < found.size; ++s, marking += markings.shape(1))
-      for (std::size_t i = 0; i < alternatives.size() && !found[s]; ++i) found[s] = holds(alternatives[i]);
+    Signals signals;
+    for (std::size_t s = 0; s < found.size; ++s, marking += markings.shape(1)) {
+      signals.after(1 + ways.size());
+      for (std::size_t i = 0; i < ways.size() && !found[s]; ++i) found[s] = holds(ways[i]);
+    }
   }
   return found.array();
 }

@@ -1,6 +1,8 @@
 #include "search/tokens.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
 
 namespace mcpn::search {
 
@@ -54,8 +56,13 @@ void TokenNet::collect(const Marking& marking, std::vector<Transition>& found) c
 std::uint32_t Goals::add(Kind kind, std::vector<std::uint32_t> inside, std::vector<Arc> weights, Tokens bound) {
   const auto atom = std::uint32_t(bounds.size());
   if (kind == at_most) {
+    Tokens heaviest = 0;
+    for (const auto& [place, weight] : weights) {
+      if (weight > kMostWeights || weight < -kMostWeights || (heaviest += std::abs(weight)) > kMostWeights)
+        throw std::invalid_argument("weights beyond what search follows");
+    }
     for (const auto& [place, weight] : weights) watch[place].emplace_back(atom, weight);
-    bounds.push_back(bound);
+    bounds.push_back(std::clamp(bound, -kFarBound, kFarBound));
     terms.push_back(std::move(weights));
   }
   nodes.push_back({kind, atom, std::move(inside)});

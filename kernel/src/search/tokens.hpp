@@ -15,6 +15,8 @@ using Marking = std::vector<Tokens>;
 using Arc = std::pair<Place, Tokens>;  // a place, and a weight or a change
 
 constexpr Tokens kMost = Tokens(1) << 31;  // more tokens in a place are not followed
+// Weights of a sum, signs aside: a firing from at most kMost tokens leaves it below 2^61, and bounds are moved to 2^62.
+constexpr Tokens kMostWeights = Tokens(1) << 29, kFarBound = Tokens(1) << 62;
 constexpr Tokens kFar = Tokens(1) << 40;   // the distance to what can never hold
 
 // A transition: enabled where each place holds what it needs; firing changes places by so much.

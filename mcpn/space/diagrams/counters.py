@@ -19,14 +19,13 @@ from functools import cached_property
 from itertools import product
 
 from mcpn._kernel import Store
-from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order
 from mcpn.space.search.goal import changes, needs
 
 MOST_BITS = 30
-"""Beyond, what a place adds to a sum of tokens is no number of the kernel."""
+"""The most levels of a place."""
 
 
 class TokenEncoding(Encoding):
@@ -220,16 +219,10 @@ class TokenEncoding(Encoding):
             tokens[place] += 1 << self._bit(place, level)
         return tuple(tokens)
 
-    def weigh(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
-        """A weighted sum of tokens by what each marked level adds to it.
-
-        Raises:
-            LimitError: A weight is more than the kernel can say.
-        """
+    def weighed(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
+        """A weighted sum of tokens by what each marked level adds to it."""
         levels = [0] * len(self.places)
         for place, weight in weights.items():
             for level in self.bits[place]:
                 levels[level] = weight << self._bit(place, level)
-        if max(map(abs, levels), default=0) >= 1 << 31:
-            raise LimitError("a sum of tokens is beyond 2^31: the limit of the symbolic engine was hit")
         return levels, 0

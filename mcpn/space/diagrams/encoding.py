@@ -7,13 +7,16 @@ from functools import cached_property
 from itertools import chain
 
 from mcpn._kernel import Store, Zdd
+from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import complements
 from mcpn.space.diagrams.order import Order
 from mcpn.space.images import Bit
 
-FARTHEST = 2**62
-"""Sums of tokens are far from this bound, which the kernel can say."""
+MOST_WEIGHT = 2**105
+"""What a level may add to a sum of tokens; the kernel's sums over all levels are exact."""
+FARTHEST = 2**126
+"""Sums of tokens are nearer than this bound."""
 
 
 class Levels:
@@ -59,7 +62,17 @@ class Levels:
 
         Args:
             weights: By place; 0 for those not named.
+
+        Raises:
+            LimitError: A level adds more than the kernel counts.
         """
+        levels, always = self.weighed(weights)
+        if max(map(abs, levels), default=0) > MOST_WEIGHT:
+            raise LimitError("a weight of tokens is beyond 2^105: the limit of the symbolic engine was hit")
+        return levels, always
+
+    def weighed(self, weights: Mapping[int, int]) -> tuple[list[int], int]:
+        """:meth:`weigh` before its limit."""
         levels, always = [0] * self.store.levels, 0
         for place, weight in weights.items():
             bit = self.bit(place)
@@ -73,7 +86,7 @@ class Levels:
     def at_most(self, states: Zdd, weights: Mapping[int, int], bound: int) -> Zdd:
         """Those of some markings whose weighted sum of tokens is at most a bound."""
         levels, always = self.weigh(weights)
-        return states.weighing(levels, -FARTHEST, max(-FARTHEST, min(bound - always, FARTHEST)))
+        return states.weighing(levels, -FARTHEST, bound - always)
 
 
 class Encoding(Levels):

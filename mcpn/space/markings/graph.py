@@ -25,6 +25,7 @@ from mcpn._kernel import (
     sweep_staying,
     weigh,
 )
+from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.notebook import Drawn
 
@@ -91,17 +92,32 @@ class StateGraph(Drawn):
         return self.tokens({place: 1}) > 0
 
     def tokens(self, weights: Mapping[int, int]) -> Ints:
-        """A weighted sum of the tokens of places, shape (states,)."""
-        return weigh(self.markings, self._sum(weights))
+        """A weighted sum of the tokens of places, shape (states,).
+
+        Raises:
+            LimitError: A weight or a sum is beyond 64 bits.
+        """
+        try:
+            return weigh(self.markings, self._sum(weights))
+        except OverflowError:
+            raise LimitError("a sum of tokens is beyond 64 bits: the limit of arrays was hit") from None
 
     def satisfying(self, alternatives: Iterable[Iterable[tuple[Mapping[int, int], int]]]) -> Mask:
-        """States in which, for one of some alternatives, each weighted sum of tokens is within its bound."""
+        """States in which, for one of some alternatives, each weighted sum of tokens is within its bound.
+
+        Raises:
+            LimitError: A weight is beyond 64 bits, or a bound beyond 2^126. Sums may be.
+        """
         found = [[(self._sum(weights), bound) for weights, bound in all_] for all_ in alternatives]
+        if any(abs(bound) > 1 << 126 for all_ in found for _, bound in all_):
+            raise LimitError("a bound of tokens is beyond 2^126: the limit of arrays was hit")
         return satisfying(self.markings, found)
 
     def _sum(self, weights: Mapping[int, int]) -> list[tuple[int, int, int, int]]:
         """A weighted sum of tokens as fields of words with their weights."""
         fields = self.fields
+        if any(abs(weight) >= 1 << 63 for weight in weights.values()):
+            raise LimitError("a weight of tokens is beyond 64 bits: the limit of arrays was hit")
         return [(*(fields[p] if fields else (*divmod(p, 64), 1)), weight) for p, weight in weights.items()]
 
     def marking(self, state: int) -> tuple[int, ...]:

@@ -22,6 +22,9 @@ from typing import TypeAlias
 from mcpn._kernel import Goals
 from mcpn.net.petri import PetriNet
 
+FARTHEST = 2**62
+"""Sums of tokens in searches are nearer than this bound."""
+
 
 class Formula:
     """What holds in some states: an atom, or an operator with the formulas that it is applied to."""
@@ -205,7 +208,7 @@ def encode(goals: Sequence[Goal], places: int) -> tuple[Goals, list[int]]:
         if goal not in known:
             match goal:
                 case AtMost(weights, bound):
-                    nodes.append(("at_most", [], list(weights), bound))
+                    nodes.append(("at_most", [], list(weights), max(-FARTHEST, min(bound, FARTHEST))))
                 case And(operands) | Or(operands):
                     inside = list(map(add, operands))
                     nodes.append(("all" if isinstance(goal, And) else "any", inside, [], 0))

@@ -1,0 +1,21 @@
+"""The kernel's own rules between operations, which Python cannot break: a program in C++ tries them."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
+def test_operations_keep_what_their_callers_hold(tmp_path: Path) -> None:
+    sources = sorted((ROOT / "kernel/src/diagrams").glob("*.cpp"))
+    program = tmp_path / "guards"
+    flags = ["-std=c++20", "-O1", "-D_GLIBCXX_ASSERTIONS", f"-I{ROOT / 'kernel/src'}"]
+    subprocess.run(["c++", *flags, *sources, Path(__file__).with_name("guards.cpp"), "-o", program], check=True)
+    run = subprocess.run([program], check=True, capture_output=True, text=True)
+    assert run.stdout == "1 1 1\n"
