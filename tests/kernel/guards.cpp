@@ -16,7 +16,7 @@ int main() {
   for (int i = 0; i < 3000; ++i) {
     std::uint32_t condition = 0, event = 0;
     for (Level at = kLevels; at-- > 0;)
-      if (draw() % 12 == 0) {
+      if (draw() % 6 == 0) {
         const bool marked = draw() % 2;
         condition = store.suffix(at, marked ? Touch::read : Touch::zero, condition);
         event = store.suffix(at, marked ? Touch::consume : Touch::produce, event);
@@ -25,7 +25,7 @@ int main() {
   }
   const Held outer(store, store.singleton({1, 2, 3}));
   Held all(store, 0);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 700; ++i) {
     std::vector<Level> marked;
     for (Level at = 0; at < kLevels; ++at)
       if (draw() % 2) marked.push_back(at);

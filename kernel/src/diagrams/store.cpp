@@ -20,7 +20,7 @@ std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
 
 }  // namespace
 
-Store::Store(Level levels, std::uint64_t memory_limit) : levels(levels), memory_limit_(memory_limit) {
+Store::Store(Level number, std::uint64_t memory_limit) : levels(number), memory_limit_(memory_limit) {
   nodes_ = {{levels, 0, 0, kNone}, {levels, 1, 1, kNone}};
   buckets_.assign(kFirstBuckets, kNone);
   cache_.assign(kFirstLines, {});

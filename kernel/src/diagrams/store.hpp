@@ -60,7 +60,7 @@ class Scratch;
 
 class Store {
  public:
-  Store(Level levels, std::uint64_t memory_limit);
+  Store(Level number, std::uint64_t memory_limit);
 
   // --- sets ---
   Node make(Level level, Node lo, Node hi);

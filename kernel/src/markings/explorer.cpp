@@ -297,8 +297,8 @@ std::int64_t stable_ends(const std::int64_t* offsets, const std::int64_t* target
         continue;
       }
       const std::int64_t next = targets[at.edge];
-      if (transient[next] && !seen[next]) {  // this edge is looked at again when its target is done
-        seen[next] = true;
+      if (transient[next] && !seen[std::size_t(next)]) {  // this edge is looked at again when its target is done
+        seen[std::size_t(next)] = true;
         path.push_back({next, offsets[next], -1, false});
         continue;
       }

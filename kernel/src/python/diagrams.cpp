@@ -126,7 +126,7 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
 
 class Handle {
  public:
-  Handle(std::shared_ptr<PyStore> owner, Node node) : owner(std::move(owner)), node(node) { this->owner->store.keep(node); }
+  Handle(std::shared_ptr<PyStore> of, Node held) : owner(std::move(of)), node(held) { owner->store.keep(node); }
   Handle(const Handle& other) : Handle(other.owner, other.node) {}
   Handle& operator=(const Handle&) = delete;
   ~Handle() { owner->store.drop(node); }

@@ -32,7 +32,7 @@ template <class T> using Array = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
 using Mask = Column<bool>;
 
 template <class T> struct Values {  // an array that Python will own
-  explicit Values(std::size_t size) : owned(new T[size]()), size(size) {}
+  explicit Values(std::size_t count) : owned(new T[count]()), size(count) {}
   Array<T> array() {
     T* data = owned.release();
     return {data, {size}, nb::capsule(data, [](void* p) noexcept { delete[] static_cast<T*>(p); })};
@@ -56,15 +56,14 @@ class Bits {  // one state in 64 a word: closures look at random states, whose b
 // Edges of state s: at offsets[s] to offsets[s + 1], those alone that `keep` names. Signals are looked for as rows are
 // read.
 struct Rows {
-  Rows(const Column<std::int64_t>& offsets, const Column<State>& targets, const std::optional<Mask>& keep = {})
-      : offsets(offsets.data()), targets(targets.data()), keep(keep ? keep->data() : nullptr),
-        edges(targets.shape(0)) {
-    if (offsets.shape(0) == 0 || offsets(0) != 0 || offsets(offsets.shape(0) - 1) != std::int64_t(edges))
+  Rows(const Column<std::int64_t>& begins, const Column<State>& ends, const std::optional<Mask>& kept = {})
+      : offsets(begins.data()), targets(ends.data()), keep(kept ? kept->data() : nullptr), edges(ends.shape(0)) {
+    if (begins.shape(0) == 0 || begins(0) != 0 || begins(begins.shape(0) - 1) != std::int64_t(edges))
       throw std::invalid_argument("one row of targets for each state");
-    states = offsets.shape(0) - 1;
+    states = begins.shape(0) - 1;
     for (std::size_t s = 0; s < states; ++s)
-      if (offsets(s) > offsets(s + 1)) throw std::invalid_argument("one row of targets for each state");
-    if (keep) expect(*keep, edges);
+      if (begins(s) > begins(s + 1)) throw std::invalid_argument("one row of targets for each state");
+    if (kept) expect(*kept, edges);
   }
   static const bool* expect(const Mask& mask, std::size_t size) {
     if (mask.shape(0) != size) throw std::invalid_argument("a mask of another size");

@@ -125,7 +125,7 @@ void bind_search(nb::module_& module) {
         for (const auto& [kind, inside] : given) {
           const auto* found = std::find(std::begin(kOperators), std::end(kOperators), kind);
           if (found == std::end(kOperators)) throw std::invalid_argument("no such operator");
-          const std::size_t number = found - kOperators, known = number ? operators.size() : goals.nodes.size();
+          const auto number = std::size_t(found - kOperators), known = number ? operators.size() : goals.nodes.size();
           if (kOperands[number] && inside.size() != kOperands[number])
             throw std::invalid_argument("a wrong number of operands");
           for (const std::uint32_t operand : inside)

@@ -146,7 +146,7 @@ bool Checker::holds(std::uint32_t number, std::uint32_t state) {
 
 // Numbers of the markings that a search has entered and not decided, in the order in which they were entered.
 struct Checker::Search {
-  explicit Search(Checker& checker) : checker(checker) {
+  explicit Search(Checker& of) : checker(of) {
     if (checker.numbers_.size() <= checker.depth_)
       checker.numbers_.push_back(std::make_unique<std::vector<std::uint32_t>>());
     numbers = checker.numbers_[checker.depth_++].get();

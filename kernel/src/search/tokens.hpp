@@ -102,7 +102,7 @@ enum class Outcome : std::uint8_t { reached, unreachable, states, bytes, tokens 
 struct Search {
   Outcome outcome;
   std::uint64_t states = 0;
-  std::vector<Transition> run;
+  std::vector<Transition> run{};
 };
 
 // Best first from the initial marking, nearest to the goal first; with stubborn sets where so asked.

@@ -200,7 +200,7 @@ std::vector<Reached> walk(const TokenNet& net, const Marking& initial, const Goa
         for (std::uint32_t i = 0; i < most; ++i) {
           const Transition t = candidates[(start + i) % count];
           const Tokens far = walker.distance_after(t, roots[focus], asks_dead[focus]);
-          spent += asks_dead[focus] ? 2 : 1;
+          spent += asks_dead[focus] ? 2u : 1u;
           if (far < least || (far == least && draw.below(2))) {
             least = far;
             chosen = t;
