@@ -16,6 +16,8 @@ def test_operations_keep_what_their_callers_hold(tmp_path: Path) -> None:
     sources = sorted((ROOT / "kernel/src/diagrams").glob("*.cpp"))
     program = tmp_path / "guards"
     flags = ["-std=c++20", "-O1", "-D_GLIBCXX_ASSERTIONS", f"-I{ROOT / 'kernel/src'}"]
-    subprocess.run(["c++", *flags, *sources, Path(__file__).with_name("guards.cpp"), "-o", program], check=True)
+    subprocess.run(
+        ["c++", *flags, *sources, Path(__file__).with_name("guards.cpp"), "-o", program], check=True
+    )
     run = subprocess.run([program], check=True, capture_output=True, text=True)
     assert run.stdout == "1 1 1\n"
