@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -24,6 +25,7 @@ from mcpn.net.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
 from mcpn.net.templates import control
 from mcpn.space import images
+from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
@@ -301,7 +303,7 @@ def test_numbers_of_tokens() -> None:
 @given(st.integers(-(2**63) + 1, 2**63 - 1), st.integers(-(2**63) + 1, 2**63 - 1))
 def test_weighted_sums_of_several_tokens(weight: int, bound: int) -> None:
     net = with_tokens(12, 1)
-    spaces = {
+    spaces: dict[str, Space[Any]] = {
         "diagrams": DiagramMarkings(reach_markings(net)),
         "arrays": ArraySpace(explore_tokens(net)),
     }
