@@ -1,0 +1,175 @@
+"""The blocks of a mission written out: uses, values, rounds and tries, each with its name and its routes.
+
+Made from the language page alone. A place in the mission is a :class:`Node`; the names of nodes are the
+qualified names of the page. Every handler that is written in the text is one object of the model, however
+many copies of its block there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from mcpn.mission.model import (
+    FAIL,
+    ROUND,
+    SUCCEED,
+    Block,
+    Each,
+    Handler,
+    Mission,
+    Objective,
+    Parallel,
+    Parameter,
+    Protocol,
+    Recursive,
+    Use,
+)
+
+Values = Mapping[str, str]
+"""Parameters in force, by name."""
+
+
+@dataclass(eq=False)
+class Node:
+    """A block in its place, or one copy of it.
+
+    Args:
+        name: Its qualified name.
+        parent: The node that it stands in; ``None`` for the mission.
+        parallel: Whether its children run at the same time; else one runs after the other.
+        mandatory: Whether a parallel block needs its success.
+        success: Where success leads: the written name of a sibling, ``succeed`` or ``fail``.
+        failure: Where failure leads.
+        handlers: What it does on events.
+        children: By written name (of copies: by number), in order; none for an elementary objective.
+        activities: What an elementary objective runs.
+        parameters: Those in force in an elementary objective.
+    """
+
+    name: str
+    parent: Node | None = None
+    parallel: bool = False
+    mandatory: bool = True
+    success: str = SUCCEED
+    failure: str = FAIL
+    handlers: tuple[Handler, ...] = ()
+    children: dict[str, Node] = field(default_factory=dict)
+    activities: tuple[str, ...] = ()
+    parameters: Values = field(default_factory=dict)
+
+    @property
+    def first(self) -> Node:
+        """The child that a series is entered at."""
+        return next(iter(self.children.values()))
+
+    def within(self, other: Node) -> bool:
+        """Whether it is another node, or stands in it at any depth."""
+        node: Node | None = self
+        while node is not None and node is not other:
+            node = node.parent
+        return node is other
+
+
+@dataclass(frozen=True)
+class _Scope:
+    """What a block takes from around it.
+
+    Args:
+        prefix: Qualifies its name.
+        suffix: Says which copy it is.
+        said: Parameters that the blocks around say, values and rounds among them.
+        defaults: Parameters of the protocols around, which count where no block says them.
+    """
+
+    prefix: str = ""
+    suffix: str = ""
+    said: Values = field(default_factory=dict)
+    defaults: Values = field(default_factory=dict)
+
+    def copy(self, suffix: object, value: Values | None = None) -> _Scope:
+        """The scope of one copy."""
+        return replace(self, suffix=f"{self.suffix}_{suffix}", said={**self.said, **(value or {})})
+
+    def inside(self, block: Block, parameters: tuple[Parameter, ...] = ()) -> _Scope:
+        """The scope of what a block holds: a copy qualifies the names in it."""
+        prefix = f"{self.prefix}{block.name}{self.suffix}." if self.suffix else self.prefix
+        return replace(self, prefix=prefix, suffix="", said={**self.said, **_values(parameters)})
+
+    def protocol(self, use: Use, protocol: Protocol) -> _Scope:
+        """The scope of a protocol's blocks."""
+        return _Scope(
+            f"{self.prefix}{use.name}{self.suffix}.",
+            "",
+            {**self.said, **_values(use.parameters)},
+            {**self.defaults, **_values(protocol.parameters)},
+        )
+
+
+def _values(parameters: tuple[Parameter, ...]) -> dict[str, str]:
+    return {parameter.name: parameter.value for parameter in parameters}
+
+
+def written_out(mission: Mission) -> Node:
+    """The mission's own node, with all that stands in it."""
+    return _Writing(mission).mission()
+
+
+class _Writing:
+    def __init__(self, mission: Mission) -> None:
+        self.of = mission
+        self.protocols = {protocol.name: protocol for protocol in mission.protocols}
+
+    def mission(self) -> Node:
+        root = Node(self.of.name)
+        self.series(root, self.of.blocks, _Scope())
+        # Handlers of the mission lead to its own blocks, as those of a block lead to its siblings.
+        root.handlers = self.of.handlers
+        return root
+
+    def series(self, parent: Node, blocks: tuple[Block, ...], scope: _Scope) -> None:
+        """Writes out blocks that run one after the other, or as branches."""
+        for block, after in zip(blocks, (*blocks[1:], None), strict=True):
+            following = after.name if after is not None and not parent.parallel else SUCCEED
+            node = self.block(block, parent, scope)
+            node.success, node.failure = block.success or following, block.failure or FAIL
+            node.mandatory, node.handlers = block.mandatory, block.handlers
+            parent.children[block.name] = node
+
+    def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
+        """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
+        node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent)
+        if block.repeat is not None:
+            once = replace(block, repeat=None)
+            rounds = [scope.copy(n, {ROUND: str(n)}) for n in range(1, block.repeat + 1)]
+            self.copies(node, [self.block(once, node, round_) for round_ in rounds])
+        elif block.retries:
+            once = replace(block, retries=0)
+            tries = [scope.copy(f"try{n}") for n in range(1, block.retries + 2)]
+            self.copies(node, [self.block(once, node, try_) for try_ in tries], tries=True)
+        elif isinstance(block, Each):
+            inside = scope.inside(block)
+            values = [Node(node.name, node) for _ in block.values]
+            for round_, value in zip(values, block.values, strict=True):
+                self.series(round_, block.blocks, inside.copy(value, {block.bound: value}))
+            self.copies(node, values)
+        elif isinstance(block, Objective):
+            node.activities = block.activities
+            node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
+        elif isinstance(block, Parallel):
+            node.parallel = True
+            self.series(node, block.blocks, scope.inside(block))
+        elif isinstance(block, Recursive):
+            self.series(node, block.blocks, scope.inside(block, block.parameters))
+        else:
+            protocol = self.protocols[block.protocol]
+            self.series(node, protocol.blocks, scope.protocol(block, protocol))
+        return node
+
+    def copies(self, parent: Node, copies: list[Node], *, tries: bool = False) -> None:
+        """Rounds, where each success leads to the next, or tries, where each failure does."""
+        for number, node in enumerate(copies):
+            following = str(number + 1) if number + 1 < len(copies) else None
+            node.success = SUCCEED if tries else following or SUCCEED
+            node.failure = following or FAIL if tries else FAIL
+            parent.children[str(number)] = node

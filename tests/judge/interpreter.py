@@ -1,0 +1,284 @@
+"""An interpreter of missions: stable states and events, from ``docs/language.md`` and without a net.
+
+It knows the model classes and nothing else of mcpn: no net, no space, no expansion of its own but the one
+beside this module. What it says of a mission is what the page says, so that engines which share one template
+and agree on an answer are still found wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission
+from tests.judge.blocks import Node, written_out
+from tests.judge.robot import REFUSED, Activities, At, Doing, Robot
+
+START = "start"
+SUCCESS = "success"
+FAILURE = "failure"
+OUT_OF_SERVICE = "out of service"
+REPAIRED = "repaired"
+DECLARED = "declared"
+
+Happening = tuple[str, str]
+"""An event: what happens, in the words above, and to which element; the start is of none."""
+
+
+class Undetermined(Exception):
+    """Two activities ask for one thing at the same moment: the page does not say who has it."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A stable state of a mission.
+
+    Args:
+        running: Elementary objectives that run.
+        pending: Those about to begin, which wait until another branch has ended an activity of theirs.
+        ended: Children of parallel blocks that have ended while others run, and whether in success.
+        activities: Those that are not idle: what they do, and with which alternative.
+        out: Hardware out of service.
+        happened: Handlers that happen once and have.
+        outcome: ``success`` or ``failure`` at the end, ``None`` before the start and while it runs.
+        begun: Whether the mission has started.
+    """
+
+    running: frozenset[str] = frozenset()
+    pending: frozenset[str] = frozenset()
+    ended: frozenset[tuple[str, bool]] = frozenset()
+    activities: frozenset[tuple[str, At]] = frozenset()
+    out: frozenset[str] = frozenset()
+    happened: frozenset[int] = frozenset()
+    outcome: str | None = None
+    begun: bool = False
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What can be seen of a state, by names alone.
+
+    Args:
+        running: Elementary objectives that run.
+        pending: Objectives about to begin.
+        ended: Branches that have ended while others run.
+        mode: The alternative of each activity that runs.
+        waiting: The alternative of each activity that waits.
+        refused: Activities without a possible alternative.
+        out: Hardware out of service.
+        outcome: ``success``, ``failure`` or ``None``.
+    """
+
+    running: frozenset[str]
+    pending: frozenset[str]
+    ended: frozenset[str]
+    mode: frozenset[tuple[str, str]]
+    waiting: frozenset[tuple[str, str]]
+    refused: frozenset[str]
+    out: frozenset[str]
+    outcome: str | None
+
+
+class Interpreter:
+    """A mission that can be played.
+
+    Args:
+        mission: A valid mission.
+    """
+
+    def __init__(self, mission: Mission) -> None:
+        self.mission = mission
+        self.robot = Robot(mission)
+        self.root = written_out(mission)
+        self.objectives = {leaf.name: leaf for leaf in _leaves(self.root)}
+        self.branches = {branch.name: branch for branch in _branches(self.root)}
+        self.initial = State()
+
+    @cached_property
+    def faulty(self) -> tuple[str, ...]:
+        """Hardware that may go out of service."""
+        return tuple(h.name for h in self.mission.hardware if h.faulty)
+
+    # --- what may happen ---------------------------------------------------------------------------------
+
+    def possible(self, state: State) -> set[Happening]:
+        """The events that may happen in a stable state."""
+        found = {(REPAIRED if h in state.out else OUT_OF_SERVICE, h) for h in self.faulty}
+        if not state.begun:
+            found.add((START, ""))
+        runs = {name for name, (doing, _) in state.activities if doing is Doing.RUNS}
+        for name in state.running:
+            found.add((FAILURE, name))
+            if runs.issuperset(self.objectives[name].activities):
+                found.add((SUCCESS, name))
+        found.update(
+            (DECLARED, e.name) for e in self.mission.events if self.handling(self.root, e.name, state)
+        )
+        return found
+
+    def handling(self, node: Node, event: str, state: State) -> list[tuple[Node, Handler]]:
+        """The blocks that handle an event, in a block that runs: the innermost of each branch."""
+        if not self.runs(node, state):
+            return []
+        inner = [found for child in node.children.values() for found in self.handling(child, event, state)]
+        if inner:
+            return inner
+        own = (h for h in node.handlers if h.event == event and id(h) not in state.happened)
+        return [(node, handler) for handler in own][:1]
+
+    def runs(self, node: Node, state: State) -> bool:
+        """Whether an objective in a block runs or is about to begin."""
+        return any(self.objectives[name].within(node) for name in state.running | state.pending)
+
+    # --- what happens then -------------------------------------------------------------------------------
+
+    def after(self, state: State, happening: Happening) -> State:
+        """The stable state that an event leads to.
+
+        Args:
+            state: A stable state.
+            happening: An event that is possible there.
+
+        Raises:
+            Undetermined: Two activities or objectives ask for one thing at the same moment.
+        """
+        what, element = happening
+        routes: list[tuple[Node, str | Node]] = []
+        if what == OUT_OF_SERVICE:
+            state = replace(state, out=state.out | {element})
+        elif what == REPAIRED:
+            state = replace(state, out=state.out - {element})
+        elif what == START:
+            state, routes = replace(state, begun=True), [(self.root, self.root.first)]
+        elif what == DECLARED:
+            found = self.handling(self.root, element, state)
+            once = {id(handler) for _, handler in found if handler.once}
+            state = replace(state, happened=state.happened | once)
+            routes = [(node, handler.goto) for node, handler in found]
+        else:
+            node = self.objectives[element]
+            routes = [(node, node.success if what == SUCCESS else node.failure)]
+        # All that is left stops first; then what follows begins.
+        for node, _ in routes:
+            state = self.left(state, node)
+        state = replace(state, activities=self.at_rest(state))
+        for node, route in routes:
+            state = self.follow(state, node, route)
+        return self.reaction(state)
+
+    def left(self, state: State, node: Node) -> State:
+        """Nothing in a block runs any more."""
+        gone = {name for name in state.running | state.pending if self.objectives[name].within(node)}
+        stopped = {a for name in gone & state.running for a in self.objectives[name].activities}
+        return replace(
+            state,
+            running=state.running - gone,
+            pending=state.pending - gone,
+            ended=frozenset(e for e in state.ended if not self.branches[e[0]].within(node)),
+            activities=frozenset((a, at) for a, at in state.activities if a not in stopped),
+        )
+
+    def follow(self, state: State, node: Node, route: str | Node) -> State:
+        """A block is left by one of its routes."""
+        if isinstance(route, Node):
+            return self.enter(state, route)
+        parent = self.root if node is self.root else node.parent
+        assert parent is not None
+        if route in (SUCCEED, FAIL):
+            well = route == SUCCEED
+            return self.branch_ends(state, node, well) if parent.parallel else self.end(state, parent, well)
+        return self.enter(state, parent.children[route])
+
+    def branch_ends(self, state: State, branch: Node, well: bool) -> State:
+        """A child of a parallel block has ended; with the last of them the block does."""
+        assert branch.parent is not None
+        ended = dict(state.ended) | {branch.name: well}
+        siblings = branch.parent.children.values()
+        if any(sibling.name not in ended for sibling in siblings):
+            return replace(state, ended=frozenset(ended.items()))
+        well = all(ended[sibling.name] or not sibling.mandatory for sibling in siblings)
+        others = frozenset(e for e in ended.items() if self.branches[e[0]].parent is not branch.parent)
+        return self.end(replace(state, ended=others), branch.parent, well)
+
+    def end(self, state: State, node: Node, well: bool) -> State:
+        """A block ends; with the mission's own blocks the mission does."""
+        if node is self.root:
+            return replace(state, outcome=SUCCESS if well else FAILURE)
+        return self.follow(state, node, node.success if well else node.failure)
+
+    def enter(self, state: State, node: Node) -> State:
+        """A block is entered: at its first, or at all its children."""
+        if not node.children:
+            return replace(state, pending=state.pending | {node.name})
+        for child in node.children.values() if node.parallel else (node.first,):
+            state = self.enter(state, child)
+        return state
+
+    # --- activities --------------------------------------------------------------------------------------
+
+    def robot_in(self, state: State) -> Activities:
+        """The activities of a state."""
+        wanted = {name: self.objectives[name].activities for name in sorted(state.pending)}
+        return Activities(dict(state.activities), wanted, state.out)
+
+    def at_rest(self, state: State) -> frozenset[tuple[str, At]]:
+        """The activities when all that stops has stopped."""
+        return frozenset(self.robot.stopped(self.robot_in(state)).at.items())
+
+    def reaction(self, state: State) -> State:
+        """The stable state that the activities come to."""
+        ends = self.robot.settled(self.robot_in(state))
+        if len(ends) > 1:
+            raise Undetermined
+        (end,) = ends
+        return replace(
+            state,
+            running=state.running | (state.pending - set(end.wanted)),
+            pending=frozenset(end.wanted),
+            activities=frozenset(end.at.items()),
+        )
+
+    # --- what is seen ------------------------------------------------------------------------------------
+
+    def seen(self, state: State) -> Seen:
+        """A state by names, as reports and controllers tell it."""
+        by_doing: dict[Doing, set[tuple[str, str]]] = {doing: set() for doing in Doing}
+        for name, at in state.activities:
+            by_doing[at[0]].add((name, "" if at == REFUSED else self.robot.way(name, at).name))
+        return Seen(
+            state.running,
+            state.pending,
+            frozenset(name for name, _ in state.ended),
+            frozenset(by_doing[Doing.RUNS]),
+            frozenset(by_doing[Doing.TRIES] | by_doing[Doing.ASKS]),
+            frozenset(name for name, _ in by_doing[Doing.REFUSED]),
+            state.out,
+            state.outcome,
+        )
+
+    def parameters(self, objective: str | None, activity: str, alternative: str) -> dict[str, str]:
+        """The parameters in force for an alternative that an objective runs, or a request."""
+        of = self.robot.activities[activity]
+        (way,) = (way for way in of.alternatives if way.name == alternative)
+        declared = {p.name: p.value for p in (*of.parameters, *way.parameters)}
+        return {**declared, **(self.objectives[objective].parameters if objective else {})}
+
+
+def _leaves(node: Node) -> Iterator[Node]:
+    if not node.children:
+        yield node
+    for child in node.children.values():
+        yield from _leaves(child)
+
+
+def _branches(node: Node) -> Iterator[Node]:
+    for child in node.children.values():
+        if node.parallel:
+            yield child
+        yield from _branches(child)
+
+
+def words(happenings: Iterable[Happening]) -> str:
+    """Events as text, for messages."""
+    return ", ".join(" ".join(filter(None, (element, what))) for what, element in happenings)

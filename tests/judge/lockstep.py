@@ -1,0 +1,157 @@
+"""A mission in lockstep: the interpreter beside all that plays it in mcpn, over every pair of states."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Collection
+from dataclasses import dataclass, field, fields
+
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from tests.judge.interpreter import Happening, Interpreter, Seen, State, Undetermined, words
+from tests.judge.players import Key, Player, controllers, graphs
+
+MOST_STATES = 3_000
+"""Stable states of the missions that are judged."""
+
+MOST_TRANSITIONS = 2_000
+"""Larger nets are not judged: a proof on their diagrams takes minutes."""
+
+
+class Disagreement(AssertionError):
+    """The interpreter and one of mcpn's ways to play a mission do not say the same.
+
+    Args:
+        who: Who differs from the interpreter.
+        kind: In what: a field of :class:`Seen`, ``possible``, ``parameters``, or ``confluence``.
+        run: The events that lead there.
+        expected: What the interpreter says.
+        found: What is found.
+    """
+
+    def __init__(self, who: str, kind: str, run: list[Happening], expected: object, found: object) -> None:
+        super().__init__(f"{who}: {kind} after {words(run) or 'nothing'}: expected {expected}, found {found}")
+        self.who, self.kind, self.run = who, kind, run
+
+
+@dataclass
+class Verdict:
+    """How a mission was judged.
+
+    Args:
+        kind: ``agree``; ``undetermined``, where something is contended at one moment and all agree elsewhere;
+            ``too large``.
+        states: Stable states of the interpreter.
+        pairs: Pairs of a state of the interpreter and one of a player, by player.
+    """
+
+    kind: str
+    states: int = 0
+    pairs: Counter[str] = field(default_factory=Counter)
+
+
+class _TooLarge(Exception):
+    """There are more states than are judged."""
+
+
+class Judge:
+    """Holds the interpreter against the ways to play a mission; each state is computed once.
+
+    Args:
+        mission: A valid mission.
+        unseen: Fields of :class:`Seen` that are not compared.
+    """
+
+    def __init__(self, mission: Mission, unseen: Collection[str] = ()) -> None:
+        self.mission = mission
+        self.interpreter = Interpreter(mission)
+        self.compared = [f.name for f in fields(Seen) if f.name not in unseen]
+        self.unseen = frozenset(unseen)
+        self._after: dict[State, dict[Happening, State | None]] = {}
+
+    def after(self, state: State) -> dict[Happening, State | None]:
+        """Where each event leads; ``None`` where that is not determined."""
+        if state not in self._after:
+            self._after[state] = {e: self._one(state, e) for e in sorted(self.interpreter.possible(state))}
+        return self._after[state]
+
+    def _one(self, state: State, happened: Happening) -> State | None:
+        try:
+            return self.interpreter.after(state, happened)
+        except Undetermined:
+            return None
+
+    def explore(self) -> bool:
+        """Looks at every state; says whether each event has a determined outcome."""
+        determined, stack, known = True, [self.interpreter.initial], {self.interpreter.initial}
+        while stack:
+            for after in self.after(stack.pop()).values():
+                determined &= after is not None
+                if after is not None and after not in known:
+                    known.add(after)
+                    stack.append(after)
+            if len(known) > MOST_STATES:
+                raise _TooLarge
+        return determined
+
+    def judge(self, mission_net: MissionNet | None = None) -> Verdict:
+        """Judges the mission.
+
+        Raises:
+            Disagreement: Somebody differs from the interpreter.
+        """
+        try:
+            determined = self.explore()
+            mission_net = mission_net or compose(self.mission)
+            if len(mission_net.net.transitions) > MOST_TRANSITIONS:
+                return Verdict("too large")
+        except (_TooLarge, LimitError):
+            return Verdict("too large")
+        verdict = Verdict("agree" if determined else "undetermined", len(self._after))
+        try:
+            for players in (graphs, controllers):
+                for who, player in players(mission_net, 4 * MOST_STATES):
+                    verdict.pairs[who] = self.lockstep(who, player)
+        except SemanticsError as error:
+            if determined:
+                raise Disagreement("an engine", "confluence", [], "confluent", error) from error
+        except LimitError:
+            verdict.kind = "too large"
+        return verdict
+
+    def lockstep(self, who: str, player: Player[Key]) -> int:
+        """Holds one player against the interpreter; says in how many pairs of states they agree."""
+        first: tuple[State, Key] = self.interpreter.initial, player.start
+        came: dict[tuple[State, Key], tuple[tuple[State, Key], Happening] | None] = {first: None}
+        queue = deque([first])
+        while queue:
+            pair = queue.popleft()
+            state, at = pair
+            run: list[Happening] = []
+            while (step := came[pair]) is not None:
+                pair = step[0]
+                run.insert(0, step[1])
+            self.compare(who, run, state, player, at)
+            for happened, after in self.after(state).items():
+                if after is None:
+                    continue
+                to, orders = player.after(at, happened)
+                for objective, activity, alternative, given in orders:
+                    wanted = self.interpreter.parameters(objective, activity, alternative)
+                    if "parameters" not in self.unseen and given != wanted:
+                        raise Disagreement(who, "parameters", [*run, happened], wanted, given)
+                if (after, to) not in came:
+                    came[after, to] = (state, at), happened
+                    queue.append((after, to))
+        return len(came)
+
+    def compare(self, who: str, run: list[Happening], state: State, player: Player[Key], at: Key) -> None:
+        """What is seen and what may happen must be the same."""
+        expected, found = self.interpreter.seen(state), player.seen(at)
+        for name in self.compared:
+            if getattr(expected, name) != getattr(found, name):
+                raise Disagreement(who, name, run, getattr(expected, name), getattr(found, name))
+        possible = set(self.after(state))
+        if possible != (others := player.possible(at)):
+            raise Disagreement(who, "possible", run, words(possible - others), words(others - possible))

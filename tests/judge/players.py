@@ -1,0 +1,173 @@
+"""All that plays a mission in mcpn, seen alike: the engines' graphs, the simulator, controllers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from typing import Any, Literal, Protocol, TypeVar
+
+from mcpn.check.spaces import Engine, space_of
+from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.controller.generate import generate
+from mcpn.controller.hierarchy import Controller
+from mcpn.controller.minimise import minimise
+from mcpn.controller.simulator import Simulation
+from mcpn.controller.targets.json import document
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
+from mcpn.runtime import Controller as Runtime
+from mcpn.runtime.tables import Inside
+from mcpn.space.stable.alternatives import AlternativesGraph
+from mcpn.space.stable.listing import written_out
+from tests.judge.interpreter import Happening, Seen
+
+ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
+FORMS: tuple[Literal["flat", "hierarchical"], ...] = ("flat", "hierarchical")
+
+Order = tuple[str | None, str, str, Mapping[str, str]]
+"""An alternative that is selected: its objective, its activity, its name, the parameters that it is given."""
+
+
+Key = TypeVar("Key", bound=Hashable)
+"""Where a player is; it can be gone back to."""
+
+
+class Player(Protocol[Key]):
+    """A mission played by mcpn."""
+
+    start: Key
+
+    def seen(self, at: Key) -> Seen:
+        """What can be seen there."""
+
+    def possible(self, at: Key) -> set[Happening]:
+        """The events that may happen there."""
+
+    def after(self, at: Key, happened: Happening) -> tuple[Key, Iterable[Order]]:
+        """Where an event leads, and the alternatives that are selected on the way, where orders are given."""
+
+
+def happening(event: Event | None) -> Happening:
+    """An event of a net in the interpreter's words."""
+    assert event is not None
+    return event.what.value, event.element
+
+
+def seen_of(said: Situation | Inside, out: Iterable[str], outcome: str | None) -> Seen:
+    """What a situation or a controller's state says."""
+    return Seen(
+        frozenset(said.objectives),
+        frozenset(said.pending),
+        frozenset(said.done),
+        frozenset(said.mode.items()),
+        frozenset(said.waiting.items()),
+        frozenset(said.refused),
+        frozenset(out),
+        outcome,
+    )
+
+
+class OfGraph:
+    """The alternatives graph of an engine."""
+
+    start = 0
+
+    def __init__(self, mission_net: MissionNet, engine: Engine, max_states: int) -> None:
+        self.mission_net = mission_net
+        space = space_of(mission_net, engine, "alternatives")
+        listed = getattr(space, "graph", None)
+        self.graph = (
+            listed if isinstance(listed, AlternativesGraph) else written_out(space, engine, max_states)
+        )
+        self.edges: dict[int, dict[Happening, int]] = {}
+
+    def seen(self, at: int) -> Seen:
+        said = situation(self.mission_net, self.graph.marking(at))
+        return seen_of(said, said.out_of_service, said.outcome)
+
+    def possible(self, at: int) -> set[Happening]:
+        return set(self.onward(at))
+
+    def after(self, at: int, happened: Happening) -> tuple[int, Iterable[Order]]:
+        return self.onward(at)[happened], ()
+
+    def onward(self, at: int) -> dict[Happening, int]:
+        if at not in self.edges:
+            transitions = self.graph.net.transitions
+            found = [(happening(transitions[t].event), to) for t, to in self.graph.successors(at)]
+            self.edges[at] = dict(found)
+            assert len(self.edges[at]) == len(found), "one event leads to one state"
+        return self.edges[at]
+
+
+class OfSimulator:
+    """The simulator, which runs the net event by event."""
+
+    def __init__(self, mission_net: MissionNet) -> None:
+        self.simulation = Simulation(mission_net)
+        self.start = self.simulation.marking
+
+    def seen(self, at: int) -> Seen:
+        self.simulation.marking = at
+        said = self.simulation.situation
+        return seen_of(said, said.out_of_service, said.outcome)
+
+    def possible(self, at: int) -> set[Happening]:
+        self.simulation.marking = at
+        return set(map(happening, self.simulation.possible))
+
+    def after(self, at: int, happened: Happening) -> tuple[int, Iterable[Order]]:
+        self.simulation.marking = at
+        (event,) = (e for e in self.simulation.possible if happening(e) == happened)
+        assert self.simulation.take(event) is not None
+        return self.simulation.marking, ()
+
+
+class OfController:
+    """A controller in the runtime, put back by its snapshots."""
+
+    def __init__(self, mission_net: MissionNet, controller: Controller) -> None:
+        self.runtime = Runtime.from_document(document(controller, mission_net), log=1)
+        self.start = self.here()
+
+    def here(self) -> str:
+        return json.dumps(json.loads(self.runtime.snapshot()) | {"count": 0})
+
+    def seen(self, at: str) -> Seen:
+        self.runtime.restore(at)
+        return seen_of(self.runtime.state, self.runtime.out_of_service, self.runtime.outcome)
+
+    def possible(self, at: str) -> set[Happening]:
+        self.runtime.restore(at)
+        return {happening(Event.parse(text)) for text in self.runtime.possible}
+
+    def after(self, at: str, happened: Happening) -> tuple[str, Iterable[Order]]:
+        self.runtime.restore(at)
+        (text,) = (t for t in self.runtime.possible if happening(Event.parse(t)) == happened)
+        actions = self.runtime.handle(text)
+        orders = [
+            (a.objective, a.activity or "", a.alternative or "", {p.name: p.value for p in a.parameters})
+            for a in actions
+            if a.verb == "select"
+        ]
+        return self.here(), orders
+
+
+def graphs(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Player[Any]]]:
+    """The alternatives graph of every engine.
+
+    Raises:
+        ConfluenceError: The engine says that internal evolution is not confluent.
+        LimitError: There are too many states.
+    """
+    for engine in ENGINES:
+        yield engine, OfGraph(mission_net, engine, max_states)
+
+
+def controllers(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Player[Any]]]:
+    """The simulator, and every form of controller, minimised and not."""
+    yield "simulator", OfSimulator(mission_net)
+    for form in FORMS:
+        controller = generate(mission_net, form, max_states=max_states)
+        yield f"{form} controller", OfController(mission_net, controller)
+        yield f"{form} controller, minimised", OfController(mission_net, minimise(controller))

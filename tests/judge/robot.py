@@ -1,0 +1,249 @@
+"""The robot's activities: which alternatives run, what waits, what is refused, and how they react.
+
+Made from the language page alone. A *reaction* runs until nothing moves. First comes what nobody decides: who
+is in error gives up its alternative, who evaluates passes over alternatives that need hardware out of service
+and takes what it alone can want, producers that are needed begin, who has all that it needs runs. Then those
+take something that several may want, in any order: where two orders end differently the outcome is not
+determined. Last, producers that nobody needs stop.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cache
+
+from mcpn.mission.model import Activity, Alternative, Mission
+
+
+class Doing(StrEnum):
+    """What an activity does that is not idle."""
+
+    TRIES = "tries"
+    """It evaluates an alternative; in a stable state it waits until something that it needs is free."""
+    ASKS = "asks"
+    """It has what the alternative needs for itself, and waits until its producers run."""
+    RUNS = "runs"
+    REFUSED = "refused"
+
+
+At = tuple[Doing, int]
+"""What an activity does, and with which alternative, by its rank; a refused one has none, by rank -1."""
+REFUSED: At = (Doing.REFUSED, -1)
+FROM_THE_FIRST: At = (Doing.TRIES, 0)
+
+
+@dataclass(frozen=True)
+class Activities:
+    """All activities at one moment.
+
+    Args:
+        at: Those that are not idle.
+        wanted: Activities that objectives have yet to start, by objective.
+        out: Hardware out of service.
+    """
+
+    at: Mapping[str, At]
+    wanted: Mapping[str, tuple[str, ...]]
+    out: frozenset[str]
+
+    def but(self, changes: Mapping[str, At | None]) -> Activities:
+        """The same with some activities elsewhere; ``None`` for idle."""
+        at = {**self.at, **changes}
+        return replace(self, at={name: where for name, where in at.items() if where is not None})
+
+    def key(self) -> tuple[object, ...]:
+        """What tells two moments apart."""
+        return frozenset(self.at.items()), frozenset(self.wanted), self.out
+
+
+class Robot:
+    """What the robot's engineer has declared, and how it reacts.
+
+    Args:
+        mission: The mission.
+    """
+
+    def __init__(self, mission: Mission) -> None:
+        self.activities = {activity.name: activity for activity in mission.activities}
+        self.hardware = {hardware.name: hardware for hardware in mission.hardware}
+        self.producer = {s: a.name for a in mission.activities for s in a.produces}
+        self.exclusive = {h.name for h in mission.hardware if not h.shared}
+        self.exclusive |= {s.name for s in mission.software if s.exclusive}
+        self.consumers = Counter(
+            k for a in mission.activities for k in {k for way in a.alternatives for k in way.consumes}
+        )
+        self.possible = cache(self._possible)
+
+    def way(self, name: str, at: At) -> Alternative:
+        """The alternative that an activity tries, asks for or runs."""
+        return self.activities[name].alternatives[at[1]]
+
+    def settled(self, start: Activities) -> list[Activities]:
+        """Where a reaction may end: one moment, or several where the outcome is not determined."""
+        ends: dict[object, Activities] = {}
+        seen, stack = {start.key()}, [start]
+        while stack and len(ends) < 2:
+            now = stack.pop()
+            after = self.move(now)
+            if not after:
+                ends[now.key()] = now
+            for one in after:
+                if one.key() not in seen:
+                    seen.add(one.key())
+                    stack.append(one)
+        return list(ends.values())
+
+    def stopped(self, now: Activities) -> Activities:
+        """Every producer stopped that nobody needs, and those that only these needed."""
+        while idle := self.needless(now):
+            now = now.but(dict.fromkeys(idle))
+        return now
+
+    def move(self, now: Activities) -> list[Activities]:
+        """What may happen next: one thing, several where the order is open, none at the end."""
+        certain = next(filter(None, (self.errors(now), self.evaluation(now), self.returns(now))), None)
+        if certain:
+            return [now.but(certain)]
+        if alone := self.alone(now):
+            return [alone]
+        if chosen := [*self.takes(now), *self.begins(now)]:
+            return chosen
+        idle = self.needless(now)
+        return [now.but(dict.fromkeys(idle))] if idle else []
+
+    # --- what nobody decides -------------------------------------------------------------------------
+
+    def errors(self, now: Activities) -> dict[str, At | None]:
+        """Who runs and loses a resource tries all again; who still asks tries the next alternative."""
+        found: dict[str, At | None] = {}
+        for name, consumes in self.holding(now):
+            if any(self.failed(now, k) for k in consumes):
+                doing, rank = now.at[name]
+                found[name] = FROM_THE_FIRST if doing is Doing.RUNS else (Doing.TRIES, rank + 1)
+        if not found:  # then nobody stands on a producer that was refused: it is idle again
+            refused = (name for name, at in now.at.items() if at == REFUSED)
+            return dict.fromkeys(name for name in refused if self.activities[name].produces)
+        return found
+
+    def failed(self, now: Activities, resource: str) -> bool:
+        """Whether a resource that somebody holds is in error."""
+        return resource in now.out or now.at.get(self.producer.get(resource, "")) == REFUSED
+
+    def evaluation(self, now: Activities) -> dict[str, At | None]:
+        """The steps of evaluation that no other activity has a part in."""
+        found: dict[str, At | None] = {p: FROM_THE_FIRST for p in self.needed(now) if p not in now.at}
+        for name, (doing, rank) in now.at.items():
+            activity = self.activities[name]
+            if doing is Doing.TRIES and rank == len(activity.alternatives):
+                found[name] = REFUSED
+            elif doing is Doing.TRIES:
+                consumes = activity.alternatives[rank].consumes
+                if not now.out.isdisjoint(consumes):
+                    found[name] = (Doing.TRIES, rank + 1)
+                elif not any(map(self.contended, consumes)):
+                    found[name] = (Doing.ASKS, rank)
+            elif doing is Doing.ASKS:
+                producers = {
+                    self.producer[k] for k in self.way(name, now.at[name]).consumes if k in self.producer
+                }
+                if all(now.at.get(p, REFUSED)[0] is Doing.RUNS for p in producers):
+                    found[name] = (Doing.RUNS, rank)
+        return found
+
+    def returns(self, now: Activities) -> dict[str, At | None]:
+        """Who switches back and has a better alternative that is possible again."""
+        return {
+            name: FROM_THE_FIRST
+            for name, (doing, rank) in now.at.items()
+            if doing is Doing.RUNS and self.activities[name].switch_back
+            if any(self.possible(name, better, now.out) for better in range(rank))
+        }
+
+    def alone(self, now: Activities) -> Activities | None:
+        """An objective begins whose activities no other is about to start."""
+        starts = Counter(name for activities in now.wanted.values() for name in activities)
+        return next(
+            (after for o, after in self.beginning(now) if all(starts[a] == 1 for a in now.wanted[o])), None
+        )
+
+    # --- what depends on who comes first ---------------------------------------------------------------
+
+    def takes(self, now: Activities) -> Iterator[Activities]:
+        """One of those that evaluate takes what several may want and nobody has."""
+        held = {k for _, consumes in self.holding(now) for k in consumes if self.contended(k)}
+        for name, at in now.at.items():
+            if at[0] is Doing.TRIES and held.isdisjoint(self.way(name, at).consumes):
+                yield now.but({name: (Doing.ASKS, at[1])})
+
+    def begins(self, now: Activities) -> Iterator[Activities]:
+        """One of the objectives that wait begins."""
+        return (after for _, after in self.beginning(now))
+
+    def beginning(self, now: Activities) -> Iterator[tuple[str, Activities]]:
+        """Objectives whose activities no other has started, and the moment when one of them has begun."""
+        for objective, activities in now.wanted.items():
+            if not any(name in now.at for name in activities):
+                left = {o: those for o, those in now.wanted.items() if o != objective}
+                yield objective, replace(now.but(dict.fromkeys(activities, FROM_THE_FIRST)), wanted=left)
+
+    # --- who needs and holds what ----------------------------------------------------------------------
+
+    def contended(self, resource: str) -> bool:
+        """Whether one activity at a time has the resource, and several may want it."""
+        return resource in self.exclusive and self.consumers[resource] > 1
+
+    def holding(self, now: Activities) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Who has which resources, or has asked their producers."""
+        for name, at in now.at.items():
+            if at[0] in (Doing.ASKS, Doing.RUNS):
+                yield name, self.way(name, at).consumes
+
+    def needed(self, now: Activities) -> set[str]:
+        """Producers of what somebody has or asks for."""
+        return {self.producer[k] for _, consumes in self.holding(now) for k in consumes if k in self.producer}
+
+    def needless(self, now: Activities) -> list[str]:
+        """Producers that are not idle though nobody needs what they produce."""
+        needed = self.needed(now)
+        return [name for name in now.at if self.activities[name].produces and name not in needed]
+
+    # --- possible again --------------------------------------------------------------------------------
+
+    def _possible(self, name: str, rank: int, out: frozenset[str]) -> bool:
+        """Whether hardware in service allows an alternative, whoever has it now."""
+        return any(True for _ in self._ways(self.activities[name], rank, out))
+
+    def _ways(
+        self, activity: Activity, rank: int, out: frozenset[str]
+    ) -> Iterator[frozenset[tuple[str, str]]]:
+        """Which hardware which activity would have for itself, in each way to perform an alternative."""
+        found: list[frozenset[tuple[str, str]]] = [frozenset()]
+        for k in activity.alternatives[rank].consumes:
+            found = [
+                way
+                for one in found
+                for other in self._ways_to(k, activity.name, out)
+                for way in _both(one, other)
+            ]
+        yield from found
+
+    def _ways_to(self, resource: str, who: str, out: frozenset[str]) -> Iterator[frozenset[tuple[str, str]]]:
+        if resource in self.hardware:
+            if resource not in out:
+                yield frozenset({(resource, who)} if resource in self.exclusive else ())
+            return
+        producer = self.activities[self.producer[resource]]
+        for rank in range(len(producer.alternatives)):
+            yield from self._ways(producer, rank, out)
+
+
+def _both(
+    one: frozenset[tuple[str, str]], other: frozenset[tuple[str, str]]
+) -> Iterable[frozenset[tuple[str, str]]]:
+    """Both together, unless two activities would have one hardware resource."""
+    together = one | other
+    if len({hardware for hardware, _ in together}) == len(together):
+        yield together

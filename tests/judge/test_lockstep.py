@@ -1,0 +1,126 @@
+"""Engines, simulator and controllers do what the interpreter says, on drawn missions of every element."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.mission.model import BlockElement, Mission, Objective, Recursive, walk
+from mcpn.net.compose import MissionNet, compose
+from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
+from tests.draws import fewer
+from tests.judge.interpreter import Seen
+from tests.judge.lockstep import Disagreement, Judge
+from tests.judge.players import OfGraph
+from tests.shares import returns_early
+from tests.small import activity, hw, mission, robot
+
+NOT_YET = frozenset({"waiting", "parameters"})
+"""What the engines are known to say otherwise than the page."""
+
+
+def known_to_differ(mission_net: MissionNet) -> Iterator[str]:
+    """Why a mission is left out: faults that the page does not share."""
+    usage = mission_net.usage
+    if any(usage.switching.switches_back(a) and not usage.activities[a].switch_back for a in usage.started):
+        yield "a producer returns undeclared"
+    of = mission_net.mission
+    written: list[Mission | BlockElement] = [of, *walk(of.blocks)]
+    written += [block for protocol in of.protocols for block in walk(protocol.blocks)]
+    if any(handler.once for element in written for handler in element.handlers):
+        yield "handlers that happen once"
+
+
+def check(of: Mission) -> None:
+    """All that play a mission agree with the interpreter."""
+    mission_net = compose(of)
+    for reason in known_to_differ(mission_net):
+        returns_early(reason)
+        return
+    event(Judge(of, NOT_YET).judge(mission_net).kind)
+
+
+@fewer(0.5)
+@given(missions(sections=6))
+def test_any_mission(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(missions(sections=5, producers=2, events=2))
+def test_missions_with_declared_events(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(missions(sections=5, outputs=3, own_hardware=True, shared_activities=False))
+def test_missions_without_contention(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(missions(sections=6, outputs=3, disjoint_branches=True))
+def test_missions_with_disjoint_branches(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(st.one_of(stacked_missions(), missions(sections=4, producers=4, alternatives=2, awkward_names=True)))
+def test_missions_of_chains(of: Mission) -> None:
+    check(of)
+
+
+CHAIN = mission(
+    robot(
+        hw("h", "g"),
+        activity("d", ("h",), ("g",), produces=("s",)),
+        activity("a", ("s",)),
+        activity("b", ("g",)),
+    ),
+    Recursive(
+        name="r", blocks=(Objective(name="o", activities=("a",)), Objective(name="p", activities=("b",)))
+    ),
+)
+
+
+def test_every_state_of_every_player_is_compared() -> None:
+    verdict = Judge(CHAIN).judge()
+    assert verdict.kind == "agree"
+    assert set(verdict.pairs.values()) == {verdict.states}
+    assert len(verdict.pairs) == 8
+    assert verdict.pairs["explicit"] == OfGraph(compose(CHAIN), "explicit", 1000).graph.states
+
+
+class _Wrong(OfGraph):
+    """A graph of which one state says something else."""
+
+    wrong: dict[str, Any]
+
+    def seen(self, at: int) -> Seen:
+        said = super().seen(at)
+        return replace(said, **self.wrong) if at == 5 else said
+
+
+@pytest.mark.parametrize(
+    "kind", ["mode", "waiting", "refused", "running", "ended", "out", "pending", "outcome"]
+)
+def test_a_wrong_state_is_found(kind: str) -> None:
+    player = _Wrong(compose(CHAIN), "explicit", 1000)
+    player.wrong = {kind: "something else"}
+    with pytest.raises(Disagreement) as caught:
+        Judge(CHAIN).lockstep("somebody", player)
+    assert caught.value.kind == kind
+
+
+def test_an_event_that_is_missing_is_found() -> None:
+    player = OfGraph(compose(CHAIN), "explicit", 1000)
+    player.onward(7).popitem()
+    with pytest.raises(Disagreement) as caught:
+        Judge(CHAIN).lockstep("somebody", player)
+    assert caught.value.kind == "possible"
