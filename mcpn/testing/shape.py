@@ -22,7 +22,8 @@ class Shape:
         objectives: Most blocks in a series.
         depth: How deep blocks nest.
         parallel: Whether parallel blocks are drawn.
-        protocols: Whether protocols are drawn and used.
+        branches: Most children of a parallel block; the more of them, the fewer blocks each has.
+        protocols: Whether protocols are drawn and used, also by one another.
         loops: Whether routes may go back.
         rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
             may be shared, or hardware of one activity alone.
@@ -49,6 +50,7 @@ class Shape:
     objectives: int = 3
     depth: int = 2
     parallel: bool = True
+    branches: int = 2
     protocols: bool = True
     loops: bool = True
     rounds: bool = True

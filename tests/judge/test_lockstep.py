@@ -8,13 +8,11 @@ from typing import Any
 
 import pytest
 from hypothesis import event, given
-from hypothesis import strategies as st
 
 from mcpn.mission.model import BlockElement, Mission, Objective, Recursive, walk
 from mcpn.net.compose import MissionNet, compose
-from mcpn.testing import missions
-from mcpn.testing.stacks import stacked_missions
 from tests.draws import fewer
+from tests.judge import drawn
 from tests.judge.interpreter import Seen
 from tests.judge.lockstep import Disagreement, Judge
 from tests.judge.players import OfGraph
@@ -47,32 +45,50 @@ def check(of: Mission) -> None:
 
 
 @fewer(0.5)
-@given(missions(sections=6))
+@given(drawn.ANY)
 def test_any_mission(of: Mission) -> None:
     check(of)
 
 
 @fewer(0.5)
-@given(missions(sections=5, producers=2, events=2))
+@given(drawn.INTERRUPTED)
 def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
 
 
 @fewer(0.5)
-@given(missions(sections=5, outputs=3, own_hardware=True, shared_activities=False))
+@given(drawn.IN_ROUNDS)
+def test_handlers_in_rounds_and_uses(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.APART)
 def test_missions_without_contention(of: Mission) -> None:
     check(of)
 
 
 @fewer(0.5)
-@given(missions(sections=6, outputs=3, disjoint_branches=True))
+@given(drawn.DISJOINT)
 def test_missions_with_disjoint_branches(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.25)
+@given(drawn.WIDE)
+def test_wide_blocks(of: Mission) -> None:
+    check(of)
+
+
 @fewer(0.5)
-@given(st.one_of(stacked_missions(), missions(sections=4, producers=4, alternatives=2, awkward_names=True)))
+@given(drawn.CHAINS)
 def test_missions_of_chains(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.SAYING)
+def test_missions_with_parameters(of: Mission) -> None:
     check(of)
 
 

@@ -1,0 +1,211 @@
+"""Drawn missions: blocks, protocols and handlers over a drawn robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import strategies as st
+
+from mcpn.mission.model import (
+    FAIL,
+    SUCCEED,
+    Block,
+    DeclaredEvent,
+    Each,
+    Handler,
+    Mission,
+    Objective,
+    Parallel,
+    Protocol,
+    Recursive,
+    Robot,
+    Use,
+)
+from mcpn.testing.drawing import TEXTS
+from mcpn.testing.robots import Island, RobotDrawing
+from mcpn.testing.shape import PARAMETERS, Shape
+
+NARROW = 3
+"""Branches of a parallel block that may hold blocks themselves."""
+
+
+class MissionDrawing(RobotDrawing):
+    """Draws a whole mission."""
+
+    def __init__(self, draw: st.DrawFn, shape: Shape) -> None:
+        super().__init__(draw, shape)
+        # Each protocol with the islands that it needs and how many elementary objectives it has.
+        self.protocols: list[tuple[Protocol, list[Island], int]] = []
+        self.unused: list[str] = []
+        self.events: tuple[str, ...] = ()
+
+    def mission(self) -> Mission:
+        """The mission."""
+        hardware, software = self.resources()
+        for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
+            self.startable(self.islands[i] if i < len(self.islands) else self.island())
+        self.events = tuple(f"e{i}" for i in range(self.number(0, self.shape.events)))
+        budget = self.shape.sections
+        for _ in range(self.draw(st.sampled_from([0, 1, 1, 2])) if self.shape.protocols else 0):
+            blocks, size = self.series(1, self.islands, self.number(1, budget))
+            protocol = Protocol(name=self.name("proto"), blocks=blocks, parameters=self.parameters())
+            self.protocols.append((protocol, self.islands, size))
+            self.unused.append(protocol.name)
+        blocks, _ = self.series(self.shape.depth, self.islands, budget)
+        return Mission(
+            name="mission",
+            description=self.description(),
+            blocks=blocks,
+            robots=(
+                Robot(
+                    name="robot",
+                    hardware=hardware,
+                    software=software,
+                    activities=tuple(self.activities),
+                    events=tuple(map(self.event, self.events)),
+                ),
+            ),
+            protocols=tuple(protocol for protocol, _, _ in self.protocols),
+            handlers=self.handlers([b.name for b in blocks]),
+        )
+
+    def event(self, name: str) -> DeclaredEvent:
+        return DeclaredEvent(name=name, description=self.description(), rate=self.value(0, 1e6))
+
+    def handlers(self, siblings: list[str]) -> tuple[Handler, ...]:
+        """What a block that stands among some siblings does on events."""
+        targets = st.sampled_from([SUCCEED, FAIL, *siblings])
+        return tuple(
+            Handler(
+                event=event,
+                goto=self.draw(targets),
+                once=self.number(0, 3) == 0,
+                description=self.description(),
+            )
+            for event in self.events
+            if self.number(0, 2) == 0
+        )
+
+    # --- blocks ----------------------------------------------------------------------------------------
+    # Each draws within islands and a budget of elementary objectives, and says how many it took.
+
+    def series(self, depth: int, islands: list[Island], budget: int) -> tuple[tuple[Block, ...], int]:
+        """Blocks that run one after the other."""
+        blocks: list[Block] = []
+        taken = 0
+        for left in range(self.number(1, min(self.shape.objectives, budget)) - 1, -1, -1):
+            block, size = self.block(depth, islands, budget - taken - left)
+            blocks.append(block)
+            taken += size
+        return tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks)), taken
+
+    def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
+        """A block of a series with its routes and handlers."""
+        targets = [None, SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else index + 1 :])]
+        route = st.sampled_from(targets)
+        success, failure = self.draw(st.none() | route), self.draw(route)
+        handlers = self.handlers([b.name for b in blocks])
+        return replace(block, success=success, failure=failure, handlers=handlers)
+
+    def block(self, depth: int, islands: list[Island], budget: int) -> tuple[Block, int]:
+        """A block, once or in rounds and tries."""
+        # The rounds of a block follow one another: where nothing contends they do not either.
+        apart = self.shape.own_hardware or self.shape.shared_activities
+        if not self.shape.rounds or not apart or self.number(0, 3):
+            return self.once(depth, islands, budget)
+        if depth and self.chance():
+            values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]
+            blocks, size = self.series(depth - 1, islands, budget // len(values))
+            parameter = self.draw(st.none() | st.sampled_from(PARAMETERS))
+            drawn = Each(name=self.name("each"), values=tuple(values), blocks=blocks, parameter=parameter)
+            return drawn, size * len(values)
+        repeat = self.draw(st.none() | st.integers(1, min(3, budget)))
+        retries = self.number(0, min(2, budget // (repeat or 1) - 1))
+        copies = (repeat or 1) * (retries + 1)
+        block, size = self.once(depth, islands, budget // copies)
+        return replace(block, repeat=repeat, retries=retries), size * copies
+
+    def once(self, depth: int, islands: list[Island], budget: int) -> tuple[Block, int]:
+        """A block of any kind without rounds."""
+        usable = self.usable(islands, budget)
+        kinds = ["objective", "objective"]
+        kinds += ["recursive"] if depth else []
+        kinds += ["parallel"] if depth and self.shape.parallel else []
+        kinds += ["use"] if usable else []
+        kind = self.draw(st.sampled_from(kinds))
+        if kind == "use":
+            return self.use(*self.draw(st.sampled_from(usable)))
+        if kind == "recursive":
+            blocks, size = self.series(depth - 1, islands, budget)
+            return Recursive(name=self.name("rec"), blocks=blocks, parameters=self.parameters()), size
+        if kind == "parallel":
+            blocks, size = self.children(depth - 1, islands, budget)
+            return Parallel(name=self.name("par"), blocks=blocks), size
+        return self.objective(islands), 1
+
+    def usable(self, islands: list[Island], budget: int) -> list[tuple[Protocol, int]]:
+        """Protocols that may be used here, with how many objectives they have."""
+        return [
+            (protocol, size)
+            for protocol, needed, size in self.protocols
+            if size <= budget
+            and all(island in islands for island in needed)
+            and (self.shape.shared_activities or protocol.name in self.unused)
+        ]
+
+    def use(self, protocol: Protocol, size: int) -> tuple[Block, int]:
+        """A use of a protocol."""
+        if protocol.name in self.unused:
+            self.unused.remove(protocol.name)
+        overrides = protocol.parameters if self.shape.text and self.chance() else ()
+        parameters = tuple(replace(p, value=self.draw(TEXTS)) for p in overrides)
+        return Use(name=self.name("use"), protocol=protocol.name, parameters=parameters), size
+
+    def objective(self, islands: list[Island]) -> Objective:
+        """An elementary objective."""
+        activities: list[str] = []
+        for _ in range(self.number(1, 2)):
+            if self.shape.disjoint_branches:
+                islands = [i for i in islands if not set(i.startable) & set(activities)]
+            if not islands:
+                break
+            island = self.draw(st.sampled_from(islands))
+            left = [a for a in island.startable if a not in activities]
+            if not left and not self.shape.shared_activities:
+                self.startable(island)
+                left = island.startable[-1:]
+            if left:
+                activities.append(self.draw(st.sampled_from(left)))
+        if not self.shape.shared_activities:
+            for island in self.islands:
+                island.startable = [a for a in island.startable if a not in activities]
+        return Objective(
+            name=self.name("obj"),
+            activities=tuple(activities),
+            parameters=self.parameters(),
+            description=self.description(),
+            duration=self.value(1e-6, 1e6),
+            failure_probability=self.value(0, 1),
+        )
+
+    def children(self, depth: int, islands: list[Island], budget: int) -> tuple[tuple[Block, ...], int]:
+        """The children of a parallel block."""
+        apart = self.shape.disjoint_branches
+        most = min(self.shape.branches, budget, len(islands) if apart else budget)
+        number = self.number(1, most)
+        shares = [islands] * number
+        if apart:
+            cuts = sorted(self.draw(st.permutations(range(1, len(islands))))[: number - 1])
+            shares = [islands[i:j] for i, j in zip([0, *cuts], [*cuts, len(islands)], strict=True)]
+        if number > NARROW:  # so many branches have too many states unless each is small
+            depth = 0
+        children: list[Block] = []
+        taken = 0
+        for i, share in enumerate(shares):
+            child, size = self.block(depth, share, budget - taken - (number - 1 - i))
+            if isinstance(child, Parallel):
+                child = Recursive(name=self.name("rec"), blocks=(child,))
+            mandatory = i == 0 or self.chance()
+            children.append(replace(child, mandatory=mandatory, handlers=self.handlers([])))
+            taken += size
+        return tuple(children), taken

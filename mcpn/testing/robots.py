@@ -1,0 +1,155 @@
+"""Drawn robots: resources, activities and their alternatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from hypothesis import strategies as st
+
+from mcpn.mission.model import Activity, Alternative, Hardware, Software
+from mcpn.testing.drawing import Drawing
+from mcpn.testing.shape import Shape
+
+
+@dataclass
+class Island:
+    """A part of the robot that shares no resource with another; without disjoint branches, all of it.
+
+    Args:
+        number: Its rank.
+        below: Its resources, each with all that its producer may need, itself included.
+        groups: Its resources, each with those that the same activity produces.
+        startable: Its activities that objectives may start.
+    """
+
+    number: int
+    below: dict[str, frozenset[str]] = field(default_factory=dict)
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    startable: list[str] = field(default_factory=list)
+
+
+class RobotDrawing(Drawing):
+    """Draws the robot of a mission."""
+
+    def __init__(self, draw: st.DrawFn, shape: Shape) -> None:
+        super().__init__(draw, shape)
+        self.islands: list[Island] = []
+        self.activities: list[Activity] = []
+        # Hardware that one activity may use at a time; who uses it, where no other may at all.
+        self.exclusive_hardware: set[str] = set()
+        self.users: dict[str, str] = {}
+
+    def island(self) -> Island:
+        """One of the islands."""
+        return self.islands[self.number(0, len(self.islands) - 1)]
+
+    def resources(self) -> tuple[tuple[Hardware, ...], tuple[Software, ...]]:
+        """Hardware, software and the activities that produce it."""
+        hardware = tuple(self.hardware(f"h{i}") for i in range(self.number(1, self.shape.hardware)))
+        self.exclusive_hardware = {h.name for h in hardware if not h.shared}
+        islands = self.number(1, len(hardware)) if self.shape.disjoint_branches else 1
+        self.islands = [Island(i) for i in range(islands)]
+        for i, h in enumerate(hardware):
+            island = self.islands[i] if i < islands else self.island()
+            island.below[h.name] = frozenset({h.name})
+            island.groups[h.name] = (h.name,)
+        software: list[Software] = []
+        for i in range(self.number(0, self.shape.producers)):
+            produced = tuple(f"s{i}{letter}" for letter in "abcd"[: self.number(1, self.shape.outputs)])
+            island = self.island()
+            producer = self.activity(f"producer{i}", island, produced)
+            self.activities.append(producer)
+            software += [
+                Software(name=s, description=self.description(), exclusive=self.exclusive()) for s in produced
+            ]
+            needs = [island.below[k] for a in producer.alternatives for k in a.consumes]
+            for s in produced:
+                island.below[s] = frozenset(produced).union(*needs)
+                island.groups[s] = produced
+        return hardware, tuple(software)
+
+    def exclusive(self) -> bool:
+        """Whether software is exclusive."""
+        return not self.shape.own_hardware and self.number(0, 3) == 0
+
+    def hardware(self, name: str) -> Hardware:
+        """A hardware resource."""
+        faulty = self.number(0, 4) > 0
+        rates = (self.value(0, 1e6), self.value(0, 1e6)) if faulty else (None, None)
+        return Hardware(
+            name=name,
+            faulty=faulty,
+            shared=self.number(0, 1 if self.shape.own_hardware else 3) == 0,
+            description=self.description(),
+            failure_rate=rates[0],
+            repair_rate=rates[1],
+        )
+
+    def startable(self, island: Island) -> None:
+        """Adds an activity that objectives may start."""
+        name = f"activity{len(self.activities)}"
+        self.activities.append(self.activity(name, island, ()))
+        island.startable.append(name)
+
+    def activity(self, name: str, island: Island, produces: tuple[str, ...]) -> Activity:
+        """An activity with its alternatives."""
+        ways: list[Alternative] = []
+        for i in range(self.number(1, self.shape.alternatives)):
+            # Fallbacks mostly use something else than what has failed.
+            before = {k for way in ways for k in way.consumes}
+            consumes = self.consumed(name, island, before, before if self.number(0, 3) else set())
+            ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
+        if len(ways) == 1 and self.chance():
+            ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
+        return Activity(
+            name=name,
+            produces=produces,
+            switch_back=len(ways) > 1 and self.number(0, 3) == 0,
+            alternatives=tuple(ways),
+            parameters=self.parameters(),
+            description=self.description(),
+        )
+
+    def consumed(self, activity: str, island: Island, before: set[str], avoided: set[str]) -> tuple[str, ...]:
+        """What an alternative consumes, after others of the activity that consume some resources."""
+        chosen: list[str] = []
+        for _ in range(self.draw(st.sampled_from([0, 1, 1, 1, 2, 2]))):
+            left = [
+                k
+                for k in island.below
+                if self.may_join(island, k, chosen) and self.may_follow(island, k, before)
+            ]
+            if self.shape.own_hardware:
+                left = [k for k in left if self.users.get(k, activity) == activity]
+            left = [k for k in left if k not in avoided] or left
+            # What a supplier of this very alternative may take too, itself or through others.
+            under = frozenset[str]().union(*(island.below[k] for k in chosen))
+            near = [k for k in left if any(not under.isdisjoint(island.below[j]) for j in island.groups[k])]
+            if near and self.chance():
+                left = near
+            # Chains of activities come of software alone.
+            made = [k for k in left if k.startswith("s")]
+            if made and self.chance():
+                left = made
+            if left:
+                chosen.append(self.draw(st.sampled_from(left)))
+        self.users |= {k: activity for k in chosen if k in self.exclusive_hardware}
+        return tuple(chosen)
+
+    def may_join(self, island: Island, resource: str, chosen: list[str]) -> bool:
+        """Whether a resource may be consumed beside the chosen ones: disjoint below, or of one producer."""
+        if not self.shape.disjoint_branches:
+            return resource not in chosen
+        return resource not in chosen and all(
+            resource in island.groups[k] or island.below[resource].isdisjoint(island.below[k]) for k in chosen
+        )
+
+    def may_follow(self, island: Island, resource: str, before: set[str]) -> bool:
+        """Whether a resource may be consumed after other alternatives, whose producers may be ending yet."""
+        if not self.shape.disjoint_branches:
+            return True
+        return all(
+            (resource == k and len(island.below[k]) == 1)
+            or island.below[resource].isdisjoint(island.below[k])
+            for k in before
+        )

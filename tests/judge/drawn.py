@@ -1,0 +1,26 @@
+"""Missions that are drawn for the judge: all elements of the language, contended and not."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+
+from mcpn.mission.model import Mission
+from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
+
+ANY = missions(sections=6)
+INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)
+IN_ROUNDS = missions(sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1)
+"""Little but blocks: handlers in rounds, tries, values and uses."""
+APART = missions(sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1)
+"""Nothing contends, whatever runs together."""
+DISJOINT = missions(sections=6, outputs=3, disjoint_branches=True)
+WIDE = missions(sections=8, branches=8, hardware=2, producers=1, objectives=2, alternatives=2)
+CHAINS = stacked_missions() | missions(sections=4, producers=4, alternatives=2, awkward_names=True)
+SAYING = missions(sections=5, hardware=1, producers=1, alternatives=2, text=True)
+"""With parameters on blocks, uses and values."""
+
+MISSIONS: st.SearchStrategy[Mission] = st.one_of(
+    ANY, INTERRUPTED, IN_ROUNDS, APART, DISJOINT, WIDE, CHAINS, SAYING
+)
+"""All of them."""
