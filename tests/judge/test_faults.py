@@ -1,0 +1,104 @@
+"""Missions on which mcpn was found wrong by judges that share no code with it, in the folder of ``--faults``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from tests.commands import mcpn
+from tests.judge.interpreter import (
+    DECLARED,
+    FAILURE,
+    OUT_OF_SERVICE,
+    REPAIRED,
+    START,
+    SUCCESS,
+    Happening,
+    Interpreter,
+    Seen,
+)
+from tests.judge.lockstep import Judge
+
+BEGIN = (START, "")
+LEAK = (DECLARED, "leak")
+
+
+def fault(folder: Path, name: str) -> Path:
+    path = folder / f"{name}.xml"
+    if not path.is_file():
+        pytest.skip(f"needs {path.name} in the folder that --faults names")
+    return path
+
+
+def seen(mission: Mission, *happenings: Happening) -> tuple[Seen, set[Happening]]:
+    """What the interpreter sees after some events, and what may happen then."""
+    interpreter = Interpreter(mission)
+    state = interpreter.initial
+    for happened in happenings:
+        assert happened in interpreter.possible(state), happened
+        state = interpreter.after(state, happened)
+    return interpreter.seen(state), interpreter.possible(state)
+
+
+@pytest.mark.parametrize("name", ["once_in_each", "once_in_use", "once_in_repeated_parent"])
+def test_a_handler_that_happens_once_does_so_once_by_the_page(faults: Path, name: str) -> None:
+    now, possible = seen(read_mission(fault(faults, name)), BEGIN, LEAK)
+    (running,) = now.running
+    assert possible == {(SUCCESS, running), (FAILURE, running)}
+
+
+def test_a_producer_does_not_return_undeclared_by_the_page(faults: Path) -> None:
+    mission = read_mission(fault(faults, "return_by_unrelated_handler"))
+    now, _ = seen(mission, BEGIN, (OUT_OF_SERVICE, "h0"), (REPAIRED, "h0"))
+    assert ("d", "spare") in now.mode
+
+
+def test_a_producer_of_two_products_goes_on_for_another_branch_by_the_page(faults: Path) -> None:
+    mission = read_mission(fault(faults, "two_products_not_confluent"))
+    now, _ = seen(mission, BEGIN, (OUT_OF_SERVICE, "h"), (REPAIRED, "h"), (SUCCESS, "o2"))
+    assert now.running == {"o1", "o3"}
+    assert ("d", "spare") in now.mode
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        ("waiting_for_hardware", "b"),
+        ("waiting_for_exclusive_software", "b"),
+        ("busy_alternative_waits", "with_h"),
+    ],
+)
+def test_an_activity_waits_for_what_another_has_by_the_page(faults: Path, name: str, way: str) -> None:
+    now, possible = seen(read_mission(fault(faults, name)), BEGIN, (SUCCESS, "o1"))
+    assert now.waiting == {("b", way)}
+    assert (SUCCESS, "o2") not in possible
+    assert (FAILURE, "o2") in possible
+
+
+def test_the_innermost_parameter_counts_by_the_page(faults: Path) -> None:
+    interpreter = Interpreter(read_mission(fault(faults, "parameters_precedence")))
+    said = {name: leaf.parameters for name, leaf in interpreter.objectives.items()}
+    assert said["u_12_1.o"] == {"room": "12", "speed": "2", "round": "1"}
+    assert said["u_12_1.w"]["room"] == "own"
+    assert said["u_14_2.inner.q"] == {"room": "14", "speed": "2", "z": "fromP", "round": "2"}
+    assert (said["v_12.o"]["room"], said["v_12.w"]["room"]) == ("use", "own")
+    assert said["v_12.inner.q"]["room"] == "use"
+    assert (said["y_12_1"]["room"], said["y_12_1"]["round"]) == ("own2", "mine")
+    assert (said["h_1"]["p1"], said["i_A"]["p1"]) == ("inner", "A")
+    assert interpreter.parameters("x_12", "a", "a0") == {"k": "act", "k2": "alt", "room": "12"}
+
+
+def test_a_wide_block_is_as_the_page_says(faults: Path) -> None:
+    verdict = Judge(read_mission(fault(faults, "wide_parallel_7"))).judge()
+    assert verdict.kind == "agree"
+    # Each branch runs or has ended in one of two ways, not all ended; and before, success and failure.
+    assert verdict.states == 3**7 - 2**7 + 3
+
+
+def test_a_recovery_that_the_way_falls_into_is_told(faults: Path) -> None:
+    found = mcpn("check", fault(faults, "recovery_falls_into"))
+    assert found.returncode == 1
+    assert 'a block after which all is done says success="succeed"' in found.stdout
