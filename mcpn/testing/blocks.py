@@ -79,11 +79,11 @@ class MissionDrawing(RobotDrawing):
             Handler(
                 event=event,
                 goto=self.draw(targets),
-                once=self.number(0, 3) == 0,
+                once=(self.number(0, 3) == 0) != self.shape.interrupted,
                 description=self.description(),
             )
             for event in self.events
-            if self.number(0, 2) == 0
+            if (self.number(0, 2) == 0) != self.shape.interrupted
         )
 
     # --- blocks ----------------------------------------------------------------------------------------
@@ -111,7 +111,7 @@ class MissionDrawing(RobotDrawing):
         """A block, once or in rounds and tries."""
         # The rounds of a block follow one another: where nothing contends they do not either.
         apart = self.shape.own_hardware or self.shape.shared_activities
-        if not self.shape.rounds or not apart or self.number(0, 3):
+        if not self.shape.rounds or not apart or self.number(0, 1 if self.shape.interrupted else 3):
             return self.once(depth, islands, budget)
         if depth and self.chance():
             values = [f"v{i}" for i in range(self.number(1, min(3, budget)))]

@@ -28,6 +28,8 @@ class Shape:
         rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
             may be shared, or hardware of one activity alone.
         events: Most declared events; with some, blocks and the mission handle them.
+        interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
+            are done in rounds; else a third, a quarter and a quarter.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
@@ -55,6 +57,7 @@ class Shape:
     loops: bool = True
     rounds: bool = True
     events: int = 0
+    interrupted: bool = False
     shared_activities: bool = True
     disjoint_branches: bool = False
     own_hardware: bool = False

@@ -6,14 +6,19 @@ from hypothesis import strategies as st
 
 from mcpn.mission.model import Mission
 from mcpn.testing import missions
+from mcpn.testing.data import data_sharing_missions
 from mcpn.testing.stacks import stacked_missions
 
 ANY = missions(sections=6)
 INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)
-IN_ROUNDS = missions(sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1)
+IN_ROUNDS = missions(
+    sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True
+)
 """Little but blocks: handlers in rounds, tries, values and uses."""
 APART = missions(sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1)
 """Nothing contends, whatever runs together."""
+SHARING = data_sharing_missions()
+"""The same, with data that branches share."""
 DISJOINT = missions(sections=6, outputs=3, disjoint_branches=True)
 WIDE = missions(sections=8, branches=8, hardware=2, producers=1, objectives=2, alternatives=2)
 CHAINS = stacked_missions() | missions(sections=4, producers=4, alternatives=2, awkward_names=True)
@@ -21,6 +26,6 @@ SAYING = missions(sections=5, hardware=1, producers=1, alternatives=2, text=True
 """With parameters on blocks, uses and values."""
 
 MISSIONS: st.SearchStrategy[Mission] = st.one_of(
-    ANY, INTERRUPTED, IN_ROUNDS, APART, DISJOINT, WIDE, CHAINS, SAYING
+    ANY, INTERRUPTED, IN_ROUNDS, APART, SHARING, DISJOINT, WIDE, CHAINS, SAYING
 )
 """All of them."""

@@ -1,4 +1,4 @@
-"""Missions that showed a fault of mcpn to judges that share no code with it, the folder of ``--faults``."""
+"""Missions that showed a fault of mcpn to judges that share no code with it: the folder of ``--faults``."""
 
 from __future__ import annotations
 

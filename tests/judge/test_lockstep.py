@@ -50,12 +50,14 @@ def test_any_mission(of: Mission) -> None:
     check(of)
 
 
+@pytest.mark.may_leave(1)
 @fewer(0.5)
 @given(drawn.INTERRUPTED)
 def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
 
 
+@pytest.mark.may_leave(1)
 @fewer(0.5)
 @given(drawn.IN_ROUNDS)
 def test_handlers_in_rounds_and_uses(of: Mission) -> None:
@@ -65,6 +67,13 @@ def test_handlers_in_rounds_and_uses(of: Mission) -> None:
 @fewer(0.5)
 @given(drawn.APART)
 def test_missions_without_contention(of: Mission) -> None:
+    check(of)
+
+
+@pytest.mark.may_leave(1)
+@fewer(0.5)
+@given(drawn.SHARING)
+def test_branches_that_share_data(of: Mission) -> None:
     check(of)
 
 
