@@ -8,7 +8,7 @@ import pytest
 
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
-from tests.commands import mcpn
+from tests.commands import mcpn, output
 from tests.judge.interpreter import (
     DECLARED,
     FAILURE,
@@ -31,6 +31,50 @@ def fault(folder: Path, name: str) -> Path:
     if not path.is_file():
         pytest.skip(f"needs {path.name} in the folder that --faults names")
     return path
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "once_in_each",
+        "once_in_use",
+        "once_in_repeated_parent",
+        "waiting_for_hardware",
+        "waiting_for_exclusive_software",
+        "busy_alternative_waits",
+        "two_products_not_confluent",
+        "return_by_unrelated_handler",
+        "parameters_precedence",
+        "hw_fails_while_waiting",
+    ],
+)
+def test_every_engine_and_controller_does_what_the_page_says(faults: Path, name: str) -> None:
+    assert Judge(read_mission(fault(faults, name))).judge().kind == "agree"
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize(
+    ("name", "success"),
+    [
+        ("risk_self_interrupt", 0.5),
+        ("risk_self_interrupt_success", 1.0),
+        ("risk_mission_handler_to_first", 0.5),
+        ("risk_parallel_to_itself", 0.5),
+    ],
+)
+def test_an_interruption_that_leads_back_leaves_the_probability_whole(
+    faults: Path, name: str, success: float, engine: str
+) -> None:
+    risk = output("causes", fault(faults, name), "--rates", "--engine", engine)["risk"]
+    assert (risk["success"], risk["failure"]) == pytest.approx((success, 1 - success))
+
+
+@pytest.mark.timeout(60)
+def test_causes_of_a_small_block_are_found_by_each_engine(faults: Path) -> None:
+    path = fault(faults, "slow_small_block")
+    by_sections, whole = (output("causes", path, "--engine", e, "--rates") for e in ("local", "explicit"))
+    assert by_sections["mission"]["cut_sets"] == whole["mission"]["cut_sets"] == [["h0"]]
+    assert by_sections["risk"] == pytest.approx(whole["risk"])
 
 
 def seen(mission: Mission, *happenings: Happening) -> tuple[Seen, set[Happening]]:

@@ -2,46 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import pytest
 from hypothesis import event, given
 
-from mcpn.mission.model import BlockElement, Mission, Objective, Recursive, walk
-from mcpn.net.compose import MissionNet, compose
-from tests.draws import fewer
+from mcpn.mission.model import Mission, Objective, Recursive
+from mcpn.net.compose import compose
+from tests.draws import composed, fewer
 from tests.judge import drawn
 from tests.judge.interpreter import Seen
 from tests.judge.lockstep import Disagreement, Judge
 from tests.judge.players import OfGraph
-from tests.shares import returns_early
 from tests.small import activity, hw, mission, robot
-
-NOT_YET = frozenset({"waiting", "parameters"})
-"""What the engines are known to say otherwise than the page."""
-
-
-def known_to_differ(mission_net: MissionNet) -> Iterator[str]:
-    """Why a mission is left out: faults that the page does not share."""
-    usage = mission_net.usage
-    if any(usage.switching.switches_back(a) and not usage.activities[a].switch_back for a in usage.started):
-        yield "a producer returns undeclared"
-    of = mission_net.mission
-    written: list[Mission | BlockElement] = [of, *walk(of.blocks)]
-    written += [block for protocol in of.protocols for block in walk(protocol.blocks)]
-    if any(handler.once for element in written for handler in element.handlers):
-        yield "handlers that happen once"
 
 
 def check(of: Mission) -> None:
     """All that play a mission agree with the interpreter."""
-    mission_net = compose(of)
-    for reason in known_to_differ(mission_net):
-        returns_early(reason)
-        return
-    event(Judge(of, NOT_YET).judge(mission_net).kind)
+    event(Judge(of).judge(composed(of)).kind)
 
 
 @fewer(0.5)
@@ -50,14 +29,12 @@ def test_any_mission(of: Mission) -> None:
     check(of)
 
 
-@pytest.mark.may_leave(1)
 @fewer(0.5)
 @given(drawn.INTERRUPTED)
 def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
 
 
-@pytest.mark.may_leave(1)
 @fewer(0.5)
 @given(drawn.IN_ROUNDS)
 def test_handlers_in_rounds_and_uses(of: Mission) -> None:
@@ -70,7 +47,6 @@ def test_missions_without_contention(of: Mission) -> None:
     check(of)
 
 
-@pytest.mark.may_leave(1)
 @fewer(0.5)
 @given(drawn.SHARING)
 def test_branches_that_share_data(of: Mission) -> None:
