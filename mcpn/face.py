@@ -6,7 +6,7 @@ Each takes a mission, or its net where one has been composed already.
 >>> mission = mcpn.read_mission("experiments/ulysse/mission.xml")
 >>> mcpn.states(mission).states
 44299
->>> answer = mcpn.ctl(mission, "EF (failure & oos(GPS_sensor))", on="alternatives", engine="local")
+>>> answer = mcpn.ctl(mission, "EF (failure & oos(GPS_sensor))", engine="local")
 >>> answer.holds
 True
 >>> [str(event) for event in answer.witness.run.events][0]
@@ -16,16 +16,17 @@ True
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from mcpn.check.logic.questions import Answer, Questions
-from mcpn.check.spaces import Asked, On, answered
+from mcpn.check.sizes import Counting, sizes
+from mcpn.check.spaces import Asked, On
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission as _read
 from mcpn.net.compose import MissionNet, as_net
 from mcpn.net.petri import PetriNet
 from mcpn.notebook import show_with
-from mcpn.space.summary import SpaceSummary, summarise
+from mcpn.space.summary import SpaceSummary
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
@@ -60,16 +61,18 @@ def read_mission(path: str | Path) -> Mission:
 
 
 def states(
-    of: Mission | MissionNet | PetriNet, *, engine: Literal["auto", "explicit", "symbolic", "pyeda"] = "auto"
+    of: Mission | MissionNet | PetriNet, *, engine: Counting = "auto", on: On | None = None
 ) -> SpaceSummary:
-    """Counts the reachable markings of a mission or of a net, exactly.
+    """Counts the reachable states of a mission or of a net, exactly.
 
     Args:
         of: The mission or the net.
-        engine: ``symbolic``, ``explicit`` or ``pyeda``; ``auto``: the first of them that answers.
+        engine: ``symbolic``, ``explicit``, ``local`` or ``pyeda``; ``auto``: the first of them that answers.
+        on: ``markings`` for all markings, ``alternatives`` for the stable states of a mission alone. By
+            default all markings of a net and of a small mission, and the stable states of a larger one.
 
     Raises:
-        UnsafeError: The net is not 1-safe.
+        SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
         LimitError: A limit was hit.
 
     Examples:
@@ -77,17 +80,14 @@ def states(
         >>> found.states, found.stable_states
         (44299, 260)
     """
-    net = of if isinstance(of, PetriNet) else as_net(of).net
-    if engine == "pyeda":
-        return summarise(net, engine)
-    return answered(lambda attempt: summarise(net, attempt.engine), None, engine=engine, on="markings")[0]
+    return sizes(of if isinstance(of, PetriNet) else as_net(of), engine=engine, on=on)[0]
 
 
 def ctl(
     of: Mission | MissionNet | PetriNet,
     formula: str,
     *,
-    on: On = "markings",
+    on: On | None = None,
     fair: tuple[str, ...] = (),
     engine: Asked = "auto",
 ) -> Answer:
@@ -96,7 +96,8 @@ def ctl(
     Args:
         of: The mission or the net.
         formula: As :mod:`mcpn.check.logic.language` describes it.
-        on: Whether it speaks of all markings, or of stable ones and events.
+        on: Whether it speaks of all ``markings``, or of ``alternatives``: stable states and events. By default
+            the latter of a mission, the former of a net.
         fair: ``progress``, or formulas that hold again and again on the paths that count.
         engine: ``explicit``, ``symbolic``, or ``local`` for the alternatives graph of a mission; ``auto``:
             the first of them that answers.

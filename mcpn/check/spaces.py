@@ -22,6 +22,8 @@ from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
 from mcpn.steps import step
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from mcpn.net.compose import MissionNet
     from mcpn.space.arrays import ArraySpace
 
@@ -65,6 +67,22 @@ class Choice:
     def limit(self) -> int:
         """The most states that it lists."""
         return DEFAULT_MAX_STATES if self.max_states is None else self.max_states
+
+
+@dataclass(frozen=True, slots=True)
+class NoSpace:
+    """An answer that needed no space.
+
+    Args:
+        why: How it was had.
+        engine: What stands for an engine.
+    """
+
+    why: str
+    engine: Literal["search"] = "search"
+
+    def __str__(self) -> str:
+        return f"engine {self.engine}: {self.why}"
 
 
 def answered(
@@ -122,6 +140,11 @@ def _choices(
     yield Choice("symbolic", max_states=max_states)
 
 
+def expected_small(mission_net: MissionNet, max_states: int | None = None) -> bool:
+    """Whether a mission is listed marking by marking before anything else is tried."""
+    return next(_choices(mission_net, "auto", "alternatives", max_states)).brief
+
+
 def _too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
     """Why a mission has more states than a limit, where its hardware alone says so.
 
@@ -153,6 +176,7 @@ def space_of(
     progress: Progress | None = None,
     tokens: bool = True,
     may_die: bool = False,
+    executor: Executor | None = None,
 ) -> Space[Any]:
     """The space of a net or of a mission, on one of its graphs, by one of the engines.
 
@@ -165,6 +189,7 @@ def space_of(
         tokens: Whether the places of a net without priorities may hold several tokens.
         may_die: Whether the hardware of the mission may die (:mod:`mcpn.net.mortal`). Internal evolution is
             then known to be confluent, for dying changes nothing but what may be repaired.
+        executor: Where composition explores sections; this process by default.
 
     Raises:
         InputError: The net has no such graph, or composition is asked of a net of no mission.
@@ -189,7 +214,7 @@ def space_of(
         if by.engine == "local":
             from mcpn.space.local.composing import composite_space
 
-            return composite_space(mission_net, progress=progress, may_die=may_die)
+            return composite_space(mission_net, progress=progress, may_die=may_die, executor=executor)
         if may_die:
             from mcpn.net.mortal import mortal
 

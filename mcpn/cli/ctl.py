@@ -15,20 +15,22 @@ from mcpn.cli.shared import (
     choice_object,
     emit_json,
     engine_option,
+    executor_of,
     import_option,
     is_net,
+    jobs_option,
     json_option,
     limit_option,
     mission_net_of,
     progress_line,
+    scheduler_option,
     without_threads_of_numpy,
 )
-from mcpn.steps import step
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer, Questions
     from mcpn.check.logic.verdicts import Verdict
-    from mcpn.check.spaces import Asked
+    from mcpn.check.spaces import Asked, On
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
@@ -55,13 +57,13 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
     "--on",
     "graph",
     type=click.Choice(["markings", "alternatives"]),
-    default="markings",
-    show_default=True,
-    help="Evaluate on all markings, or on stable markings and events.",
+    help="Evaluate on all markings (the default of a net), or on stable states and events (of a mission).",
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
 @engine_option()
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
+@jobs_option
+@scheduler_option
 @limit_option
 @import_option
 @json_option
@@ -70,17 +72,19 @@ def ctl(
     formulas: tuple[str, ...],
     properties: tuple[Path, ...],
     examinations: tuple[str, ...],
-    graph: str,
+    graph: On | None,
     fair: tuple[str, ...],
     engine: Asked,
     scn: Path | None,
+    jobs: int,
+    scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
 ) -> None:
-    """Answer CTL formulas on FILE, a mission or a net.
+    """Answer CTL formulas on FILE: the stable states of a mission, or the markings of a net.
 
-    All that one call asks shares one space. Exit code 1 if some FORMULA does not hold; property files and
+    All that one call asks shares one space, and what a search or the state equation decides needs none. Exit code 1 if some FORMULA does not hold; property files and
     examinations answer with 0 either way.
     """
     if not (formulas or properties or examinations):
@@ -89,28 +93,24 @@ def ctl(
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
     from mcpn.check.logic.questions import Questions
+    from mcpn.check.logic.verdicts import answer_typed
 
     net, mission_net = _subject(file, import_root)
-    questions = Questions(
-        net,
-        mission_net,
-        on="alternatives" if graph == "alternatives" else "markings",
-        fair=fair,
-        engine=engine,
-        max_states=max_states,
-    )
-    # Everything asked is understood before anything is answered.
-    for text in formulas:
-        questions.formula(text)
     objects, answers = [], []
-    for verdict in _of_contest(questions, properties, examinations):
-        objects.append(_contest_object(verdict))
-        if not as_json:
-            click.echo(str(verdict))
-    with progress_line(as_json):
+    with executor_of(jobs, scheduler) as executor:
+        questions = Questions(
+            net, mission_net, on=graph, fair=fair, engine=engine, max_states=max_states, executor=executor
+        )
+        # Everything asked is understood before anything is answered.
         for text in formulas:
-            step(f"answering {text}")
-            answers.append(questions.answer(text))
+            questions.formula(text)
+        for verdict in _of_contest(questions, properties, examinations):
+            objects.append(_contest_object(verdict))
+            if not as_json:
+                click.echo(str(verdict))
+        if formulas:
+            with progress_line(as_json):
+                answers = answer_typed(questions, formulas)
     if scn:
         _write_scenario(answers[0], scn)
     if as_json:
@@ -169,4 +169,4 @@ def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
         "notes": witness.notes,
     }
     found = {"formula": answer.formula, "holds": answer.holds, "witness": shown}
-    return {**found, **choice_object(answer.choice)}
+    return {**found, **choice_object(answer.choice), "techniques": list(answer.techniques)}

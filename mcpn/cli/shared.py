@@ -19,10 +19,9 @@ from mcpn.errors import InputError, LimitError
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from mcpn.check.spaces import Choice
+    from mcpn.check.spaces import Choice, NoSpace
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
-    from mcpn.space.local.composite import CompositeSpace
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -79,7 +78,7 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
     return click.option("--engine", type=known, default="auto", show_default=True, help=told)
 
 
-def choice_object(choice: Choice) -> dict[str, str | None]:
+def choice_object(choice: Choice | NoSpace) -> dict[str, str | None]:
     """Which engine answered, and why it was asked; ``null`` where the user named it."""
     return {"engine": choice.engine, "why": choice.why}
 
@@ -125,15 +124,6 @@ def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
     from mcpn.net.compose import compose
 
     return compose(read_mission(path, import_root=import_root))
-
-
-def composite_of(mission_net: MissionNet, *, quiet: bool = False) -> CompositeSpace:
-    """The sections of a mission, glued."""
-    from mcpn.space.local.composing import composite_space
-    from mcpn.space.stable.clash import in_mission_words
-
-    with progress_line(quiet, SECTIONS) as progress, in_mission_words(mission_net):
-        return composite_space(mission_net, progress=progress)
 
 
 def is_net(path: Path) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,8 +13,8 @@ from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
     SECTIONS,
+    STATES_AND_EDGES,
     choice_object,
-    composite_of,
     emit_counts,
     emit_json,
     engine_option,
@@ -29,7 +29,8 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Asked, Choice
+    from mcpn.check.sizes import Counting
+    from mcpn.check.spaces import Asked, Choice, On
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
     from mcpn.space.algebra import Space
@@ -40,7 +41,12 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("file", type=FILE)
 @engine_option("pyeda")
-@click.option("--markings", is_flag=True, help="With --engine local: count markings too, on the whole net.")
+@click.option(
+    "--on",
+    "graph",
+    type=click.Choice(["markings", "alternatives"]),
+    help="Count all markings, or stable states alone (by default those of a mission with many markings).",
+)
 @click.option("--order", type=FILE, help="Read the diagram's order of places instead of racing several.")
 @click.option(
     "--seed",
@@ -53,8 +59,8 @@ if TYPE_CHECKING:
 @json_option
 def states(
     file: Path,
-    engine: str,
-    markings: bool,
+    engine: Counting,
+    graph: On | None,
     order: Path | None,
     seed: int | None,
     save_order: Path | None,
@@ -62,34 +68,23 @@ def states(
     import_root: Path | None,
     as_json: bool,
 ) -> None:
-    """Count the reachable markings of FILE, a mission or a net."""
+    """Count the reachable states of FILE: the markings of a net, the stable states of a large mission."""
     from dataclasses import asdict
 
-    from mcpn.check.spaces import answered
-    from mcpn.space.summary import summarise
+    from mcpn.check.sizes import sizes
 
     chosen = order is not None or save_order is not None or seed is not None
-    if chosen and engine not in ("auto", "symbolic"):
-        raise click.UsageError("--order, --seed and --save-order are of the symbolic engine")
-    if markings and engine != "local":
-        raise click.UsageError("--markings is of the local engine; the others count markings anyway")
-    if engine == "local":
-        counts = _local_counts(mission_net_of(file, import_root), as_json, markings=markings)
-        emit_counts(counts, as_json)
-        return
-    net = net_of(file, import_root)
-    if chosen or engine == "pyeda":
-        found = _in_order(net, order, seed, save_order) if chosen else summarise(net, engine)
+    if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
+        raise click.UsageError("--order, --seed and --save-order are of the symbolic engine, on markings")
+    if chosen:
+        found = _in_order(net_of(file, import_root), order, seed, save_order)
         emit_counts(asdict(found) | {"why": None}, as_json)
         return
-    with progress_line(as_json) as progress:
-        found, choice = answered(
-            lambda attempt: summarise(net, attempt.engine, max_states=max_states, progress=progress),
-            None,
-            engine=cast("Asked", engine),
-            on="markings",
-        )
-    emit_counts(asdict(found) | choice_object(choice), as_json)
+    of = net_of(file, import_root) if is_net(file) else mission_net_of(file, import_root)
+    told = SECTIONS if engine in ("auto", "local") and not is_net(file) else STATES_AND_EDGES
+    with progress_line(as_json, told) as progress:
+        found, choice = sizes(of, engine=engine, on=graph, max_states=max_states, progress=progress)
+    emit_counts(asdict(found) | ({"why": None} if choice is None else choice_object(choice)), as_json)
 
 
 def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
@@ -102,25 +97,6 @@ def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: P
     if save_order:
         write_order(save_order, net, space.places, space.order)
     return summary_of(space, started)
-
-
-def _local_counts(mission_net: MissionNet, quiet: bool, *, markings: bool) -> dict[str, object]:
-    """Stable states are exact; what local spaces do not tell is null, or asked of the whole net's diagram."""
-    from mcpn.space.summary import summarise
-
-    started = time.perf_counter()
-    composite = composite_of(mission_net, quiet=quiet)
-    names = ("states", "edges", "dead_states", "max_tokens", "max_tokens_in_place", "nodes", "order")
-    whole = summarise(mission_net.net, "symbolic") if markings else None
-    return {
-        "places": len(mission_net.net.places),
-        "transitions": len(mission_net.net.transitions),
-        **{name: getattr(whole, name, None) for name in names},
-        "stable_states": composite.everything.count(),
-        "engine": "local",
-        "why": None,
-        "seconds": time.perf_counter() - started,
-    }
 
 
 def _listed(

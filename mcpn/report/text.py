@@ -10,7 +10,7 @@ from mcpn.report.words import in_words, modes_in_words
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
-    from mcpn.check.spaces import Choice
+    from mcpn.check.spaces import Choice, NoSpace
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
     from mcpn.check.verdicts.modes import Mode
     from mcpn.net.compose import MissionNet
@@ -75,7 +75,7 @@ def print_counts(counts: Mapping[str, object]) -> None:
         terminal.print(f"{name.ljust(width)}  {shown}")
 
 
-def print_choice(choice: Choice) -> None:
+def print_choice(choice: Choice | NoSpace) -> None:
     """Prints which engine answered, and why it was asked."""
     Terminal().print(str(choice), style="dim")
 

@@ -7,13 +7,15 @@ the net's own rule, along one interleaving, since internal evolution is confluen
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S, Space
+
+MOST_REPLAYS = 1_000
 
 
 class Completion:
@@ -123,6 +125,56 @@ class Run:
 def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:
     """The transitions of some edges, one after the other, with the internal ones that they name."""
     return tuple(t for edge in edges for t in (edge.transition, *edge.internal))
+
+
+def without_detours(net: PetriNet, run: Sequence[int], reached: Callable[[Marking], bool]) -> tuple[int, ...]:
+    """A run of a net with priorities without events that it can do without.
+
+    Args:
+        net: The net.
+        run: Transitions from the initial marking on, internal ones included, to where it ends.
+        reached: Whether a marking may be its end.
+
+    Returns:
+        A run to such a marking, left without each event that the rest does without, alone or with a later one
+        of the same element, as a failure with its repair. It takes a replay for each of these, no more than
+        :data:`MOST_REPLAYS`.
+    """
+    completion = Completion(net)
+    by_event: dict[Event, list[int]] = {}
+    for t, transition in enumerate(net.transitions):
+        if transition.event is not None:
+            by_event.setdefault(transition.event, []).append(t)
+
+    def replayed(events: Sequence[Event]) -> tuple[int, ...] | None:
+        at, fired = list(net.initial), list[int]()
+        for t in completion.settle(at):
+            fired.append(t)
+        for event in events:
+            t = next((t for t in by_event[event] if net.covers(at, t)), -1)
+            if t < 0:
+                return None
+            net.fire_in_place(at, t)
+            fired.append(t)
+            for u in completion.settle(at, [t]):
+                fired.append(u)
+                if event is events[-1] and reached(tuple(at)):
+                    return tuple(fired)
+        return tuple(fired) if reached(tuple(at)) else None
+
+    events = [event for t in run if (event := net.transitions[t].event) is not None]
+    best, at, replays = tuple(run), 0, 0
+    while at < len(events) and replays < MOST_REPLAYS:
+        later = (o for o in range(at + 1, len(events)) if events[o].element == events[at].element)
+        for other in (at, *later):
+            left = [event for place, event in enumerate(events) if place not in (at, other)]
+            replays += 1
+            if (shorter := replayed(left)) is not None:
+                best, events = shorter, left
+                break
+        else:
+            at += 1
+    return best
 
 
 def run_of_fewest_events(space: Space[S], goal: S) -> list[Edge] | None:

@@ -24,7 +24,7 @@ MOST_PLACES_FOR_PYEDA = 24
 
 @dataclass(frozen=True)
 class SpaceSummary:
-    """Sizes of a state space; exact integers of any size.
+    """Sizes of a state space, exact integers of any size; ``None`` for what was not counted.
 
     Args:
         places: Of the net.
@@ -36,19 +36,19 @@ class SpaceSummary:
         max_tokens: Most tokens in a marking.
         max_tokens_in_place: Most tokens in a place.
         nodes: Of the final decision diagram; ``None`` where there is none.
-        engine: One of :data:`ENGINES`.
+        engine: One of :data:`ENGINES`, or ``local``.
         seconds: Wall-clock time of the engine.
         order: Name of the diagram's order of places; ``None`` where there is none.
     """
 
     places: int
     transitions: int
-    states: int
-    edges: int
+    states: int | None
+    edges: int | None
     stable_states: int | None
-    dead_states: int
-    max_tokens: int
-    max_tokens_in_place: int
+    dead_states: int | None
+    max_tokens: int | None
+    max_tokens_in_place: int | None
     nodes: int | None
     engine: str
     seconds: float

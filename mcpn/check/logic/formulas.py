@@ -16,8 +16,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from mcpn.errors import LimitError
-from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import FALSE, TRUE, And, AtMost, Formula, Goal, Not, Operator, Or, as_goal
+from mcpn.space.search.goal import FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or
 
 MAX_SIZE = 50_000
 
@@ -99,11 +98,3 @@ def within_limit(formula: Formula) -> Formula:
     if any(number == MAX_SIZE for number, _ in enumerate(formula.walk())):
         raise LimitError(f"the formula says more than {MAX_SIZE} operators in full: the limit was hit")
     return formula
-
-
-def as_reachability(formula: Formula, net: PetriNet) -> Goal | None:
-    """The markings of ``f`` where a formula is ``EF f`` and needs no more than a search; else ``None``."""
-    match formula:
-        case EU((And(()), inside)):
-            return as_goal(inside, net)
-    return None

@@ -11,8 +11,7 @@ from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import PROGRESS, Names, progress
-from mcpn.check.logic.witness import Witness, explain
-from mcpn.check.spaces import Asked, Choice, On, answered, space_of
+from mcpn.check.spaces import Asked, Choice, NoSpace, On, answered, expected_small, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
@@ -22,6 +21,9 @@ from mcpn.space.diagrams.symbolic import SymbolicSpace, reach_briefly
 from mcpn.space.search.goal import Formula
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from mcpn.check.logic.witness import Witness
     from mcpn.net.compose import MissionNet
 
 
@@ -34,12 +36,14 @@ class Answer:
         holds: Whether the initial state satisfies it.
         witness: A run that shows why.
         choice: The engine that answered.
+        techniques: How, in words of the Model Checking Contest.
     """
 
     formula: str
     holds: bool
     witness: Witness
-    choice: Choice
+    choice: Choice | NoSpace
+    techniques: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<{self.formula} {'holds' if self.holds else 'fails'}>"
@@ -51,11 +55,12 @@ class Questions:
     Args:
         net: The net.
         mission_net: The mission that it is of, if any.
-        on: The graph that formulas speak of.
+        on: The graph that formulas speak of; by default the stable states of a mission, the markings of a net.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
             :mod:`mcpn.check.spaces`, with a search before it where one may do.
         max_states: Limit on states that are listed one by one.
+        executor: Where composition explores sections; this process by default.
 
     Raises:
         InputError: A constraint is no formula, or the words do not fit the net.
@@ -66,18 +71,21 @@ class Questions:
         net: PetriNet,
         mission_net: MissionNet | None = None,
         *,
-        on: On = "markings",
+        on: On | None = None,
         fair: Sequence[str] = (),
         engine: Asked = "auto",
         max_states: int | None = None,
+        executor: Executor | None = None,
     ) -> None:
+        on = on or ("markings" if mission_net is None else "alternatives")
         if on == "alternatives" and not net.priorities:
             raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
         self.net = net
         self.mission_net = mission_net
-        self.on = on
+        self.on: On = on
         self.engine = engine
         self.max_states = max_states
+        self.executor = executor
         self.names = Names(net, mission_net)
         self.fair = tuple(
             constraint
@@ -91,8 +99,24 @@ class Questions:
 
     @property
     def searchable(self) -> bool:
-        """Whether reachability of a marking may be asked of a search: markings, no priorities, all paths."""
-        return self.engine == "auto" and self.on == "markings" and not self.fair and not self.net.priorities
+        """Whether reachability of a state may be asked of a search: no engine by name, all paths count.
+
+        A run from one stable state to the next is one of the alternatives graph where each event has one
+        outcome. Where activities contend, that is for the space to prove.
+        """
+        contended = self.mission_net is None or bool(self.mission_net.usage.contentions)
+        exact = self.on == "markings" or not contended
+        return self.engine == "auto" and not self.fair and exact
+
+    @property
+    def small(self) -> bool:
+        """Whether the space is of a mission and soon listed."""
+        return self.mission_net is not None and expected_small(self.mission_net, self.max_states)
+
+    @property
+    def made(self) -> bool:
+        """Whether the space is there."""
+        return "_chosen" in self.__dict__
 
     @property
     def space(self) -> Space[Any]:
@@ -110,7 +134,9 @@ class Questions:
 
     def _made(self, *, tokens: bool = True) -> tuple[Space[Any], Choice]:
         def by(choice: Choice) -> Space[Any]:
-            return space_of(self.mission_net or self.net, choice, self.on, tokens=tokens)
+            return space_of(
+                self.mission_net or self.net, choice, self.on, tokens=tokens, executor=self.executor
+            )
 
         space, choice = answered(
             by, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
@@ -121,10 +147,10 @@ class Questions:
 
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""
-        if "_chosen" not in self.__dict__ and self._soon is not None:
+        if not (self.made or self.net.priorities) and self._soon is not None:
             choice = Choice("symbolic", "a diagram soon holds all markings")
             self._chosen = DiagramMarkings(self._soon), choice
-        return "_chosen" in self.__dict__
+        return self.made
 
     @cached_property
     def _soon(self) -> SymbolicSpace | None:
@@ -136,7 +162,7 @@ class Questions:
         Raises:
             LimitError: A limit was hit.
         """
-        if "_chosen" not in self.__dict__:
+        if not self.made:
             try:
                 self._chosen = self._made(tokens=False)
             except UnsafeError:
@@ -155,7 +181,7 @@ class Questions:
         return Evaluation(self.space, self.fair)
 
     def answer(self, text: str) -> Answer:
-        """Answers a formula, and shows by a run why; it raises what :meth:`formula` and :attr:`space` do."""
-        formula = self.formula(text)
-        holds = self.evaluation.holds(formula)
-        return Answer(text, holds, explain(self.evaluation, formula, self.names), self.choice)
+        """Answers a formula, and shows by a run why; see :func:`mcpn.check.logic.verdicts.answer_typed`."""
+        from mcpn.check.logic.verdicts import answer_typed
+
+        return answer_typed(self, [text])[0]

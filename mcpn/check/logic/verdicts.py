@@ -1,43 +1,47 @@
-"""Answers to files and examinations of the Model Checking Contest, as they come, with how they were had.
+"""Answers to formulas, typed or in files, and to examinations of the Model Checking Contest, with how they were had.
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
-(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. The formulas of
-all files and the examinations share it: cheap ones first, each with a time slice that grows round by round,
-so that one hard question does not cost the easy ones.
+(:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. All that is asked shares it:
+cheap ones first, each with a time slice that grows round by round, so that one hard question does not cost
+the easy ones. A typed formula comes with a run that shows its value, so that a way which tells none decides it
+only where no single run would show it, or where there is no space.
 """
 
 from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, count
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Store
-from mcpn.check.logic.contest import Property
-from mcpn.check.logic.formulas import EU, as_reachability
-from mcpn.check.logic.local import LocalCheck
-from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.simplify import at_first, parts_at_first, simplified
-from mcpn.check.spaces import Asked
-from mcpn.check.verdicts.nets import EXAMINATIONS, Behaviour
-from mcpn.errors import InputError, McpnError
+from mcpn.check.logic.known import SOME_DEADLOCK, Known
+from mcpn.check.logic.questions import Answer, Questions
+from mcpn.check.logic.simplify import at_first, parts_at_first
+from mcpn.check.logic.witness import NoRun, Witness, explain
+from mcpn.check.spaces import Asked, Choice, NoSpace
+from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
-from mcpn.space.search.equation import place_bounds
-from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Formula, as_goal, holds
-from mcpn.space.search.portfolio import EXPLICIT, INITIAL_STATE, RANDOM_WALK, Portfolio
-from mcpn.space.search.searches import Searches
+from mcpn.space.search.goal import FALSE, TRUE, Formula
+from mcpn.steps import step
 
-DIAGRAMS, REWRITING = "DECISION_DIAGRAMS", "QUERY_REDUCTION"
+if TYPE_CHECKING:
+    from mcpn.check.logic.contest import Property
+    from mcpn.check.logic.local import LocalCheck
+    from mcpn.space.search.portfolio import Round
+
+# What searches is loaded when something is searched.
+
+DIAGRAMS, REWRITING, COMPOSITION = "DECISION_DIAGRAMS", "QUERY_REDUCTION", "COMPOSITION"
+EXPLICIT, INITIAL_STATE, RANDOM_WALK = "EXPLICIT", "INITIAL_STATE", "RANDOM_WALK"
 FIRST_SLICE, GROWTH = 1.5, 4.0
 WALK_STEPS = 50_000
 ONE_SAFE = "OneSafe"
-SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 EFFORT_OF_LIVENESS = 30
 """As many operators a formula has that takes about as long: closures to and fro."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
@@ -98,17 +102,44 @@ def answer_all(
     return _Answers(questions, meant).all()
 
 
+def answer_typed(questions: Questions, texts: Sequence[str]) -> list[Answer]:
+    """Answers formulas as people type them, each with a run that shows why.
+
+    Args:
+        questions: About the net or the mission.
+        texts: The formulas.
+
+    Returns:
+        The answers, in the order of the formulas.
+
+    Raises:
+        InputError: A text is no formula; this is found before anything is answered.
+        SemanticsError: The space that is needed does not exist.
+        LimitError: A limit was hit.
+    """
+    formulas = {text: questions.formula(text) for text in texts}
+    answers, given = _Answers(questions, dict(formulas), typed=True), dict[str, Answer]()
+    for verdict in answers.all():
+        holds = verdict.value == str(True).upper()
+        witness, choice = answers.shown(formulas[verdict.name], holds, verdict.techniques)
+        given[verdict.name] = Answer(verdict.name, holds, witness, choice, verdict.techniques)
+    return [given[text] for text in texts]
+
+
 class _Answers:
     """Gives answers; each way takes what it decides from what waits.
 
     Args:
         questions: About the net.
         waiting: What is asked, by name; of a formula, what is left to ask in the initial marking.
+        typed: Whether a run is to show each answer.
     """
 
-    def __init__(self, questions: Questions, waiting: dict[str, Meaning]) -> None:
+    def __init__(self, questions: Questions, waiting: dict[str, Meaning], *, typed: bool = False) -> None:
         self.questions, self.net, self.waiting = questions, questions.net, waiting
+        self.typed, self.asked = typed, dict(waiting)
         self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
+        self.known = Known(self.net, settled=questions.on == "alternatives")
         self.local: LocalCheck | None = None
         self.rounds = 0
 
@@ -118,30 +149,51 @@ class _Answers:
         yield from self.one_safe_at_sight()
         if questions.searchable:
             yield from self.rewritten()
-            if self.parts() and Searches(self.net).fits:
-                self.local = LocalCheck(self.net, self.parts())
             yield from self.by_need(LOCAL_STEPS[0], searched=False)
-            yield from self.by_search()
+            # The space of a mission is not far, once a search has found nothing; in a small one it has the
+            # shortest runs.
+            if not questions.small:
+                yield from self.by_search(short=self.net.priorities)
             yield from self.by_need(LOCAL_STEPS[1], searched=False)
         try:
             yield from self.one_safe()
             if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
                 store = questions.space.encoding.store
-        except McpnError:
-            for steps in LOCAL_STEPS[2:]:
-                yield from self.by_need(steps)
+        except McpnError as error:
+            if isinstance(error, LimitError) and questions.searchable and self.net.priorities:
+                yield from self.by_search()
+            for steps in LOCAL_STEPS[2:] if questions.searchable else ():
+                yield from self.by_need(steps, runs=True)
             if self.waiting:
                 raise
         for number in count():
             for name in sorted(self.waiting, key=lambda name: _effort(self.waiting[name])):
                 value = None
                 with _limited(store, FIRST_SLICE * GROWTH**number):
-                    value = _value(questions, self.waiting[name])
+                    value = self.by_space(name)
                 if value is not None:
                     yield self.answer(name, value, _technique(questions.choice.engine))
             if not self.waiting:
                 return
             yield from self.by_need(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)])
+
+    def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
+        """The run that shows the value of a formula, and who has answered."""
+        questions = self.questions
+        if not questions.made:
+            told = ", ".join(way.lower().replace("_", " ") for way in ways)
+            choice = NoSpace(f"no space was needed ({told})")
+            try:
+                return self.known.explain(formula, holds, questions.names), choice
+            except NoRun:
+                pass
+            try:
+                questions.space
+            except McpnError as error:
+                witness = self.known.beginning(questions.names)
+                witness.shown.append(f"no run is shown, since it needs the space: {error}")
+                return witness, choice
+        return explain(questions.evaluation, formula, questions.names), questions.choice
 
     # --- what waits ---
 
@@ -157,6 +209,8 @@ class _Answers:
 
     def learn(self, part: Meaning, value: bool, *ways: str) -> Iterator[Verdict]:
         """Puts a value where it is asked for, and yields what that answers."""
+        if isinstance(part, Formula):
+            self.known.values[part] = value
         for name, asked in list(self.waiting.items()):
             if asked == part:
                 yield self.answer(name, value, *ways)
@@ -174,9 +228,11 @@ class _Answers:
 
     def one_safe_at_sight(self) -> Iterator[Verdict]:
         """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
-        searches = Searches(self.net)
         if ONE_SAFE not in self.waiting.values():
             return
+        from mcpn.space.search.searches import Searches
+
+        searches = Searches(self.net)
         if max(self.net.initial, default=0) > 1:
             yield from self.learn(ONE_SAFE, False, INITIAL_STATE)
         elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
@@ -191,40 +247,77 @@ class _Answers:
 
     def rewritten(self) -> Iterator[Verdict]:
         """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
-        bounds: list[float] = []
-
-        def at_start(part: Formula) -> bool | None:
-            goal = as_goal(part, self.net)
-            return None if goal is None else holds(goal, self.net, self.net.initial)
-
         for name, formula in list(self.waiting.items()):
-            if isinstance(formula, Formula) and formula != SOME_DEADLOCK:
-                bounds = bounds or place_bounds(self.net)
-                smaller = simplified(formula, self.net, bounds)
-                how = REWRITING if smaller in (TRUE, FALSE) else INITIAL_STATE
-                yield from self.left(name, at_first(smaller, at_start), how)
+            if isinstance(formula, Formula):
+                how = REWRITING if self.known.simple(formula) in (TRUE, FALSE) else INITIAL_STATE
+                yield from self.left(name, self.known.rest(formula), how)
 
-    def by_search(self) -> Iterator[Verdict]:
-        """Answers what asks for reachable markings by search, until it turns out that the space is small."""
-        goals = {part: goal for part in self.parts() if (goal := as_reachability(part, self.net)) is not None}
+    def by_search(self, *, short: bool = False) -> Iterator[Verdict]:
+        """Answers what asks for reachable markings by search, until it turns out that the space is small.
+
+        Args:
+            short: Whether there is no more than one search, for a short run.
+        """
+        goals = {part: goal for part in self.parts() if (goal := self.known.goal(part)) is not None}
+        if not goals:
+            return
+        from mcpn.space.search.portfolio import ROUNDS, SHORT, Portfolio
+
+        budgets = [self.limited(budget) for budget in ([SHORT] if short else ROUNDS)]
         parts, brief = list(goals), self.questions.brief
-        for index, found in Portfolio(self.net).decide(list(goals.values()), go_on=lambda: not brief()):
+        for index, found in Portfolio(self.net).decide(
+            list(goals.values()), budgets, go_on=lambda: not brief()
+        ):
+            if found.run is not None:
+                self.known.runs[parts[index]] = found.run
             yield from self.learn(parts[index], found.reachable, *found.techniques)
 
-    def by_need(self, steps: int, *, searched: bool = True) -> Iterator[Verdict]:
-        """Asks markings as they are needed, so many steps for each part; with or without what is searched."""
-        if self.local is None:
+    def limited(self, budget: Round) -> Round:
+        """A budget within the user's limit on markings that are listed."""
+        most = self.questions.max_states
+        return budget if most is None else replace(budget, states=min(budget.states, most))
+
+    def by_need(self, steps: int, *, searched: bool = True, runs: bool = False) -> Iterator[Verdict]:
+        """Asks markings as they are needed, so many steps for each part.
+
+        Args:
+            steps: How many.
+            searched: Whether parts are asked that a search may decide.
+            runs: Whether parts count that hold though the run that shows them is not known.
+        """
+        parts = [part for part in self.parts() if searched or self.known.goal(part) is None]
+        if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
             return
-        for part in self.parts():
-            if searched or as_reachability(part, self.net) is None:
-                value = self.local.decide(part, steps, seed=self.rounds)
-                if value is not None:
-                    yield from self.learn(part, value, EXPLICIT)
+        if self.local is None:
+            from mcpn.check.logic.local import LocalCheck
+            from mcpn.space.search.searches import Searches
+
+            if not Searches(self.net).fits:
+                return
+            self.local = LocalCheck(self.net, self.parts())
+        for part in parts:
+            value = self.local.decide(part, steps, seed=self.rounds)
+            if value is False or (value and (runs or not self.typed)):
+                yield from self.learn(part, value, EXPLICIT)
         self.rounds += 1
+
+    def by_space(self, name: str) -> int:
+        """The answer by the space: a truth value or a number."""
+        # A typed formula is asked as it was written: so is the run that shows it.
+        meaning, questions = (self.asked if self.typed else self.waiting)[name], self.questions
+        if self.typed:
+            step(f"answering {name}")
+        if isinstance(meaning, tuple):
+            return largest(questions.space, Counter(meaning))
+        if isinstance(meaning, str):
+            from mcpn.check.verdicts.nets import EXAMINATIONS, Behaviour
+
+            return EXAMINATIONS[meaning](Behaviour(questions.space))
+        return questions.evaluation.holds(meaning)
 
 
 def _technique(engine: Asked) -> str:
-    return EXPLICIT if engine == "explicit" else DIAGRAMS
+    return {"explicit": EXPLICIT, "local": COMPOSITION}.get(engine, DIAGRAMS)
 
 
 @contextmanager
@@ -254,15 +347,6 @@ def _effort(meaning: Meaning) -> int:
     if isinstance(meaning, Formula):
         return sum(1 for _ in meaning.walk())
     return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0
-
-
-def _value(questions: Questions, meaning: Meaning) -> int:
-    """The answer by the space: a truth value or a number."""
-    if isinstance(meaning, tuple):
-        return largest(questions.space, Counter(meaning))
-    if isinstance(meaning, str):
-        return EXAMINATIONS[meaning](Behaviour(questions.space))
-    return questions.evaluation.holds(meaning)
 
 
 def largest(space: Space[Any], weights: dict[int, int]) -> int:

@@ -9,16 +9,17 @@ Veith, *Counterexamples revisited*, 2003).
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any, Generic
+from typing import Any, Generic, Protocol
 
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.check.logic.language import show
 from mcpn.check.logic.names import Names
 from mcpn.net.formats.tina import quote
-from mcpn.net.petri import Marking
+from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S, Space
 from mcpn.space.run import Run, transitions_of
 from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
@@ -43,22 +44,39 @@ class Note:
     reason: str = ""
 
 
+class Passed(Protocol):
+    """What a run passes through: a space, or a net whose markings are fired one after the other."""
+
+    @property
+    def net(self) -> PetriNet:
+        """The net."""
+
+    def marking(self, state: Any) -> Marking:
+        """The marking of a state that the run passes."""
+
+
+class NoRun(Exception):
+    """What is known does not tell the run that shows an answer."""
+
+
 @dataclass
 class Witness:
     """A run from the initial state, as it was found; names and words are made when they are asked for.
 
     Args:
-        space: The space that it runs through.
-        start: The member that it starts from.
+        space: What it runs through.
+        start: The state that it starts from.
+        names: Names for a reader.
+        settles: Whether its states are stable, so that internal evolution goes on to its end after each step.
         steps: Its edges.
         cycle: Index of the step with which the part begins that is repeated for ever, if there is one.
         shown: What the run shows, and where showing stops.
-        names: Names for a reader.
     """
 
-    space: Space[Any]
+    space: Passed
     start: Any
     names: Names
+    settles: bool = False
     steps: list[Edge] = field(default_factory=list)
     cycle: int | None = None
     shown: list[Note | str] = field(default_factory=list)
@@ -107,8 +125,7 @@ class Witness:
         return [t for t, _ in self.run.steps()]
 
     def _run(self, steps: list[Edge]) -> Run:
-        stable_only = not self.space.everything - self.space.stable
-        return Run(self.space.net, transitions_of(steps), settles=stable_only and self.space.net.priorities)
+        return Run(self.space.net, transitions_of(steps), settles=self.settles)
 
 
 def explain(evaluation: Evaluation[S], formula: Formula, names: Names | None = None) -> Witness:
@@ -120,16 +137,37 @@ def explain(evaluation: Evaluation[S], formula: Formula, names: Names | None = N
         names: Those that it was read with; the net's alone by default.
     """
     space = evaluation.space
-    witness = Witness(space, space.initial.pick(), names or Names(space.net))
-    _Explanation(evaluation, witness).explain(formula, evaluation.holds(formula))
+    settles = space.net.priorities and not space.everything - space.stable
+    witness = Witness(space, space.initial.pick(), names or Names(space.net), settles)
+    _InSpace(evaluation, witness).explain(formula, evaluation.holds(formula))
     return witness
 
 
-class _Explanation(Generic[S]):
-    def __init__(self, evaluation: Evaluation[S], witness: Witness) -> None:
-        self.evaluation = evaluation
-        self.space = evaluation.space
+class Explanation(ABC):
+    """Extends a run by what shows the value of a formula; how the run goes on is for those who know a way.
+
+    Args:
+        witness: The run, extended in place.
+    """
+
+    def __init__(self, witness: Witness) -> None:
         self.witness = witness
+
+    @abstractmethod
+    def value(self, formula: Formula) -> bool | None:
+        """Whether the last state of the run satisfies a formula; ``None`` where that is not known."""
+
+    @abstractmethod
+    def step(self, operand: Formula) -> None:
+        """Appends an edge to a state that satisfies a formula."""
+
+    @abstractmethod
+    def reach(self, left: Formula, right: Formula) -> None:
+        """Appends a path along the left formula to the right one."""
+
+    @abstractmethod
+    def stay(self, operand: Formula) -> None:
+        """Appends a path along a formula that is endless or ends in a dead state."""
 
     def explain(self, formula: Formula, holds: bool) -> None:
         """Extends the run to demonstrate the value of a formula at its last state."""
@@ -140,11 +178,10 @@ class _Explanation(Generic[S]):
                 self.explain_some(operands, holds, all_needed=isinstance(formula, And) == holds)
             case EX((operand,)) if holds:
                 self.note("one step on", operand)
-                self.go(self.evaluation.states(operand) & self.evaluation.fair_states)
+                self.step(operand)
                 self.explain(operand, True)
             case EU((left, right)) if holds:
-                goal = self.evaluation.states(right) & self.evaluation.fair_states
-                self.follow(self.evaluation.along(left), goal)
+                self.reach(left, right)
                 if left != TRUE:
                     self.note("up to there", left)
                 self.explain(right, True)
@@ -158,7 +195,9 @@ class _Explanation(Generic[S]):
 
     def explain_some(self, operands: tuple[Formula, ...], holds: bool, *, all_needed: bool) -> None:
         """Shows an operand of the value wanted: the simplest, or the first of all where all are needed."""
-        shown = [o for o in operands if self.at_end(self.evaluation.states(o)) == holds]
+        shown = [o for o in operands if self.value(o) == holds]
+        if len(shown) < (len(operands) if all_needed else 1):
+            raise NoRun
         temporal = [o for o in shown if is_temporal(o)]
         onward = temporal[:1] if all_needed else sorted(shown, key=is_temporal)[:1]
         for operand in shown if all_needed else ():
@@ -168,7 +207,26 @@ class _Explanation(Generic[S]):
         for operand in onward:
             self.explain(operand, holds)
 
-    # --- runs ---
+    def note(self, where: str, formula: Formula, reason: str = "") -> None:
+        """Says what the run shows at its last state."""
+        self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
+
+
+class _InSpace(Explanation, Generic[S]):
+    def __init__(self, evaluation: Evaluation[S], witness: Witness) -> None:
+        super().__init__(witness)
+        self.evaluation = evaluation
+        self.space = evaluation.space
+
+    def value(self, formula: Formula) -> bool:
+        return self.at_end(self.evaluation.states(formula))
+
+    def step(self, operand: Formula) -> None:
+        self.go(self.evaluation.states(operand) & self.evaluation.fair_states)
+
+    def reach(self, left: Formula, right: Formula) -> None:
+        goal = self.evaluation.states(right) & self.evaluation.fair_states
+        self.follow(self.evaluation.along(left), goal)
 
     def at_end(self, states: S) -> bool:
         """Whether the run has come to one of some states."""
@@ -230,9 +288,6 @@ class _Explanation(Generic[S]):
         self.follow(hull, self.evaluation.met(constraint, hull))
         if not self.at_end(self.evaluation.plain.states(constraint.states)):
             self.go(hull, constraint.transitions)
-
-    def note(self, where: str, formula: Formula, reason: str = "") -> None:
-        self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
 
 def scenario(witness: Witness) -> str:

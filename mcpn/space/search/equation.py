@@ -21,7 +21,7 @@ from typing import Literal, TypeAlias
 from mcpn.net.petri import PetriNet
 from mcpn.net.programs import minimise
 from mcpn.net.structure import incidence, invariants, state_machine_units
-from mcpn.space.search.goal import DEADLOCK, And, AtMost, Fires, Goal, Or, as_goal
+from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, Or, as_goal, fireable
 
 MARGIN = 1e-3
 LARGEST = 10_000
@@ -210,7 +210,7 @@ class _Program:
             case Or(goals):
                 return self._clause(goals, choice) or self._choose(goals, choice)
             case _:  # a deadlock, or that something may fire
-                fires = Fires(tuple(range(len(self.net.transitions))))
+                fires = Or(*(fireable(self.net, t) for t in range(len(self.net.transitions))))
                 spelled = as_goal(fires, self.net, goal != DEADLOCK)
                 assert spelled is not None, "it speaks of tokens alone"
                 return self.require(spelled, choice)

@@ -138,7 +138,7 @@ def changes(net: PetriNet, transition: int) -> dict[int, int]:
 
 
 def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None:
-    """The markings of a net without priorities that satisfy a formula, or do not, as wanted.
+    """The markings that satisfy a formula, or do not, as wanted.
 
     Returns:
         A goal; ``None`` where the formula speaks of paths.
@@ -155,11 +155,22 @@ def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None
             return AtMost(tuple((place, -weight) for place, weight in weights), -bound - 1)
         case AtMost() | Deadlock():
             return formula if wanted else Not(formula)
+        case Fires(transitions) if net.priorities:
+            events = [t for t in transitions if not net.transitions[t].internal]
+            internal = [fireable(net, t) for t in transitions if net.transitions[t].internal]
+            waiting = And(Or(*(fireable(net, t) for t in events)), stable(net))
+            return as_goal(Or(*internal, waiting), net, wanted)
         case Fires(transitions):
             return as_goal(Or(*(fireable(net, t) for t in transitions)), net, wanted)
         case Stable():
-            return TRUE if wanted else FALSE
+            return as_goal(stable(net), net, wanted)
     return None
+
+
+def stable(net: PetriNet) -> Formula:
+    """No internal transition has the tokens that it needs; true everywhere in nets without priorities."""
+    internal = [t for t, transition in enumerate(net.transitions) if net.priorities and transition.internal]
+    return And(*(Not(fireable(net, t)) for t in internal))
 
 
 def asks_dead(goal: Goal) -> bool:

@@ -44,7 +44,7 @@ class Round:
     """Budgets of one round, for each goal.
 
     Args:
-        steps: Firings of a walk.
+        steps: Firings of a walk; none where it is 0.
         states: Markings of a search.
         equation: Whether the state equation is asked as well.
     """
@@ -58,6 +58,8 @@ ALONE = 3
 """How many times as many markings a lone goal has before the equation, whose solver takes as long to load."""
 STEPS_OF_TRANSITION = 20
 """Firings of a walk beyond those of its round, for each transition of the net."""
+SHORT = Round(0, 20_000)
+"""A search alone, whose runs are shorter than those of walks."""
 ROUNDS = (Round(20_000, 2_000), Round(60_000, 20_000, equation=True), Round(200_000, 200_000))
 
 
@@ -65,11 +67,11 @@ class Portfolio:
     """Decides goals on one net.
 
     Args:
-        net: A net without priorities.
+        net: Any net. One with priorities is neither reduced nor searched by stubborn sets; the state equation
+            speaks of it too, since priorities only forbid.
     """
 
     def __init__(self, net: PetriNet) -> None:
-        assert not net.priorities, "reductions and stubborn sets do not know priorities"
         self.net = net
 
     @cached_property
@@ -105,13 +107,15 @@ class Portfolio:
         for number, budget in enumerate(rounds):
             if not waiting or (number and not go_on()):
                 return
+            beyond = STEPS_OF_TRANSITION * len(self.net.transitions) if budget.steps else 0
             walked = self.searches.walk(
-                [goals[index] for index in waiting],
-                steps=(budget.steps + STEPS_OF_TRANSITION * len(self.net.transitions)) * len(waiting),
-                seed=number,
+                [goals[index] for index in waiting], steps=(budget.steps + beyond) * len(waiting), seed=number
             )
             for position, run in walked.items():
-                yield waiting[position], Finding(True, run, (RANDOM_WALK,))
+                yield (
+                    waiting[position],
+                    Finding(True, _direct(self.net, run, goals[waiting[position]]), (RANDOM_WALK,)),
+                )
             waiting = [index for position, index in enumerate(waiting) if position not in walked]
             left = []
             for index in waiting:
@@ -139,6 +143,7 @@ class _Task:
         self.searches = Searches(smaller)
         self.inner = goal if self.reduction is None else renamed(goal, self.reduction.place_index.__getitem__)
         self.techniques = () if self.reduction is None else (REDUCTION,)
+        self.ways = (EXPLICIT,) if net.priorities else (EXPLICIT, STUBBORN_SETS)
 
     def search(self, budget: Round, seed: int, alone: bool) -> Finding | None:
         """Walks and searches, within a budget; nothing where neither decides."""
@@ -151,9 +156,9 @@ class _Task:
         more = ALONE if alone and budget.equation else 1
         found = self.searches.seek(self.inner, max_states=budget.states * more)
         if found.outcome == "reached":
-            return self._reached(found.run, EXPLICIT, STUBBORN_SETS)
+            return self._reached(found.run, *self.ways)
         if found.outcome == "unreachable":
-            return Finding(False, None, (*self.techniques, EXPLICIT, STUBBORN_SETS))
+            return Finding(False, None, (*self.techniques, *self.ways))
         return self._by_equation(budget, seed) if budget.equation else None
 
     def _by_equation(self, budget: Round, seed: int) -> Finding | None:
@@ -174,14 +179,26 @@ class _Task:
             run = shortened(self.net, self.reduction.lift(run))
             if self.goal == DEADLOCK:
                 run = shortened(self.net, _gone_on(self.net, run))
+        run = _direct(self.net, run, self.goal)
         assert leads_to(self.net, run, self.goal), "a run to a goal replays"
         return Finding(True, run, (*self.techniques, *ways))
 
 
 def _reduced(net: PetriNet, goal: Goal) -> Reduction | None:
+    if net.priorities:
+        return None
     if goal == DEADLOCK:
         return reduce_for_deadlock(net)
     return None if asks_dead(goal) else reduce_for_goal(net, wanted(goal))
+
+
+def _direct(net: PetriNet, run: Run, goal: Goal) -> Run:
+    """A run to a goal without the events of a mission that it can do without."""
+    if not net.priorities:
+        return run
+    from mcpn.space.run import without_detours
+
+    return without_detours(net, run, lambda marking: holds(goal, net, marking))
 
 
 def _gone_on(net: PetriNet, run: Run) -> Run:

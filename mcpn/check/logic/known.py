@@ -1,0 +1,163 @@
+"""What is known of formulas at a net's initial state without its space, and the runs that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from mcpn.check.logic.formulas import EU
+from mcpn.check.logic.names import Names
+from mcpn.check.logic.simplify import at_first, simplified
+from mcpn.check.logic.witness import Explanation, NoRun, Witness
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Edge
+from mcpn.space.run import Completion
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, holds, stable
+
+SOME_DEADLOCK = EU(TRUE, DEADLOCK)
+
+
+@dataclass(frozen=True)
+class Fired:
+    """A net whose states are its markings, fired one after the other.
+
+    Args:
+        net: The net.
+    """
+
+    net: PetriNet
+
+    def marking(self, state: Marking) -> Marking:
+        """The state itself."""
+        return state
+
+
+class Known:
+    """Values of formulas at the initial state of a graph whose states are not listed.
+
+    Args:
+        net: The net.
+        settled: Whether the states are the stable markings alone.
+
+    Attributes:
+        values: By part of a simplified formula its value at the initial state.
+        runs: By part that begins with ``EF`` and holds the transitions of a run to where its operand holds.
+    """
+
+    def __init__(self, net: PetriNet, *, settled: bool) -> None:
+        self.net, self.settled = net, settled
+        self.values: dict[Formula, bool] = {}
+        self.runs: dict[Formula, tuple[int, ...]] = {}
+        self._simple: dict[Formula, Formula] = {}
+
+    @cached_property
+    def initial(self) -> Marking:
+        """The initial state."""
+        at = list(self.net.initial)
+        if self.settled:
+            for _ in Completion(self.net).settle(at):
+                pass
+        return tuple(at)
+
+    @cached_property
+    def _bounds(self) -> Sequence[float]:
+        from mcpn.space.search.equation import place_bounds
+
+        # The space of a net with priorities is there only if it is 1-safe: its bounds are not worth knowing.
+        return [float("inf")] * len(self.net.places) if self.net.priorities else place_bounds(self.net)
+
+    def simple(self, formula: Formula) -> Formula:
+        """A smaller formula with the same value in every state."""
+        if formula == SOME_DEADLOCK:  # no bound makes it smaller
+            return formula
+        if formula not in self._simple:
+            self._simple[formula] = simplified(formula, self.net, self._bounds)
+        return self._simple[formula]
+
+    def rest(self, formula: Formula, marking: Marking | None = None) -> Formula:
+        """What is left to ask of a formula in a state: a constant where what is known decides it.
+
+        Args:
+            formula: The formula.
+            marking: The state; by default the initial one, of which more is known than its marking.
+        """
+
+        def value(part: Formula) -> bool | None:
+            if marking is None and part in self.values:
+                return self.values[part]
+            goal = as_goal(part, self.net)
+            return None if goal is None else holds(goal, self.net, marking or self.initial)
+
+        return at_first(self.simple(formula), value)
+
+    def goal(self, part: Formula) -> Goal | None:
+        """The markings that a search looks for where a part is ``EF f`` and needs no more; else ``None``."""
+        match part:
+            case EU((And(()), inside)):
+                goal = as_goal(inside, self.net)
+                # What is dead is stable.
+                free = goal is None or goal == DEADLOCK or not self.settled
+                return goal if free else as_goal(And(inside, stable(self.net)), self.net)
+        return None
+
+    def beginning(self, names: Names) -> Witness:
+        """A run that has not left the initial state."""
+        return Witness(Fired(self.net), self.initial, names, self.settled and self.net.priorities)
+
+    def explain(self, formula: Formula, value: bool, names: Names) -> Witness:
+        """Shows by a run why a formula has a value in the initial state.
+
+        Raises:
+            NoRun: No run is known that shows it.
+        """
+        witness = self.beginning(names)
+        _ByRuns(self, witness).explain(formula, value)
+        return witness
+
+
+class _ByRuns(Explanation):
+    """Explains by the runs that searches have found."""
+
+    def __init__(self, known: Known, witness: Witness) -> None:
+        super().__init__(witness)
+        self.known = known
+
+    def _rest(self, formula: Formula) -> Formula:
+        return self.known.rest(formula, self.witness.end if self.witness.steps else None)
+
+    def value(self, formula: Formula) -> bool | None:
+        return {TRUE: True, FALSE: False}.get(self._rest(formula))
+
+    def reach(self, left: Formula, right: Formula) -> None:
+        if self.value(right):
+            return
+        run = None if self.witness.steps else self.known.runs.get(self.known.simple(EU(left, right)))
+        if run is None:
+            raise NoRun
+        self._fire(run)
+
+    def _fire(self, run: Sequence[int]) -> None:
+        """Appends the edges of a run: firings, or events each with the internal firings behind it."""
+        net, at = self.known.net, self.known.net.initial
+        events: list[tuple[list[int], Marking]] = []
+        for t in run:
+            at = net.fire(at, t)
+            if not self.witness.settles or not net.transitions[t].internal:
+                events.append(([t], at))
+            elif events:
+                events[-1] = [*events[-1][0], t], at
+        self.witness.steps += (Edge(fired[0], at, tuple(fired[1:])) for fired, at in events)
+
+    def step(self, operand: Formula) -> None:
+        net, at = self.known.net, self.witness.end
+        completion = Completion(net) if self.witness.settles else None
+        for t in net.enabled(at):
+            internal, after = completion.after(at, t) if completion else ((), net.fire(at, t))
+            if self.known.rest(operand, after) == TRUE:
+                self.witness.steps.append(Edge(t, after, internal))
+                return
+        raise NoRun
+
+    def stay(self, operand: Formula) -> None:
+        raise NoRun

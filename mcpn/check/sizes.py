@@ -1,0 +1,86 @@
+"""How large a state space is, by whichever engine counts it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from mcpn.check.spaces import Choice, On, answered, space_of
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError
+from mcpn.net.petri import PetriNet
+from mcpn.space.summary import SpaceSummary, summarise
+
+if TYPE_CHECKING:
+    from mcpn.net.compose import MissionNet
+    from mcpn.space.markings.explicit import Progress
+
+Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
+"""Who counts: an engine by name, ``pyeda`` being the small reference, or ``auto``."""
+
+
+def sizes(
+    of: PetriNet | MissionNet,
+    *,
+    engine: Counting = "auto",
+    on: On | None = None,
+    max_states: int | None = None,
+    progress: Progress | None = None,
+) -> tuple[SpaceSummary, Choice | None]:
+    """Counts the states of a net, or of a mission.
+
+    Args:
+        of: The net, or the mission's.
+        engine: Who counts.
+        on: Whether all markings are counted, or the stable states alone, which leaves all else ``None``. By
+            default all markings, but for a mission that is asked of sections: by ``local``, or by ``auto``
+            where there are many markings.
+        max_states: Limit on states that are listed one by one.
+        progress: Called now and then with states and edges, or with sections done and to do.
+
+    Returns:
+        The sizes, and the engine that was chosen; ``None`` for ``pyeda``, which is only asked by name.
+
+    Raises:
+        InputError: The net has no stable states to count.
+        SemanticsError: The net is unbounded, or not 1-safe though it has priorities; of stable states, an
+            event has several outcomes or none.
+        LimitError: A limit was hit.
+    """
+    net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
+    if engine == "pyeda":
+        return summarise(net, engine), None
+
+    def markings(choice: Choice) -> SpaceSummary:
+        if (
+            choice.engine == "local"
+        ):  # sections hand on stable states: what is between them the whole net tells
+            return replace(
+                summarise(net, "symbolic"), stable_states=stable(choice).stable_states, engine="local"
+            )
+        return summarise(net, choice.engine, max_states=choice.limit, progress=progress)
+
+    def stable(choice: Choice) -> SpaceSummary:
+        started = time.perf_counter()
+        count = space_of(of, choice, "alternatives", progress=progress).everything.count()
+        seconds = time.perf_counter() - started
+        return SpaceSummary(
+            *(len(net.places), len(net.transitions), None, None, count),
+            *(None, None, None, None, choice.engine, seconds),
+        )
+
+    def soon(choice: Choice) -> SpaceSummary:
+        if choice.engine != "local":
+            return markings(choice)
+        try:
+            return stable(choice)
+        except (ConfluenceError, DivergenceError) as error:  # markings there are all the same
+            raise LimitError(str(error)) from error
+
+    if on is None:
+        if engine == "auto" and mission_net is not None:
+            return answered(soon, mission_net, engine=engine, on="alternatives", max_states=max_states)
+        on = "alternatives" if engine == "local" else "markings"
+    count = markings if on == "markings" else stable
+    asked = mission_net if on == "alternatives" else None
+    return answered(count, asked, engine=engine, on=on, max_states=max_states)
