@@ -73,6 +73,10 @@ class LimitError(McpnError):
     """A bound was hit (states, memory, time, size of a template): the message says which one."""
 
 
+class WorkersError(McpnError):
+    """Processes or machines that were to do a part of the work are gone, or never came."""
+
+
 class SemanticsError(McpnError):
     """The net breaks a premise of the analysis; carries the runs that show it.
 

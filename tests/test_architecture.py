@@ -19,6 +19,7 @@ WAY = [
     "xmlio",
     "notebook",
     "steps",
+    "workers",
     "mission",
     "net",
     "space",

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.cli.shared import executor_of
+from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and devices")

@@ -64,10 +64,8 @@ def sizes(
         started = time.perf_counter()
         count = space_of(of, choice, "alternatives", progress=progress).everything.count()
         seconds = time.perf_counter() - started
-        return SpaceSummary(
-            *(len(net.places), len(net.transitions), None, None, count),
-            *(None, None, None, None, choice.engine, seconds),
-        )
+        own = len(net.places), len(net.transitions)
+        return SpaceSummary(*own, None, None, count, None, None, None, None, choice.engine, seconds)
 
     def soon(choice: Choice) -> SpaceSummary:
         if choice.engine != "local":

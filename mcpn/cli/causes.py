@@ -16,10 +16,12 @@ from mcpn.cli.shared import (
     emit_json,
     engine_option,
     import_option,
+    jobs_option,
     json_option,
     limit_option,
     mission_net_of,
     progress_line,
+    scheduler_option,
     tell_warnings,
     without_threads_of_numpy,
 )
@@ -52,6 +54,8 @@ MOST_TOLD = 50
     metavar="CLASS=NAME",
     help='A name of your own for a severity class, for example "mission lost=I".',
 )
+@jobs_option
+@scheduler_option
 @limit_option
 @import_option
 @json_option
@@ -64,6 +68,8 @@ def causes(
     rates: bool,
     formula: bool,
     severities: tuple[str, ...],
+    jobs: int,
+    scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
@@ -84,6 +90,7 @@ def causes(
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
     from mcpn.report.text import print_choice
+    from mcpn.workers import executor_of
 
     started = time.perf_counter()
     classes = _classes(severities)
@@ -94,7 +101,10 @@ def causes(
         tell_warnings(mission_net)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
     with progress_line(as_json, told) as progress:
-        every = find_causes(mission_net, engine=engine, progress=progress, max_states=max_states)
+        with executor_of(jobs, scheduler) as executor:
+            every = find_causes(
+                mission_net, engine=engine, progress=progress, max_states=max_states, executor=executor
+            )
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)

@@ -17,7 +17,6 @@ from mcpn.cli.shared import (
     choice_object,
     emit_json,
     engine_option,
-    executor_of,
     import_option,
     is_net,
     jobs_option,
@@ -66,6 +65,7 @@ def check(
         _check_net(net_of(file, import_root), structure, max_states, as_json)
         return
     from mcpn.check.verdicts.mission import check as check_mission
+    from mcpn.workers import executor_of
 
     started = time.perf_counter()
     mission_net = mission_net_of(file, import_root)

@@ -15,7 +15,6 @@ from mcpn.cli.shared import (
     choice_object,
     emit_json,
     engine_option,
-    executor_of,
     import_option,
     is_net,
     jobs_option,
@@ -84,8 +83,8 @@ def ctl(
 ) -> None:
     """Answer CTL formulas on FILE: the stable states of a mission, or the markings of a net.
 
-    All that one call asks shares one space, and what a search or the state equation decides needs none. Exit code 1 if some FORMULA does not hold; property files and
-    examinations answer with 0 either way.
+    All that one call asks shares one space, and what a search or the state equation decides needs none. Exit
+    code 1 if some FORMULA does not hold; property files and examinations answer with 0 either way.
     """
     if not (formulas or properties or examinations):
         raise click.UsageError("a FORMULA, --properties or --examination is needed")
@@ -94,6 +93,7 @@ def ctl(
     without_threads_of_numpy()
     from mcpn.check.logic.questions import Questions
     from mcpn.check.logic.verdicts import answer_typed
+    from mcpn.workers import executor_of
 
     net, mission_net = _subject(file, import_root)
     objects, answers = [], []

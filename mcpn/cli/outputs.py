@@ -14,11 +14,13 @@ from mcpn.cli.shared import (
     emit_json,
     import_option,
     is_net,
+    jobs_option,
     json_option,
     limit_option,
     mission_net_of,
     net_of,
     progress_line,
+    scheduler_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
     help="A machine for each type of section, or one for the whole mission.",
 )
 @click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
+@jobs_option
+@scheduler_option
 @limit_option
 @import_option
 @json_option
@@ -49,6 +53,8 @@ def controller(
     output: Path,
     hierarchical: bool,
     smallest: bool,
+    jobs: int,
+    scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
@@ -59,15 +65,18 @@ def controller(
     from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import files
     from mcpn.files import write_folder
+    from mcpn.workers import executor_of
 
     mission_net = mission_net_of(mission, import_root)
-    with progress_line(as_json, SECTIONS if hierarchical else STATES_AND_EDGES) as progress:
+    told = SECTIONS if hierarchical else STATES_AND_EDGES
+    with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
         found = generate(
             mission_net,
             "hierarchical" if hierarchical else "flat",
             max_states=max_states,
             progress=progress,
             told=lambda text: click.echo(text, err=True),
+            executor=executor,
         )
     size = found.size
     if smallest:

@@ -17,13 +17,17 @@ from mcpn.cli.shared import (
     emit_json,
     engine_option,
     import_option,
+    jobs_option,
     json_option,
     limit_option,
     mission_net_of,
+    scheduler_option,
 )
 from mcpn.errors import InputError, McpnError, Source
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from mcpn.check.spaces import Asked, Engine
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
@@ -43,6 +47,8 @@ MOST_STATES = 200_000
 @click.argument("mission", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="The page to write, FILE.html.")
 @engine_option()
+@jobs_option
+@scheduler_option
 @limit_option
 @import_option
 @json_option
@@ -50,6 +56,8 @@ def report(
     mission: Path,
     output: Path,
     engine: Asked,
+    jobs: int,
+    scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
     as_json: bool,
@@ -61,12 +69,13 @@ def report(
     from mcpn.files import write_atomically
     from mcpn.report.page import page
     from mcpn.report.progress import steps_on_terminal
+    from mcpn.workers import executor_of
 
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
-    with steps_on_terminal() as steps:
-        found = findings(mission_net_of(mission, import_root), engine, max_states, steps)
+    with steps_on_terminal() as steps, executor_of(jobs, scheduler) as executor:
+        found = findings(mission_net_of(mission, import_root), engine, max_states, steps, executor)
         steps.begin("the page")
         text = page(found)
     write_atomically(output, text)
@@ -86,6 +95,7 @@ def findings(
     engine: Asked = "auto",
     max_states: int | None = None,
     steps: Steps | None = None,
+    executor: Executor | None = None,
 ) -> Findings:
     """All that a report tells of a mission.
 
@@ -94,6 +104,7 @@ def findings(
         engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
         max_states: Limit on states that are listed.
         steps: Told of each step and how far it is.
+        executor: Where types of sections are explored; this process by default.
 
     Raises:
         SemanticsError: A section hands on more than the state of its hardware.
@@ -126,7 +137,9 @@ def findings(
             return None
 
     with timed("verdicts", counted if engine in ("auto", "local") else exploring):
-        checked = check(mission_net, engine=engine, max_states=max_states, progress=steps.at)
+        checked = check(
+            mission_net, engine=engine, max_states=max_states, progress=steps.at, executor=executor
+        )
     chosen = checked.choice.engine
     told = counted if chosen == "local" else exploring
     warnings = [*map(str, (*find_warnings(mission_net.usage), *checked.unselectable))]
@@ -136,13 +149,17 @@ def findings(
         return Findings(
             checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=chosen, seconds=seconds
         )
-    causes, rows = tried("causes", lambda: _causes(mission_net, chosen, max_states, steps), told) or (
+    causes, rows = tried(
+        "causes", lambda: _causes(mission_net, chosen, max_states, steps, executor), told
+    ) or (
         None,
         None,
     )
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
-    controller = tried("controller", lambda: _controller(mission_net, chosen, max_states, steps), counted)
+    controller = tried(
+        "controller", lambda: _controller(mission_net, chosen, max_states, steps, executor), counted
+    )
     with timed("local graphs", counted):
         local, missing = local_pictures(mission_net, steps.at)
     notes += missing
@@ -158,12 +175,16 @@ def _has_rates(mission: Mission) -> bool:
     return any(h.failure_rate for h in mission.hardware) or any(event.rate for event in mission.events)
 
 
-def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps) -> tuple[Any, Any]:
+def _causes(
+    mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps, executor: Executor | None
+) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
     from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca
 
-    causes = find_causes(mission_net, engine=engine, max_states=max_states, progress=steps.at)
+    causes = find_causes(
+        mission_net, engine=engine, max_states=max_states, progress=steps.at, executor=executor
+    )
     if len(causes.objectives) > MOST_ROWS:
         return causes, None
     steps.begin("the FMECA table")
@@ -171,7 +192,7 @@ def _causes(mission_net: MissionNet, engine: Engine, max_states: int | None, ste
 
 
 def _controller(
-    mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps
+    mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps, executor: Executor | None
 ) -> dict[str, Any]:
     """The controller, in one piece where sections cannot be taken apart and the mission is small."""
     from mcpn.controller.generate import generate
@@ -179,7 +200,7 @@ def _controller(
     from mcpn.report.progress import exploring
 
     try:
-        made = generate(mission_net, max_states=max_states, progress=steps.at)
+        made = generate(mission_net, max_states=max_states, progress=steps.at, executor=executor)
     except McpnError:
         if engine == "local":
             raise

@@ -7,18 +7,13 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib import import_module
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.errors import InputError, LimitError
-
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from mcpn.check.spaces import Choice, NoSpace
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
@@ -81,36 +76,6 @@ def engine_option(*more: str) -> Callable[[Any], Any]:
 def choice_object(choice: Choice | NoSpace) -> dict[str, str | None]:
     """Which engine answered, and why it was asked; ``null`` where the user named it."""
     return {"engine": choice.engine, "why": choice.why}
-
-
-@contextmanager
-def executor_of(jobs: int, scheduler: str | None) -> Iterator[Executor | None]:
-    """Where local graphs are made: a cluster, processes, or this process."""
-    if scheduler is not None:
-        try:
-            distributed: Any = import_module("distributed")
-        except ImportError as error:
-            raise LimitError("--scheduler needs dask: pip install 'mcpn[distributed]'") from error
-        try:
-            client = distributed.Client(scheduler, timeout="10s")
-        except (OSError, ValueError) as error:
-            raise InputError.at(None, f"no dask scheduler answers at {scheduler}: {error}") from error
-        with client:
-            yield client.get_executor()
-    elif jobs > 1:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import active_children, get_context
-
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-            before = set(active_children())
-            try:
-                yield pool
-            except BaseException:  # leaving waits for work under way, which nobody needs any more
-                for process in set(active_children()) - before:
-                    process.terminate()
-                raise
-    else:
-        yield None
 
 
 def without_threads_of_numpy() -> None:

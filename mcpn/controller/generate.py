@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller, refuse_entries
 from mcpn.errors import LimitError
@@ -13,6 +13,9 @@ from mcpn.space.local.section_type import SectionType
 from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.settling import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 Form = Literal["flat", "hierarchical"]
 Progress = Callable[[int, int], None]
@@ -33,6 +36,7 @@ def generate(
     max_states: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
+    executor: Executor | None = None,
 ) -> Controller:
     """Generates the controller of a mission.
 
@@ -42,6 +46,7 @@ def generate(
         max_states: How many states a machine may have.
         progress: Called as the spaces are explored.
         told: Called with the sizes, in words, before large sections are listed.
+        executor: Where types of sections are explored; this process by default.
 
     Raises:
         SemanticsError: The mission is not safe or not confluent, or a section hands on more than hardware.
@@ -60,7 +65,7 @@ def generate(
         return flat_controller(mission_net, graph)
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_mission_words(mission_net):
-        composite = composite_space(mission_net, progress=progress)
+        composite = composite_space(mission_net, progress=progress, executor=executor)
     names: dict[SectionType, str] = {}
     for placed in composite.sections.values():
         names.setdefault(placed.type, placed.name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
@@ -23,6 +23,9 @@ from mcpn.space.algebra import Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
 from mcpn.steps import step
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +128,7 @@ def find_causes(
     engine: Asked = "auto",
     max_states: int | None = None,
     progress: Progress | None = None,
+    executor: Executor | None = None,
 ) -> Causes:
     """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
@@ -137,8 +141,9 @@ def find_causes(
     """
 
     def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        stable = space_of(mission_net, by, "alternatives", progress=None if by.brief else progress)
-        return stable, space_of(mission_net, by, "alternatives", may_die=True)
+        told = None if by.brief else progress
+        stable = space_of(mission_net, by, "alternatives", progress=told, executor=executor)
+        return stable, space_of(mission_net, by, "alternatives", may_die=True, executor=executor)
 
     (stable, dying), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states

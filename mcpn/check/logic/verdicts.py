@@ -1,11 +1,11 @@
-"""Answers to formulas, typed or in files, and to examinations of the Model Checking Contest, with how they were had.
+"""Answers to formulas, typed or in files, and to examinations of the contest, with how they were had.
 
 Formulas are simplified, by invariants and by the initial marking; what asks for one reachable marking goes to
 a search, once where several formulas ask for the same; others are asked of few markings, as they are needed
 (:mod:`mcpn.check.logic.local`). What is left is asked of the space, built once. All that is asked shares it:
 cheap ones first, each with a time slice that grows round by round, so that one hard question does not cost
-the easy ones. A typed formula comes with a run that shows its value, so that a way which tells none decides it
-only where no single run would show it, or where there is no space.
+the easy ones. A typed formula comes with a run that shows its value, so that a way which tells none decides
+it only where no single run would show it, or where there is no space.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ class _Answers:
             except NoRun:
                 pass
             try:
-                questions.space
+                _ = questions.space
             except McpnError as error:
                 witness = self.known.beginning(questions.names)
                 witness.shown.append(f"no run is shown, since it needs the space: {error}")

@@ -20,7 +20,7 @@ from mcpn.check.logic.language import show
 from mcpn.check.logic.names import Names
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
-from mcpn.space.algebra import Edge, S, Space
+from mcpn.space.algebra import Edge, S
 from mcpn.space.run import Run, transitions_of
 from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
 

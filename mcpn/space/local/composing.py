@@ -10,19 +10,25 @@ in which it fails are looked for among those that the mission comes to.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from mcpn.errors import LimitError
+from mcpn.errors import LimitError, WorkersError
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts, part_of
 from mcpn.net.templates import TemplateSet
-from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
+from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
+from mcpn.space.local.nonconfluent import (
+    Explored,
+    explored_and_proved,
+    refuse_nonconfluent,
+    refuse_open_junctions,
+)
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
@@ -79,8 +85,8 @@ def composite_space(
     }
     named = mortal if may_die else lambda net: net
     nets = {name: named(parts[name].net(templates)) for name in first.values()}
-    explored: dict[str, SymbolicSpace] = {}
-    results = _explored([net.net for net in nets.values()], executor)
+    explored: dict[str, Explored] = {}
+    results = _explored([net.net for net in nets.values()], executor, proved=not may_die)
     for number, name in enumerate(nets, 1):
         step(f"exploring section {name}" + (f" (type {number} of {len(nets)})" if len(nets) > 1 else ""))
         with in_section(name):
@@ -88,25 +94,39 @@ def composite_space(
         if progress:
             progress(number, len(nets))
     whole = WholeNet(named(mission_net), templates)
-    layout = Layout(whole.mission_net, max(len(space.encoding.places) for space in explored.values()))
-    types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
+    layout = Layout(whole.mission_net, max(len(known.space.encoding.places) for known in explored.values()))
+    types = {name: SectionType(parts[name], net, explored[name].space, layout) for name, net in nets.items()}
     for name, type_ in types.items():
         step(f"checking what section {name} hands on")
-        type_.check_premise(name, explored[name])
+        type_.check_premise(name, explored[name].space)
     step("joining the sections")
     stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
     if not may_die:  # what may die behaves as what may not
         if templates is not None:
             refuse_open_junctions(composite)
-        refuse_nonconfluent(composite, {types[name]: space for name, space in explored.items()})
+        refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
     return composite
 
 
-def _explored(nets: Sequence[PetriNet], executor: Executor | None) -> Iterator[SymbolicSpace]:
-    """The markings of some nets, in their order, wherever they are explored."""
-    futures = [executor.submit(reach, net) for net in nets] if executor else []
-    return (future.result() for future in futures) if executor else map(reach, nets)
+def _explored(nets: Sequence[PetriNet], executor: Executor | None, *, proved: bool) -> Iterator[Explored]:
+    """The markings of some nets, in their order, wherever they are explored; proofs go with them."""
+    if executor is None:
+        yield from map(Explored, map(reach, nets))
+        return
+    futures = [executor.submit(explored_and_proved if proved else _alone, net) for net in nets]
+    try:
+        for future in futures:
+            yield future.result()
+    except BrokenExecutor as error:
+        raise WorkersError(
+            "a process that explored sections ended before its work was done: it was killed, as by a system "
+            "that is out of memory; fewer of them (--jobs) need less at once"
+        ) from error
+
+
+def _alone(net: PetriNet) -> Explored:
+    return Explored(reach(net))
 
 
 def local_graph(

@@ -9,15 +9,17 @@ looked for from which it has none.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NoReturn
 
 from mcpn._kernel import Zdd
 from mcpn.mission.flatten import Section
-from mcpn.net.petri import Marking
+from mcpn.net.petri import Marking, PetriNet
 from mcpn.net.sections import junction_part
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.evolution import behind, leading, passing
-from mcpn.space.diagrams.symbolic import SymbolicSpace
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
 from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import ALL, SectionType
@@ -31,7 +33,37 @@ from mcpn.space.stable.settling import fault_after
 from mcpn.steps import step
 
 
-def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, SymbolicSpace]) -> None:
+@dataclass
+class Explored:
+    """The markings of a local net, and what of the proof of confluence needs nothing else.
+
+    What has been proved in one process is known in another to which this goes.
+
+    Args:
+        space: The markings.
+    """
+
+    space: SymbolicSpace
+
+    @cached_property
+    def conflicts(self) -> list[tuple[int, int]]:
+        """Pairs of internal transitions in conflict that some marking enables both."""
+        return list(open_conflicts(self.space.encoding, self.space.reachable))
+
+    @cached_property
+    def ends(self) -> bool:
+        """Whether internal evolution may end, whatever has happened."""
+        return not self.space.endless
+
+
+def explored_and_proved(net: PetriNet) -> Explored:
+    """The markings of a local net, with all that a worker can prove of them."""
+    found = Explored(reach(net))
+    _ = found.conflicts, found.ends  # asked for here, they are known where this goes
+    return found
+
+
+def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, Explored]) -> None:
     """Looks for an event without one outcome, on the markings of each type's local net.
 
     Raises:
@@ -39,11 +71,11 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
         DivergenceError: After an event that the mission comes to internal evolution need not end.
     """
     # What is small is known soon: an error is found before large sections are proved.
-    for type_, space in sorted(explored.items(), key=lambda pair: pair[1].reachable.nodes()):
+    for type_, known in sorted(explored.items(), key=lambda pair: pair[1].space.reachable.nodes()):
         stages = [stage for stage in composite.sections.values() if stage.type is type_]
         step(f"proving section {stages[0].name} confluent")
-        conflicts = list(open_conflicts(space.encoding, space.reachable))
-        if not (conflicts or space.endless):
+        conflicts = known.conflicts
+        if known.ends and not conflicts:
             continue
         encoding, begun, marking = type_.encoding, composite.empty, None
         for stage in stages:
@@ -54,7 +86,7 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
         else:
             try:
                 found = parting_among(encoding, begun, conflicts)
-                marking, endless = (None, bool(space.endless)) if found is None else (found[0], False)
+                marking, endless = (None, not known.ends) if found is None else (found[0], False)
             except EndlessRun:
                 endless = True
         if endless and (levels := endless_runs(encoding, transient).pick()) is not None:
