@@ -19,6 +19,7 @@ WAY = [
     "xmlio",
     "notebook",
     "steps",
+    "cluster",
     "workers",
     "mission",
     "net",
@@ -124,8 +125,9 @@ MISSION, TOKENS = {"mcpn.net.compose"}, {"mcpn.space.markings.widths"}
 ARRAYS, FILES = {"numpy"}, {"tempfile"}
 CONTEST = {"mcpn.check.logic.contest", "mcpn.space.search.portfolio"}
 LOADS: dict[str, set[str]] = {
-    "states --json": set(),
-    "states": set(),
+    "states --json": TOKENS,
+    "states": TOKENS,
+    "states --engine local": set(),
     "states --engine symbolic": set(),
     "states --engine explicit": TOKENS,
     "check": ARRAYS,
@@ -134,7 +136,9 @@ LOADS: dict[str, set[str]] = {
     "alternatives": ARRAYS,
     "controller -o {folder}": ARRAYS | FILES,
     "convert {folder}/net.pnml": FILES,
-    "ctl AG(EF(success|failure))": set(),
+    "ctl AG(EF(success|failure))": ARRAYS,
+    "ctl --on markings AG(EF(success|failure))": set(),
+    "ctl --engine local AG(EF(success|failure))": set(),
     "ctl --engine explicit AG(EF(success|failure))": ARRAYS,
     "causes --engine local": set(),
     "causes": ARRAYS,
@@ -145,7 +149,8 @@ LOADS: dict[str, set[str]] = {
 LOADS_OF_NETS: dict[str, set[str]] = {
     "states": set(),
     "check": TOKENS | {"mcpn.space.search.portfolio"},
-    "ctl EF(deadlock)": set(),
+    "ctl EF(deadlock)": {"mcpn.space.search.portfolio"},
+    "ctl AG(EF(b))": set(),
     "ctl --examination StableMarking": TOKENS | CONTEST,
     "convert {folder}/net.pnml": FILES,
 }

@@ -126,14 +126,14 @@ def test_alternatives_of_ulysse(options: list[str], method: str) -> None:
 
 def test_the_engine_is_chosen_and_told() -> None:
     small = "the markings graph is small"
-    for command in (["check"], ["alternatives"], ["causes"], ["ctl", "EF success", "--on", "alternatives"]):
+    for command in (["check"], ["alternatives"], ["causes"], ["ctl", "EF success"], ["states"]):
         name, *rest = command
         found = output(name, ULYSSE, *rest)
         told = found[0] if isinstance(found, list) else found
         assert (told["engine"], told["why"]) == ("explicit", small)
         assert small in mcpn(name, ULYSSE, *rest).stdout
     for command in (["states"], ["ctl", "EF success"]):
-        name, *rest = command
+        name, *rest = [*command, "--on", "markings"]
         found = output(name, ULYSSE, *rest)
         assert (found[0] if isinstance(found, list) else found)["engine"] == "symbolic"
         assert "a diagram holds all markings" in mcpn(name, ULYSSE, *rest).stdout
@@ -405,19 +405,55 @@ def test_markings_are_counted_beside_local_spaces_where_asked_for() -> None:
         output("states", ULYSSE, "--engine", "local"),
         output("states", ULYSSE, "--engine", "symbolic"),
     )
-    asked = output("states", ULYSSE, "--engine", "local", "--markings")
+    asked = output("states", ULYSSE, "--engine", "local", "--on", "markings")
     counted = ("states", "edges", "dead_states", "max_tokens")
     assert {name: local[name] for name in counted} == dict.fromkeys(counted)
     assert {name: asked[name] for name in counted} == {name: symbolic[name] for name in counted}
     assert local["stable_states"] == asked["stable_states"] == symbolic["stable_states"] == 260
-    assert mcpn("states", ULYSSE, "--markings").returncode == 2
+    for engine in ("auto", "explicit", "symbolic"):
+        stable = output("states", ULYSSE, "--engine", engine, "--on", "alternatives")
+        assert {name: stable[name] for name in (*counted, "stable_states")} == {
+            **dict.fromkeys(counted),
+            "stable_states": 260,
+        }
+
+
+def test_a_large_mission_is_asked_for_its_stable_states() -> None:
+    """The limit stands for a mission that is large: more markings than are listed without being asked for."""
+    found = output("states", ULYSSE, "--max-states", 1000)
+    assert (found["engine"], found["states"], found["stable_states"]) == ("local", None, 260)
+    assert found["why"].startswith("there are more than 1000 markings")
+    found = output("states", ULYSSE, "--max-states", 1000, "--on", "markings")
+    assert (found["engine"], found["states"], found["stable_states"]) == ("symbolic", 44299, 260)
+    (answer,) = output("ctl", ULYSSE, "AG EF (success | failure)", "--max-states", 1000)
+    assert (answer["engine"], answer["holds"]) == ("local", True)
+    (answer,) = output("ctl", ULYSSE, "AG EF (success | failure)", "--engine", "local")
+    assert (answer["engine"], answer["why"], answer["holds"]) == ("local", None, True)
+
+
+def test_a_mission_that_is_not_confluent_has_markings(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    hardware = "".join(f'<hardware name="h{i}"/>' for i in range(17))
+    path.write_text(
+        f"""<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">{hardware}
+<activity name="a" consumes="h0"/><activity name="b" consumes="h0"/></robot>
+<parallel name="p"><objective name="x" activities="a"/><objective name="y" activities="b"/></parallel>
+</mission>"""
+    )
+    found = output("states", path)
+    assert found["engine"] == "symbolic"
+    assert "local gives no answer: not confluent" in found["why"]
+    assert found["states"] > found["stable_states"] > 2**17
+    assert output("states", path, "--on", "alternatives", code=1)["error"] == "nonconfluent"
+    assert output("ctl", path, "EF success", code=1)["error"] == "nonconfluent"
+    assert output("ctl", path, "EF success", "--on", "markings")[0]["holds"]
 
 
 def test_memory_that_runs_out_is_an_error_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def nothing_left(*_: object, **__: object) -> None:
         raise MemoryLimit("the store's memory limit of 1 bytes was hit at 0 nodes")
 
-    monkeypatch.setattr("mcpn.space.summary.summarise", nothing_left)
+    monkeypatch.setattr("mcpn.check.sizes.summarise", nothing_left)
     run = mcpn("states", ULYSSE)
     assert run.returncode == 2
     assert run.stderr.startswith("error: out of memory: the store's memory limit of 1 bytes")

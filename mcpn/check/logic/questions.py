@@ -55,7 +55,7 @@ class Questions:
     Args:
         net: The net.
         mission_net: The mission that it is of, if any.
-        on: The graph that formulas speak of; by default the stable states of a mission, the markings of a net.
+        on: The graph that formulas speak of; by default a mission's stable states, or a net's markings.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
             :mod:`mcpn.check.spaces`, with a search before it where one may do.

@@ -10,7 +10,6 @@ in which it fails are looked for among those that the mission comes to.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -118,7 +117,11 @@ def _explored(nets: Sequence[PetriNet], executor: Executor | None, *, proved: bo
     try:
         for future in futures:
             yield future.result()
-    except BrokenExecutor as error:
+    except Exception as error:
+        from concurrent.futures import BrokenExecutor
+
+        if not isinstance(error, BrokenExecutor):
+            raise
         raise WorkersError(
             "a process that explored sections ended before its work was done: it was killed, as by a system "
             "that is out of memory; fewer of them (--jobs) need less at once"

@@ -1,0 +1,54 @@
+"""Where sections are explored side by side: processes of this machine, or the workers of a dask cluster.
+
+What goes to workers and comes back is pickled, and dask runs what it is sent: a scheduler is trusted like a
+program that one starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+# Both kinds are loaded when they are asked for.
+
+
+@contextmanager
+def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executor | None]:
+    """Where local graphs are made: a cluster, processes, or this process.
+
+    Args:
+        jobs: How many processes; one for this process alone.
+        scheduler: The address of a dask scheduler.
+
+    Yields:
+        An executor, or ``None`` for this process. What it is asked for ends in a WorkersError where the
+        workers are gone.
+
+    Raises:
+        InputError: No scheduler answers at the address.
+        LimitError: dask is not installed.
+        WorkersError: The scheduler has no workers.
+    """
+    if scheduler is not None:
+        from mcpn.cluster import cluster
+
+        with cluster(scheduler) as executor:
+            yield executor
+    elif jobs > 1:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import active_children, get_context
+
+        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+            before = set(active_children())
+            try:
+                yield pool
+            except BaseException:  # leaving waits for work under way, which nobody needs any more
+                for process in set(active_children()) - before:
+                    process.terminate()
+                raise
+    else:
+        yield None

@@ -1,0 +1,158 @@
+"""Workers: processes and clusters that do the work, and what is said where they are gone."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from multiprocessing import active_children
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+
+from mcpn.errors import InputError, WorkersError
+from mcpn.net.compose import MissionNet
+from mcpn.space.local.composing import composite_space
+from mcpn.workers import executor_of
+from tests.commands import mcpn, output
+from tests.conftest import ROOT
+
+ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
+COMMANDS = (
+    ["check"],
+    ["causes"],
+    ["ctl", "EF success"],
+    ["report", "-o", "{folder}/r.html"],
+    ["controller", "-o", "{folder}/c"],
+)
+
+
+def asking(command: list[str], folder: Path) -> list[object]:
+    name, *rest = (part.format(folder=folder) for part in command)
+    named = [] if name == "controller" else ["--engine", "local"]
+    return [name, ULYSSE, *rest, *named]
+
+
+def die(*_: object) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """A dask cluster in processes of its own."""
+    distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
+    with distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as found:
+        yield found
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_sections_are_explored_where_the_user_says(command: list[str], tmp_path: Path, cluster: Any) -> None:
+    asked = asking(command, tmp_path)
+    answers = [
+        output(*asked, *where) for where in ((), ("--jobs", 2), ("--scheduler", cluster.scheduler_address))
+    ]
+    for answer in answers:
+        for part in answer if isinstance(answer, list) else [answer]:
+            part.pop("seconds", None)
+            part.pop("bytes", None)
+    assert answers[0] == answers[1] == answers[2]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_a_scheduler_without_workers_says_so(command: list[str], tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
+    with (
+        patch("mcpn.cluster.CONNECT_SECONDS", 1),
+        distributed.LocalCluster(0, processes=False, dashboard_address=None) as empty,
+    ):
+        run = mcpn(*asking(command, tmp_path), "--scheduler", empty.scheduler_address)
+    assert run.returncode == 2
+    assert run.stderr.splitlines()[-1] == (
+        f"error: the dask scheduler at {empty.scheduler_address} has no workers: "
+        f"start some with dask worker {empty.scheduler_address}"
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_no_scheduler_is_bad_input() -> None:
+    pytest.importorskip("distributed", reason="needs mcpn[distributed]")
+    with (
+        patch("mcpn.cluster.CONNECT_SECONDS", 1),
+        pytest.raises(InputError, match="no dask scheduler answers at tcp://127.0.0.1:1"),
+        executor_of(scheduler="tcp://127.0.0.1:1"),
+    ):
+        raise AssertionError("nobody is there")
+
+
+def test_the_last_worker_that_goes_is_an_error() -> None:
+    distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
+    with (
+        distributed.LocalCluster(1, threads_per_worker=1, processes=False, dashboard_address=None) as found,
+        executor_of(scheduler=found.scheduler_address) as executor,
+    ):
+        assert executor is not None
+        assert executor.submit(abs, -3).result() == 3
+        begun = threading.Event()
+        with patch.dict(_WAITING, {"begun": begun}):
+            given = executor.submit(_wait_for_ever)
+            begun.wait(20)
+            found.scale(0)
+            with pytest.raises(WorkersError, match="the last worker of the dask scheduler at .* is gone"):
+                given.result(60)
+            _WAITING["ended"].set()
+
+
+_WAITING = {"begun": threading.Event(), "ended": threading.Event()}
+
+
+def _wait_for_ever() -> None:
+    _WAITING["begun"].set()
+    _WAITING["ended"].wait(120)
+
+
+def test_an_error_of_the_work_is_the_work_s(cluster: Any) -> None:
+    with executor_of(scheduler=cluster.scheduler_address) as executor:
+        assert executor is not None
+        with pytest.raises(ZeroDivisionError):
+            executor.submit(divmod, 1, 0).result(60)
+
+
+def test_work_that_kills_each_worker_is_an_error(cluster: Any) -> None:
+    distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
+    import dask
+
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+        with distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as found:
+            with executor_of(scheduler=found.scheduler_address) as executor:
+                assert executor is not None
+                with pytest.raises(WorkersError, match="died, one after the other|is gone"):
+                    executor.submit(die).result(60)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> None:
+    before = set(active_children())
+    with executor_of(2) as executor:
+        assert executor is not None
+        executor.submit(time.sleep, 60)
+        while not (children := set(active_children()) - before):
+            time.sleep(0.01)
+        for child in children:
+            child.kill()
+        with pytest.raises(WorkersError, match="a process that explored sections ended before its work"):
+            composite_space(ulysse_net, executor=executor)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_the_command_line_says_so_too(tmp_path: Path) -> None:
+    for command in COMMANDS:
+        with patch("mcpn.space.local.composing.explored_and_proved", die):
+            run = mcpn(*asking(command, tmp_path), "--jobs", 2)
+        assert run.returncode == 2, run.stderr
+        assert "error: a process that explored sections ended before its work was done" in run.stderr
+    assert not list(tmp_path.iterdir())
