@@ -133,7 +133,8 @@ def test_the_engine_is_chosen_and_told() -> None:
         assert (told["engine"], told["why"]) == ("explicit", small)
         assert small in mcpn(name, ULYSSE, *rest).stdout
     for command in (["states"], ["ctl", "EF success"]):
-        name, *rest = [*command, "--on", "markings"]
+        name, *rest = command
+        rest += ["--on", "markings"]
         found = output(name, ULYSSE, *rest)
         assert (found[0] if isinstance(found, list) else found)["engine"] == "symbolic"
         assert "a diagram holds all markings" in mcpn(name, ULYSSE, *rest).stdout

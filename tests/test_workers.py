@@ -83,7 +83,7 @@ def test_no_scheduler_is_bad_input() -> None:
     pytest.importorskip("distributed", reason="needs mcpn[distributed]")
     with (
         patch("mcpn.cluster.CONNECT_SECONDS", 1),
-        pytest.raises(InputError, match="no dask scheduler answers at tcp://127.0.0.1:1"),
+        pytest.raises(InputError, match="no dask scheduler answers at tcp:"),
         executor_of(scheduler="tcp://127.0.0.1:1"),
     ):
         raise AssertionError("nobody is there")
@@ -102,7 +102,7 @@ def test_the_last_worker_that_goes_is_an_error() -> None:
             given = executor.submit(_wait_for_ever)
             begun.wait(20)
             found.scale(0)
-            with pytest.raises(WorkersError, match="the last worker of the dask scheduler at .* is gone"):
+            with pytest.raises(WorkersError, match="the last worker of the dask scheduler"):
                 given.result(60)
             _WAITING["ended"].set()
 
@@ -122,16 +122,18 @@ def test_an_error_of_the_work_is_the_work_s(cluster: Any) -> None:
             executor.submit(divmod, 1, 0).result(60)
 
 
-def test_work_that_kills_each_worker_is_an_error(cluster: Any) -> None:
+def test_work_that_kills_each_worker_is_an_error() -> None:
     distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
     import dask
 
-    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
-        with distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as found:
-            with executor_of(scheduler=found.scheduler_address) as executor:
-                assert executor is not None
-                with pytest.raises(WorkersError, match="died, one after the other|is gone"):
-                    executor.submit(die).result(60)
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as found,
+        executor_of(scheduler=found.scheduler_address) as executor,
+    ):
+        assert executor is not None
+        with pytest.raises(WorkersError, match=r"died, one after the other|is gone"):
+            executor.submit(die).result(60)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

@@ -19,6 +19,7 @@ from itertools import chain, count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Store
+from mcpn.check.logic.formulas import EX
 from mcpn.check.logic.known import SOME_DEADLOCK, Known
 from mcpn.check.logic.questions import Answer, Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first
@@ -297,7 +298,8 @@ class _Answers:
             self.local = LocalCheck(self.net, self.parts())
         for part in parts:
             value = self.local.decide(part, steps, seed=self.rounds)
-            if value is False or (value and (runs or not self.typed)):
+            # A step is a run that the marking tells; what holds further on needs a run that is not known.
+            if value is False or (value and (runs or not self.typed or isinstance(part, EX))):
                 yield from self.learn(part, value, EXPLICIT)
         self.rounds += 1
 

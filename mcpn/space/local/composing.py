@@ -113,8 +113,8 @@ def _explored(nets: Sequence[PetriNet], executor: Executor | None, *, proved: bo
     if executor is None:
         yield from map(Explored, map(reach, nets))
         return
-    futures = [executor.submit(explored_and_proved if proved else _alone, net) for net in nets]
     try:
+        futures = [executor.submit(explored_and_proved if proved else _alone, net) for net in nets]
         for future in futures:
             yield future.result()
     except Exception as error:
