@@ -66,9 +66,10 @@ def test_sections_are_explored_where_the_user_says(command: list[str], tmp_path:
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
 def test_a_scheduler_without_workers_says_so(command: list[str], tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="needs mcpn[distributed]")
+    scheduler = {"cls": distributed.Scheduler, "options": {"port": 0, "dashboard": False}}
     with (
         patch("mcpn.cluster.CONNECT_SECONDS", 1),
-        distributed.LocalCluster(0, processes=False, dashboard_address=None) as empty,
+        distributed.SpecCluster(workers={}, scheduler=scheduler) as empty,
     ):
         run = mcpn(*asking(command, tmp_path), "--scheduler", empty.scheduler_address)
     assert run.returncode == 2
