@@ -110,7 +110,7 @@ def oxidd(net: PetriNet, order: tuple[int, ...]) -> int:
 
 def pyeda(net: PetriNet, order: tuple[int, ...]) -> int:
     """The reference engine of mcpn on pyeda."""
-    from mcpn.space.diagrams.pyeda_reference import count
+    from mcpn.space.pyeda_reference import count
 
     return count(net).states
 

@@ -194,9 +194,9 @@ def test_an_alternative_shares_with_what_the_one_before_it_leaves_behind() -> No
 
 def test_what_begins_waits_until_no_producer_evaluates() -> None:
     found = compose(a_producer_falls_back_while_its_section_stops())
-    awaited = found.usage.handover.awaited["panorama"]
-    assert awaited.activities == ("drive",)
-    assert awaited.interfaces == (("image", None), ("heading", None))
+    assert found.usage.handover.gated == {"panorama"}
+    begin = next(t for t in found.net.transitions if t.name == "OBJ_panorama_begin")
+    assert begin.rank == len(found.net.internal_ranks) - 1  # after all that stops
 
 
 def test_a_resource_that_fails_while_its_activity_waits_can_be_repaired() -> None:

@@ -132,7 +132,7 @@ def _pyeda(net: PetriNet) -> _Counts:
     if len(net.places) > MOST_PLACES_FOR_PYEDA:
         raise LimitError(f"more than {MOST_PLACES_FOR_PYEDA} places, the limit of the reference engine")
     try:
-        from mcpn.space.diagrams.pyeda_reference import count
+        from mcpn.space.pyeda_reference import count
 
         found = count(net)
     except ImportError as error:

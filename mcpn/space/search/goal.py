@@ -20,7 +20,7 @@ from functools import partial
 from typing import TypeAlias
 
 from mcpn._kernel import Goals
-from mcpn.net.petri import PetriNet
+from mcpn.net.petri import EVENTS, PetriNet
 
 FARTHEST = 2**62
 """Sums of tokens in searches are nearer than this bound."""
@@ -156,21 +156,20 @@ def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None
         case AtMost() | Deadlock():
             return formula if wanted else Not(formula)
         case Fires(transitions) if net.priorities:
-            events = [t for t in transitions if not net.transitions[t].internal]
-            internal = [fireable(net, t) for t in transitions if net.transitions[t].internal]
-            waiting = And(Or(*(fireable(net, t) for t in events)), stable(net))
-            return as_goal(Or(*internal, waiting), net, wanted)
+            ranks = sorted({net.ranks[t] for t in transitions})
+            ways = {rank: [fireable(net, t) for t in transitions if net.ranks[t] == rank] for rank in ranks}
+            return as_goal(Or(*(And(Or(*ways[rank]), calm(net, rank)) for rank in ranks)), net, wanted)
         case Fires(transitions):
             return as_goal(Or(*(fireable(net, t) for t in transitions)), net, wanted)
         case Stable():
-            return as_goal(stable(net), net, wanted)
+            return as_goal(calm(net, EVENTS), net, wanted)
     return None
 
 
-def stable(net: PetriNet) -> Formula:
-    """No internal transition has the tokens that it needs; true everywhere in nets without priorities."""
-    internal = [t for t, transition in enumerate(net.transitions) if net.priorities and transition.internal]
-    return And(*(Not(fireable(net, t)) for t in internal))
+def calm(net: PetriNet, rank: int) -> Formula:
+    """No transition of a lower rank has the tokens that it needs; true everywhere without priorities."""
+    lower = [t for t, of in enumerate(net.ranks) if net.priorities and of < rank]
+    return And(*(Not(fireable(net, t)) for t in lower))
 
 
 def asks_dead(goal: Goal) -> bool:
