@@ -13,7 +13,7 @@ from mcpn.check.logic.witness import Explanation, NoRun, Witness
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge
 from mcpn.space.run import Completion
-from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, holds, stable
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, calm, holds
 
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 
@@ -98,7 +98,7 @@ class Known:
                 goal = as_goal(inside, self.net)
                 # What is dead is stable.
                 free = goal is None or goal == DEADLOCK or not self.settled
-                return goal if free else as_goal(And(inside, stable(self.net)), self.net)
+                return goal if free else as_goal(And(inside, calm(self.net, EVENTS)), self.net)
         return None
 
     def beginning(self, names: Names) -> Witness:
