@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mcpn.errors import LimitError
-from mcpn.mission.expansion.once import reachable, unfold_once
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
 from mcpn.mission.graph import (
     Branch,
@@ -74,19 +73,16 @@ class _Flattening:
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.objectives = 0
         self.parameters = 0
-        self.once = 0
 
     def graph(
         self,
         blocks: tuple[Block, ...],
         scope: Scope,
         handlers: tuple[Handler, ...] = (),
-        within: str = "",
     ) -> ObjectivesGraph:
         sections: list[Section] = []
         self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL}, sections, handlers)
-        graph = ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope))
-        return unfold_once(reachable(graph), MAX_OBJECTIVES, within)
+        return ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)).reachable()
 
     def series(
         self,
@@ -98,18 +94,19 @@ class _Flattening:
     ) -> None:
         """Adds the sections of sibling blocks, under handlers that lead to them as well."""
         routes = {block.name: self.entry(block, scope) for block in blocks} | exits
-        scope = self.handling(scope, around, routes)
+        scope = self.handling(scope, around, routes, "")
         for block, following in zip(blocks, (*blocks[1:], None), strict=True):
             success = block.success or (following.name if following else SUCCEED)
-            inner = self.handling(scope, block.handlers, routes)
+            inner = self.handling(scope, block.handlers, routes, block.name)
             self.block(block, inner, routes[success], routes[block.failure or FAIL], sections)
 
-    def handling(self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, str]) -> Scope:
-        """The scope under some handlers more."""
+    def handling(
+        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, str], block: str
+    ) -> Scope:
+        """The scope under some handlers more, those of a block or of the mission."""
         found = []
         for handler in handlers:
-            self.once += handler.once
-            once = self.once if handler.once else None
+            once = scope.written_at(block, handler.event) if handler.once else None
             found.append(Interruption(handler.event, routes[handler.goto], once, handler.source))
         return replace(scope, handlers=(*found, *scope.handlers)) if found else scope
 
@@ -149,7 +146,6 @@ class _Flattening:
                     block.duration,
                     block.failure_probability or 0.0,
                     scope.interruptions,
-                    scope.name(block),
                 )
             )
         elif isinstance(block, Parallel):
@@ -178,7 +174,7 @@ class _Flattening:
     def branch(self, child: Block, scope: Scope) -> Branch:
         alone = replace(child, success=None, failure=None)
         name = scope.name(child)
-        graph = self.graph((alone,), replace(scope, handlers=()), within=f"{name}.")
+        graph = self.graph((alone,), replace(scope, handlers=()))
         return Branch(name, child.mandatory, graph, child.source)
 
     def count(self, parameters: int) -> None:

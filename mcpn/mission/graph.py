@@ -22,13 +22,14 @@ class Interruption:
     Args:
         event: The event's name.
         target: The next section, or one of the graph's own exits.
-        once: The number of the handler if it happens once only; ``None`` if it may happen again and again.
+        once: Where the handler is written if it happens once: protocol, block and event, as far as they are
+            there (``go_home.leak``), the same for all copies; ``None`` if it may happen again and again.
         source: Its line.
     """
 
     event: str
     target: str
-    once: int | None = None
+    once: str | None = None
     source: Source | None = field(default=None, compare=False)
 
 
@@ -37,6 +38,28 @@ class _Routes:
     success: str
     failure: str
     interruptions: tuple[Interruption, ...]
+
+    def handlers(self, event: str) -> Iterator[tuple[Interruption | None, tuple[str, ...]]]:
+        """What interrupts the section on an event: each handler with those that have happened before it counts.
+
+        The last is ``None`` where all of them happen once: the section then goes on.
+        """
+        happened: tuple[str, ...] = ()
+        for interruption in self.interruptions:
+            if interruption.event == event:
+                yield interruption, happened
+                if interruption.once is None:
+                    return
+                happened = (*happened, interruption.once)
+        yield None, happened
+
+    @property
+    def numbered(self) -> Iterator[tuple[int, Interruption]]:
+        """Interruptions, each with its number among those by the same event, from 1."""
+        counts: dict[str, int] = {}
+        for interruption in self.interruptions:
+            number = counts[interruption.event] = counts.get(interruption.event, 0) + 1
+            yield number, interruption
 
     @property
     def routes(self) -> tuple[str, ...]:
@@ -59,8 +82,8 @@ class ElementarySection(_Routes):
         description: For reports.
         duration: Its mean duration in hours, where known.
         failure_probability: How probable it is that it fails though it could succeed.
-        interruptions: By event, at most one each.
-        written: Its qualified name without the copies that handlers that happen once need.
+        interruptions: Of each event the innermost first: those that happen once, and at most one more, which
+            may happen again.
     """
 
     name: str
@@ -73,7 +96,6 @@ class ElementarySection(_Routes):
     duration: float | None = None
     failure_probability: float = 0.0
     interruptions: tuple[Interruption, ...] = ()
-    written: str = ""
 
     def walk(self) -> Iterator[ElementarySection]:
         """Itself."""
@@ -108,7 +130,8 @@ class ParallelSection(_Routes):
         failure: The same for failure.
         source: Its line.
         description: For reports.
-        interruptions: By event, at most one each; in effect where no branch handles the event itself.
+        interruptions: Of each event the innermost first, as of an objective; in effect where no branch
+            handles the event itself.
     """
 
     name: str
@@ -198,6 +221,23 @@ class ObjectivesGraph(Drawn):
             if isinstance(section, ParallelSection):
                 for branch in section.branches:
                     yield from branch.graph.all_sections()
+
+    def reachable(self) -> ObjectivesGraph:
+        """The same with what no route reaches put aside."""
+        seen, stack = {self.entry}, [self.entry]
+        while stack:
+            section = self.section(stack.pop())
+            for target in (*self.targets(section), *self.interrupted(section)):
+                if target.name not in seen:
+                    seen.add(target.name)
+                    stack.append(target.name)
+        reached = tuple(s for s in self.sections if s.name in seen)
+        return ObjectivesGraph(reached, self.entry, tuple(s for s in self.sections if s.name not in seen))
+
+    def once(self) -> list[str]:
+        """Handlers of its sections at any depth that happen once, in the order in which they are met."""
+        met = (i.once for section in self.all_sections() for i in section.interruptions)
+        return [handler for handler in dict.fromkeys(met) if handler is not None]
 
     def to_networkx(self) -> nx.MultiDiGraph[str]:
         """The same as a networkx graph, branches of parallel blocks at nodes of their own.

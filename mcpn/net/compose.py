@@ -81,12 +81,12 @@ class MissionNet(Drawn):
         return {place: name for place, (said, name) in self.roles.items() if said == kind}
 
     def not_idle(self, marking: Sequence[int]) -> list[str]:
-        """Places that differ from the initial marking, the hardware and the mission's own ends aside.
+        """Places that differ from the initial marking, aside from hardware, the mission's own, and `once`.
 
         Between two sections, and when the mission has ended, there should be none (DESIGN: the premise of
         composition).
         """
-        aside = {"hardware", "mission"}
+        aside = {"hardware", "mission", "once"}
         return [
             place.name
             for place, tokens in zip(self.net.places, marking, strict=True)
@@ -160,7 +160,8 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     """
     templates = templates or PaperTemplates()
     known = _named(usage.mission.software, usage.mission.activities)
-    canvas = Canvas(usage.mission.name, usage, known - _named(parts.software, parts.activities))
+    left_out = known - _named(parts.software, parts.activities)
+    canvas = Canvas(usage.mission.name, usage, left_out, part=parts.graph is not usage.graph)
     for hardware in parts.hardware:
         templates.hardware(canvas, hardware)
     for software in parts.software:

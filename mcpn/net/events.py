@@ -28,6 +28,8 @@ class What(StrEnum):
     """A hardware resource is ready again."""
     LOST = "lost"
     """A hardware resource that is out of service is given up for good (:mod:`mcpn.net.mortal`)."""
+    EARLIER = "earlier"
+    """A handler that happens once has happened before this part of the mission; in nets of parts alone."""
     DECLARED = "declared"
     """An event that the mission declares by name."""
     NAMED = "named"
@@ -40,6 +42,7 @@ _FORMS = {
     What.OUT_OF_SERVICE: ("", "_EV_OOS"),
     What.REPAIRED: ("", "_EV_RD"),
     What.LOST: ("", "_EV_DEATH"),
+    What.EARLIER: ("", "_EARLIER"),
     What.DECLARED: ("", "_EV"),
 }
 """Text before and after the element; no text ends like two of them."""

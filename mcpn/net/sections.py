@@ -8,17 +8,20 @@ nets then differ in names only, place by place and transition by transition.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
 from mcpn.mission.facts.usage import Usage
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED, Activity, Hardware, Software
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
+
+Element: TypeAlias = tuple[str, str]
+"""The kind and the name that the provenances of an element's places have."""
 
 MOST_NAMED = 12
 """Sections that an error lists at most."""
@@ -130,6 +133,16 @@ class LocalPart:
         """Hardware of the sections that can fail, in the order of :attr:`parts`."""
         return self.used.faulty
 
+    @cached_property
+    def once(self) -> tuple[str, ...]:
+        """Handlers of the sections that happen once, in the order in which they stand."""
+        return tuple(self.graph.once())
+
+    @cached_property
+    def carried(self) -> tuple[Element, ...]:
+        """What has a status that sections hand on: hardware that can fail, then what happens once."""
+        return (*(("hardware", name) for name in self.faulty), *(("once", name) for name in self.once))
+
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
         """The local net."""
         return compose_parts(self.usage, self.parts, templates)
@@ -150,14 +163,18 @@ class LocalPart:
             else:
                 inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
             routes = (places.get(r, r) for r in (section.success, section.failure))
-            events = tuple((i.event, places.get(i.target, i.target)) for i in section.interruptions)
+            events = tuple(
+                (i.event, places.get(i.target, i.target), i.once and self.once.index(i.once))
+                for i in section.interruptions
+            )
             shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
         return places[graph.entry], tuple(shapes)
 
 
-def exit_on(event: str) -> str:
-    """What the exit of a part is called that an event leads to; no section can be called so."""
-    return f"on {event}"
+def exits_on(section: Section) -> Iterator[tuple[str, Interruption]]:
+    """What the exits of a part are called that events lead to; no section can be called so."""
+    for number, interruption in section.numbered:
+        yield f"on {interruption.event}" + (f" {number}" if number > 1 else ""), interruption
 
 
 class SectionParts:
@@ -216,13 +233,9 @@ def _routed(section: Section, kept: set[str]) -> Section:
     success = section.success if section.success in kept else SUCCEED
     failure = section.failure if section.failure in kept else FAIL
     interruptions = tuple(
-        i if i.target in kept else replace(i, target=exit_on(i.event)) for i in section.interruptions
+        i if i.target in kept else replace(i, target=exit_) for exit_, i in exits_on(section)
     )
     return replace(section, success=success, failure=failure, interruptions=interruptions)
-
-
-Element: TypeAlias = tuple[str, str]
-"""The kind and the name that the provenances of an element's places have."""
 
 
 class Renaming:
@@ -236,7 +249,8 @@ class Renaming:
         activities: By name in the old section.
         alternatives: As ``activity.alternative``.
         hardware: By name.
-        objectives: The same.
+        once: Handlers that happen once, by where they are written.
+        objectives: By name.
         elements: All of them, with software and parallel blocks, each with its kind.
     """
 
@@ -249,11 +263,13 @@ class Renaming:
             for a, b in zip(theirs.alternatives, mine.alternatives, strict=True)
         }
         self.hardware = {a.name: b.name for a, b in zip(old.used.hardware, new.used.hardware, strict=True)}
+        self.once = dict(zip(old.once, new.once, strict=True))
         walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
         self.objectives = {theirs.name: mine.name for theirs, mine in walks}
         software = zip(old.used.software, new.used.software, strict=True)
         by_kind = {
             "hardware": self.hardware,
+            "once": self.once,
             "software": {a.name: b.name for a, b in software},
             "activity": self.activities,
             "alternative": self.alternatives,

@@ -81,13 +81,8 @@ class Names:
             case "success" | "failure":
                 about = [of.mission.name]
             case "objective" | "pending":
-                # Copies of an objective, for what comes after a handler that happens once, are the same to
-                # who asks for it as it is written.
-                copies: dict[str, list[str]] = {}
-                for section in (*of.graph.walk(), *of.graph.never_entered()):
-                    for known in dict.fromkeys((section.name, section.written)):
-                        copies.setdefault(known, []).append(section.name)
-                about = copies[_element(name, copies, "objective")]
+                sections = (*of.graph.walk(), *of.graph.never_entered())
+                about = [_element(name, [section.name for section in sections], "objective")]
             case "available" if name in of.usage.producer:
                 return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":

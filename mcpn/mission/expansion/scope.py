@@ -26,6 +26,7 @@ class Scope:
             says the name.
         handlers: Those of the blocks around, up to the mission or the branch of a parallel block, innermost
             first.
+        text: The protocol whose text this is; nothing in the mission's.
     """
 
     prefix: str = ""
@@ -34,10 +35,15 @@ class Scope:
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     defaults: Mapping[str, Parameter] = field(default_factory=dict)
     handlers: tuple[Interruption, ...] = ()
+    text: str = ""
 
     def name(self, block: Block) -> str:
         """The qualified name of a block that stands here."""
         return f"{self.prefix}{block.name}{self.suffix}"
+
+    def written_at(self, block: str, event: str) -> str:
+        """Where a handler is written in this text, whichever copy of its block happens to run."""
+        return ".".join(filter(None, (self.text, block, event)))
 
     @property
     def interruptions(self) -> tuple[Interruption, ...]:
@@ -70,6 +76,7 @@ class Scope:
             depth=self.deeper(use),
             parameters=_saying(self.parameters, use.parameters),
             defaults=_saying(self.defaults, protocol.parameters),
+            text=protocol.name,
         )
 
     def copy(self, block: Block, suffix: str, value: Parameter | None = None) -> Scope:

@@ -26,6 +26,8 @@ Role: TypeAlias = tuple[
         "exit",
         "alive",
         "dead",
+        "open",
+        "happened",
     ],
     str,
 ]
@@ -42,6 +44,8 @@ for the release, and holds nothing (:meth:`~mcpn.mission.facts.usage.Usage.waits
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);
 ``("success", mission)``, ``("failure", mission)``: the mission has ended so;
 ``("exit", "on leak")``: a part of the mission has been left so (never in the net of the whole);
+``("open", "go_home.leak")``, ``("happened", "go_home.leak")``: a handler that happens once (see
+:attr:`mcpn.mission.graph.Interruption.once`) may happen yet, or has happened;
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
 :mod:`mcpn.net.mortal`).
 """
@@ -85,12 +89,21 @@ class Canvas(NetBuilder):
         usage: Static facts of the mission.
         left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
             all the time.
+        part: Whether the net is of a part of the mission, before which handlers may have happened.
     """
 
-    def __init__(self, name: str, usage: Usage, left_out: frozenset[tuple[str, str]] = frozenset()) -> None:
+    def __init__(
+        self,
+        name: str,
+        usage: Usage,
+        left_out: frozenset[tuple[str, str]] = frozenset(),
+        *,
+        part: bool = False,
+    ) -> None:
         super().__init__(name, priorities=True)
         self.usage = usage
         self.left_out = left_out
+        self.part = part
         self.names = names_of(usage)
         self.ranks = Ranks(usage)
         self.roles: dict[str, Role] = {}

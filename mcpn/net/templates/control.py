@@ -7,17 +7,28 @@ puts a token into each branch's place *halt*. Internal transitions then stop the
 in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
 follows is entered. Of all handlers of an event those of the branches count first: where some branch is at a
 place that handles the event itself, these branches do so together and the block goes on.
+
+A handler that happens once has two places of its own: *open*, and *happened*. The transition of an event that
+it handles takes the one and puts the other; that of the next handler outwards reads *happened*. Sections hand
+them on as they do the status of hardware.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
 
 from mcpn.errors import LimitError
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.flatten import (
+    Branch,
+    ElementarySection,
+    Interruption,
+    ObjectivesGraph,
+    ParallelSection,
+    Section,
+)
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
@@ -50,9 +61,22 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
                 known.add(target)
                 place = canvas.of("exit", target, section.source).place("left")
                 exits[target] = [canvas.role(place, ("exit", target))]
+    for handler in graph.once():
+        _draw_once(canvas, pen, handler, begin)
     control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
+
+
+def _draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
+    """Draws whether a handler that happens once has happened; in a part of a mission it may have before."""
+    pen = canvas.of("once", handler, None)
+    still = canvas.role(pen.place("open", initial=1), ("open", handler))
+    gone = canvas.role(pen.place("happened"), ("happened", handler))
+    canvas.unit([still, gone])
+    if canvas.part:
+        event = Event(What.EARLIER, handler)
+        mission.transition(("earlier", handler), [still], [gone], read=[begin], event=event)
 
 
 @dataclass(frozen=True)
@@ -63,11 +87,27 @@ class _Position:
         read: Places that are marked there.
         take: Those of them that the event's transition consumes.
         put: Places that it marks; ``None`` where nothing handles the event.
+        once: Handlers that happen once and do so there.
+        happened: Those that have happened before.
     """
 
     read: tuple[str, ...]
     take: tuple[str, ...] = ()
     put: tuple[str, ...] | None = None
+    once: tuple[str, ...] = ()
+    happened: tuple[str, ...] = ()
+
+    def beside(self, other: _Position) -> _Position:
+        """What the event does where both hold, each in a branch of its own."""
+        put = None if self.put is other.put is None else (*(self.put or ()), *(other.put or ()))
+        read, take = (*self.read, *other.read), (*self.take, *other.take)
+        once, happened = (*self.once, *other.once), (*self.happened, *other.happened)
+        return _Position(read, take, put, tuple(dict.fromkeys(once)), tuple(dict.fromkeys(happened)))
+
+    @property
+    def possible(self) -> bool:
+        """Whether no handler has happened already that does so there."""
+        return not {*self.once} & {*self.happened}
 
 
 @dataclass(frozen=True)
@@ -278,40 +318,58 @@ class _Control:
             found = [p for p in self.positions(section, name) if p.put is not None]
             for number, position in enumerate(found, 1):
                 read = [place for place in position.read if place not in position.take]
-                part, put = f"EV{number}_{name}", list(position.put or ())
-                pen.transition(part, list(position.take), put, read=read, event=event)
+                read += self.of_handlers(position.happened, "happened")
+                take = [*position.take, *self.of_handlers(position.once, "open")]
+                put = [*(position.put or ()), *self.of_handlers(position.once, "happened")]
+                pen.transition(f"EV{number}_{name}", take, put, read=read, event=event)
+
+    def of_handlers(self, handlers: Iterable[str], part: str) -> list[str]:
+        """The same place of each of some handlers that happen once."""
+        return [self.canvas.place_of("once", handler, part) for handler in handlers]
 
     def positions(self, section: Section, event: str) -> Iterator[_Position]:
         """Where the objectives of a section may be when an event happens; one of these holds at a time."""
-        own = next((i for i in section.interruptions if i.event == event), None)
-        onward = tuple(self.enter(own.target)) if own else ()
+        def handled(place: str, put: Callable[[Interruption, int], Iterable[str]]) -> Iterator[_Position]:
+            for number, (own, before) in enumerate(section.handlers(event), 1):
+                if own is None:
+                    yield _Position((place,), happened=before)
+                else:
+                    once = () if own.once is None else (own.once,)
+                    yield _Position((place,), (place,), tuple(put(own, number)), once, before)
+
         if self.around.in_branch and self.gated(section):
-            gate = (self.of(section, "enter"),)
-            yield _Position(gate, gate, onward) if own else _Position(gate)
+            yield from handled(self.of(section, "enter"), lambda own, _: self.enter(own.target))
         if isinstance(section, ElementarySection):
-            at = (self.of(section),)
-            yield _Position(at, at, (*self.stops(section), *onward)) if own else _Position(at)
+            stops = self.stops(section)
+            yield from handled(self.of(section), lambda own, _: [*stops, *self.enter(own.target)])
             return
+        halts = [self.of_branch(branch, "halt") for branch in section.branches]
+        for inside in self.in_branches(section, event):
+            if inside.put is not None:
+                yield inside
+                continue
+            for whole in handled(
+                self.of(section, "running"), lambda _, number: [self.of(section, _on(event, number)), *halts]
+            ):
+                if (both := inside.beside(whole)).possible:
+                    yield both
+
+    def in_branches(self, section: ParallelSection, event: str) -> list[_Position]:
+        """Where those branches may be that handle an event somewhere."""
         handling = [
             list(self.inside(section, branch).in_branch(section, branch, event))
             for branch in section.branches
             if any(e == event for inner in branch.graph.sections for e in _events(inner))
         ]
-        if (count := prod(map(len, handling))) > MAX_POSITIONS:
-            message = f"parallel block {section.name}: {count} combinations of where its branches are when "
-            raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
-        running = (self.of(section, "running"),)
-        for positions in product(*handling):
-            read = tuple(place for position in positions for place in position.read)
-            acting = [p for p in positions if p.put is not None]
-            if acting:
-                take = tuple(place for p in acting for place in p.take)
-                yield _Position(read, take, tuple(place for p in acting for place in p.put or ()))
-            elif own:
-                halts = (self.of_branch(branch, "halt") for branch in section.branches)
-                yield _Position((*read, *running), running, (self.of(section, f"on_{event}"), *halts))
-            else:
-                yield _Position((*read, *running))
+        found = [_Position(())]
+        for number, positions in enumerate(handling, 1):
+            both = (one.beside(other) for one in found for other in positions)
+            found = [position for position in both if position.possible]
+            if len(found) > MAX_POSITIONS:
+                count = len(found) * prod(map(len, handling[number:]))
+                message = f"parallel block {section.name}: {count} combinations of where its branches are when "
+                raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
+        return found
 
     def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[_Position]:
         """Positions of this graph, that of a branch of a section, its ends among them."""
@@ -331,11 +389,10 @@ class _Control:
                 number += 1
                 pen.transition(f"halt{number}", [halt, *taken], put)
         all_halted = [self.of_branch(branch, "halted") for branch in section.branches]
-        for interruption in section.interruptions:
-            place = pen.place(f"on_{interruption.event}")
-            pen.transition(
-                f"left_{interruption.event}", [place, *all_halted], self.enter(interruption.target)
-            )
+        for number, interruption in section.numbered:
+            place = pen.place(_on(interruption.event, number))
+            left = _on(interruption.event, number, "left")
+            pen.transition(left, [place, *all_halted], self.enter(interruption.target))
         if self.around.halted:
             place = pen.place("halting")
             pen.transition("halted", [place, *all_halted], [self.around.halted])
@@ -355,6 +412,11 @@ class _Control:
                 )
         for end in self.ends(section, branch):
             yield list(end), [halted]
+
+
+def _on(event: str, number: int, word: str = "on") -> str:
+    """What is drawn for the handlers of an event is called: the innermost has no number."""
+    return f"{word}_{event}" if number == 1 else f"{word}{number}_{event}"
 
 
 def _events(section: Section) -> Iterator[str]:

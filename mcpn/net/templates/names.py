@@ -13,7 +13,7 @@ from weakref import WeakKeyDictionary
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ParallelSection
 
-_PREFIXES = {"objective": "OBJ_", "parallel": "PAR_"}
+_PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_"}
 
 
 class Names:
@@ -101,6 +101,7 @@ def _elements(usage: Usage) -> Iterator[tuple[str, str]]:
     yield from (("hardware", h.name) for h in mission.hardware)
     yield from (("software", s.name) for s in mission.software)
     yield from (("activity", a.name) for a in mission.activities)
+    yield from (("once", handler) for handler in usage.graph.once())
     for graph in usage.graphs():
         for section in graph.sections:
             if isinstance(section, ParallelSection):

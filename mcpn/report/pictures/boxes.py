@@ -64,7 +64,7 @@ def boxes(mission: Mission, graph: ObjectivesGraph) -> tuple[Box, Mapping[str, i
     building = _Building(mission)
     root = building.mission(mission)
     keys = building.keys
-    return root, {s.name: keys[s.written or s.name] for s in graph.walk()}
+    return root, {s.name: keys[s.name] for s in graph.walk()}
 
 
 class _Building:

@@ -107,7 +107,7 @@ class CompositeSpace(Glued):
         for name, part in (self.before(into) & among).parts.items():
             stage = self.stages[name]
             goal = into.of(name) | self.ends_into(stage, into.parts)
-            for t, before in stage.named(*stage.type.crossing(part, goal, stage.faulty)):
+            for t, before in stage.named(*stage.type.crossing(part, goal, stage.carried)):
                 found.setdefault(t, {})[name] = before
         return ((t, CompositeSet(self, found[t])) for t in sorted(found))
 
@@ -116,7 +116,7 @@ class CompositeSpace(Glued):
         counts: dict[int, int] = {}
         for name, part in states.parts.items():
             stage = self.stages[name]
-            for t, number in stage.named(*stage.type.firings(stage.closed(part), stage.faulty)):
+            for t, number in stage.named(*stage.type.firings(stage.closed(part), stage.carried)):
                 counts[t] = counts.get(t, 0) + number
         return counts
 

@@ -1,9 +1,10 @@
 """The diagram store of a composite: one for all sections, so that sets pass from section to section.
 
 The first levels hold the places of a section's local net, those of another section elsewhere in the same
-place. The last levels, the *slots*, hold the status of all hardware of the mission: out of service, and lost
-for good where hardware may die. A section keeps its own hardware in its local places; its own slots are left
-open (in either state), so that sections of one type have equal diagrams whatever their hardware is called.
+place. The last levels, the *slots*, hold the status that sections hand on: of all hardware of the mission, out
+of service, and lost for good where hardware may die; and of each handler that happens once, whether it has
+happened. A section keeps its own hardware and handlers in its local places; its own slots are left open (in
+either state), so that sections of one type have equal diagrams whatever these are called.
 """
 
 from __future__ import annotations
@@ -11,16 +12,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, cached_property, partial
 from itertools import chain
-from typing import Concatenate, Literal, NamedTuple, ParamSpec, TypeVar, cast
+from typing import Concatenate, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
 
 from mcpn._kernel import Store, Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
+from mcpn.net.sections import Element
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.space.run import Completion
 
-ROLES: tuple[Literal["oos", "dead"], ...] = ("oos", "dead")
+Said: TypeAlias = Literal["oos", "dead", "happened"]
+
+HARDWARE: tuple[Said, ...] = ("oos", "dead")
 """What the slots of a resource say, as the roles of places that say so; the second implies the first."""
+
+ONCE: tuple[Said, ...] = ("happened",)
+"""What the slot of a handler that happens once says."""
 
 CHANGES = {What.OUT_OF_SERVICE: (0, 1), What.REPAIRED: (1, 0), What.LOST: (1, 2)}
 """By event of hardware, its status before and after: how many of its slots are marked."""
@@ -41,7 +48,7 @@ class Toggle(NamedTuple):
     """What a resource may do while nobody uses it."""
 
     transition: int  # of the whole net
-    hardware: str
+    element: Element
     event: int  # of the store
     undo: int  # the event that undoes it
     condition: int  # of the store, for it
@@ -56,20 +63,27 @@ class Layout:
 
     Attributes:
         hardware: All hardware of the mission that can fail, in document order.
-        roles: What the slots of a resource say.
-        slots: By hardware, its slots.
+        once: All its handlers that happen once.
+        said: By kind of element, what its slots say.
+        slots: By element, its slots.
     """
 
     def __init__(self, mission_net: MissionNet, places: int) -> None:
         self.mission_net = mission_net
         faulty = set(mission_net.saying("oos").values())
         self.hardware = tuple(h.name for h in mission_net.mission.hardware if h.name in faulty)
-        self.roles = [role for role in ROLES if mission_net.saying(role)]
-        self.first_slot, each = places, len(self.roles)
-        self.store = Store(places + each * len(self.hardware), DEFAULT_MEMORY)
-        self.slots = {
-            name: range(places + each * i, places + each * (i + 1)) for i, name in enumerate(self.hardware)
+        self.once = tuple(mission_net.graph.once())
+        self.said = {
+            "hardware": tuple(role for role in HARDWARE if mission_net.saying(role)),
+            "once": ONCE,
         }
+        self.first_slot = end = places
+        self.slots: dict[Element, range] = {}
+        for kind, names in (("hardware", self.hardware), ("once", self.once)):
+            for name in names:
+                begin, end = end, end + len(self.said[kind])
+                self.slots[kind, name] = range(begin, end)
+        self.store = Store(end, DEFAULT_MEMORY)
 
     @cached_property
     def idle(self) -> list[int]:
@@ -80,18 +94,18 @@ class Layout:
 
     @cached_property
     def status(self) -> dict[int, tuple[int, bool]]:
-        """Places of the whole net that say, while nobody uses it, what a slot of a resource says, or not."""
+        """Places of the whole net that say, while no section has it, what a slot of an element says, or not."""
         places = idle_places(self.mission_net).items()
-        return {place: (self.slots[name][number], reverse) for place, (name, number, reverse) in places}
+        return {place: (self.slots[of][number], reverse) for place, (of, number, reverse) in places}
 
     @cached_property
     def all_slots(self) -> tuple[int, ...]:
-        """The slots of all hardware."""
-        return self.slots_of(self.hardware)
+        """The slots of all elements."""
+        return self.slots_of([*self.slots])
 
-    def slots_of(self, hardware: Sequence[str]) -> tuple[int, ...]:
-        """The slots of some hardware."""
-        return tuple(chain.from_iterable(self.slots[name] for name in hardware))
+    def slots_of(self, elements: Sequence[Element]) -> tuple[int, ...]:
+        """The slots of some elements."""
+        return tuple(chain.from_iterable(self.slots[element] for element in elements))
 
     def opened(self, states: Zdd, slots: Iterable[int]) -> Zdd:
         """The same with some slots, unmarked so far, in either state."""
@@ -102,20 +116,23 @@ class Layout:
         """What each resource does while nobody uses it, by the transition of the whole net."""
         found: dict[int, Toggle] = {}
         for t, name, before, after in _idle_events(self.mission_net):
-            slots, event = self.slots[name], self.store.event
+            element = "hardware", name
+            slots, event = self.slots[element], self.store.event
             lost, gained = slots[after:before], slots[before:after]
             beside = slots[: min(before, after)], slots[max(before, after) :]
             events = event(lost, gained, *beside), event(gained, lost, *beside)
-            found[t] = Toggle(t, name, *events, self.store.condition(slots[:before], slots[before:]))
+            found[t] = Toggle(t, element, *events, self.store.condition(slots[:before], slots[before:]))
         return found
 
     @remembered
-    def beside(self, transitions: frozenset[int] | None = None, but: tuple[str, ...] = ()) -> list[Toggle]:
-        """What hardware may do while nobody uses it: by some transitions, and but for some hardware."""
+    def beside(
+        self, transitions: frozenset[int] | None = None, but: tuple[Element, ...] = ()
+    ) -> list[Toggle]:
+        """What hardware may do while nobody uses it: by some transitions, and but for some."""
         return [
             toggle
             for t, toggle in self.toggles.items()
-            if toggle.hardware not in but and (transitions is None or t in transitions)
+            if toggle.element not in but and (transitions is None or t in transitions)
         ]
 
 
@@ -129,13 +146,13 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]
                 yield t, transition.event.element, before, after
 
 
-def idle_places(mission_net: MissionNet) -> dict[int, tuple[str, int, bool]]:
-    """What the places of hardware in a net, of a mission or of a part of it, say while nobody uses it.
+def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]:
+    """What the places of what has a status that sections hand on say, in a net of a mission or of a part of it.
 
-    By place that changes with the status of a resource: the resource, the number of its slot that says the
-    same, and whether the place says the reverse.
+    By place that changes with the status of hardware that nobody uses, or of a handler that happens once: the
+    element, the number of its slot that says the same, and whether the place says the reverse.
     """
-    net, found = mission_net.net, dict[int, tuple[str, int, bool]]()
+    net, found = mission_net.net, dict[int, tuple[Element, int, bool]]()
     completion, at = Completion(net), list(net.initial)
     for t, name, before, _ in _idle_events(mission_net):
         if before == 0:
@@ -143,9 +160,15 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[str, int, bool]]:
             fired = [net.transitions[u] for u in (t, *completion.settle(at, [t]))]
             for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
                 if at[place] != net.initial[place]:
-                    found[place] = name, 0, bool(net.initial[place])
+                    found[place] = ("hardware", name), 0, bool(net.initial[place])
                     at[place] = net.initial[place]
     # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
-    for role, reverse in (("dead", False), ("alive", True)):
-        found |= {place: (name, 1, reverse) for place, name in mission_net.saying(role).items()}
+    for role, kind, number, reverse in (
+        ("dead", "hardware", 1, False),
+        ("alive", "hardware", 1, True),
+        ("happened", "once", 0, False),
+        ("open", "once", 0, True),
+    ):
+        for place, name in mission_net.saying(role).items():
+            found[place] = (kind, name), number, reverse
     return found

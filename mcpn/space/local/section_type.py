@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
 from mcpn.net.compose import MissionNet
-from mcpn.net.sections import LocalPart
+from mcpn.net.sections import Element, LocalPart
 from mcpn.space.algebra import Edge
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
@@ -72,7 +72,7 @@ class SectionType:
         self.part = part
         self.net = net
         self.layout = layout
-        self.faulty = part.faulty
+        self.carried = part.carried
         self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
         assert explored.stable is not None, "nets of missions have priorities"
         self.size = explored.stable.count()
@@ -115,7 +115,7 @@ class SectionType:
 
     @remembered
     def crossing(
-        self, among: Zdd, goal: Zdd, own: tuple[str, ...]
+        self, among: Zdd, goal: Zdd, own: tuple[Element, ...]
     ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
         """The states of some inside from which each event leads to a goal, inside or at the ends.
 
@@ -128,7 +128,7 @@ class SectionType:
         return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
 
     @remembered
-    def firings(self, states: Zdd, own: tuple[str, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
+    def firings(self, states: Zdd, own: tuple[Element, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
         """The same with the number of states inside in which each event is enabled."""
         beside = self.layout.beside(None, own)
         counts = states.counts([toggle.condition for toggle in beside])
@@ -151,7 +151,7 @@ class SectionType:
         beside = [toggle.undo for toggle in self.layout.beside(allowed.beside)]
         return chained(goal, [*steps, lambda states: states.saturate(beside, within=within) & within])
 
-    # --- entry and exits: the status of all hardware is handed from section to section, in slots ---
+    # --- entry and exits: the status of all elements is handed from section to section, in slots ---
 
     @remembered
     def entered(self, before: Zdd) -> Zdd:
@@ -165,23 +165,23 @@ class SectionType:
 
     @remembered
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
-        """The states of all hardware in states before the entry, or after an exit, with some own slots."""
+        """The status of all elements in states before the entry, or after an exit, with some own slots."""
         found, event = states.subset(unmarked=own), self.layout.store.event
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
             found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
         return found.images([event(self._idle(exit_), [])])
 
     @remembered
-    def from_slots(self, hardware: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
-        """The states before the entry, or after an exit, with all hardware in some states: the reverse."""
+    def from_slots(self, status: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
+        """The states before the entry, or after an exit, with all elements in some status: the reverse."""
         event = self.layout.store.event
-        found = hardware.images([event([], self._idle(exit_))])
+        found = status.images([event([], self._idle(exit_))])
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
             found = found.images([event([slot, *lost], gained)]) | found.subset(unmarked=[slot])
         return self.layout.opened(found, own)
 
     def _idle(self, exit_: Exit | None) -> list[int]:
-        """Marked levels before the entry, or after an exit, with all hardware in service."""
+        """Marked levels before the entry, or after an exit, with all slots unmarked."""
         marking = list(self.net.net.initial)
         if exit_ is not None:
             marking[self.net.beginning], marking[self.net.exits[exit_]] = 0, 1
@@ -190,21 +190,21 @@ class SectionType:
     @cached_property
     def _changing(self) -> list[tuple[list[int], list[int]]]:
         """By own slot, the levels that are marked at an idle state unless it is, and only if it is."""
-        slots = ((name, number) for name in self.faulty for number in range(len(self.layout.roles)))
+        slots = ((of, number) for of in self.carried for number in range(len(self.layout.slots[of])))
         found = {slot: (set[int](), set[int]()) for slot in slots}
-        for place, (name, number, reverse) in idle_places(self.net).items():
+        for place, (of, number, reverse) in idle_places(self.net).items():
             level, opposite = self.encoding.bit(place)
-            found[name, number][reverse == opposite].add(level)
+            found[of, number][reverse == opposite].add(level)
         return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
     def check_premise(self, section: str, explored: SymbolicSpace) -> None:
-        """Checks on its local markings that a section hands on the status of its hardware and nothing else.
+        """Checks on its local markings that a section hands on the status of its elements and nothing else.
 
         Raises:
             PremiseError: Some place differs at an end of the section, or before it, from the idle marking.
         """
         any_status = self.layout.opened(self.layout.store.singleton([]), self.layout.all_slots)
-        own = self.layout.slots_of(self.faulty)
+        own = self.layout.slots_of(self.carried)
         for exit_, states in ((None, self.before), *self.ended.items()):
             found = (states - self.from_slots(any_status, own, exit_)).pick()
             if found is not None:

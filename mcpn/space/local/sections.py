@@ -14,7 +14,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, Provenance
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, exit_on
+from mcpn.net.sections import Element, LocalPart, Renaming, Used, exits_on
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.diagrams.symbolic import reach
@@ -59,14 +59,14 @@ class Stage(Levels):
     def __post_init__(self) -> None:
         self.layout = self.type.layout
         self.store = self.layout.store
-        self.faulty = self.part.faulty  # its hardware that can fail, in the order of the type's
-        self.slots = self.layout.slots_of(self.faulty)  # which sets of its states leave open
+        self.carried = self.part.carried  # in the order of the type's
+        self.slots = self.layout.slots_of(self.carried)  # which sets of its states leave open
 
     @cached_property
     def alike(self) -> Hashable:
         """Equal for stages that differ in the names of objectives alone: exits to itself count, too."""
         again = (exit_ for exit_, route in self.routes.items() if route == self.name)
-        return self.type, self.part.used, *again
+        return self.type, self.part.used, self.part.once, *again
 
     @cached_property
     def objectives(self) -> tuple[str, ...]:
@@ -82,7 +82,8 @@ class Stage(Levels):
     def _own(self) -> Mapping[int, tuple[int, bool]]:
         """What its local net says of each of its own slots."""
         by_role, encoding = self.type.net.by_role, self.type.encoding
-        saying = [by_role[role, name][0] for name in self.type.faulty for role in self.layout.roles]
+        said = ((role, name) for kind, name in self.type.carried for role in self.layout.said[kind])
+        saying = [by_role[role][0] for role in said]
         return dict(zip(self.slots, map(encoding.bit, saying), strict=True))
 
     def bit(self, place: int) -> Bit:
@@ -102,24 +103,24 @@ class Stage(Levels):
 
     # --- its interface to the stages before and after it ---
 
-    def entered(self, hardware: Zdd) -> Zdd:
-        """First states, entered with all hardware in some states."""
-        return self.type.entered(self.type.from_slots(hardware, self.slots, None))
+    def entered(self, status: Zdd) -> Zdd:
+        """First states, entered with all elements in some status."""
+        return self.type.entered(self.type.from_slots(status, self.slots, None))
 
     def entries(self, inside: Zdd) -> Zdd:
-        """The states of all hardware with which it is entered in some of its states."""
+        """The status of all elements with which it is entered in some of its states."""
         return self.type.to_slots(self.type.entries(inside), self.slots, None)
 
-    def ends(self, hardware: Mapping[str, Zdd]) -> Zdd:
-        """States after its exits, with all hardware in some states by the route."""
+    def ends(self, status: Mapping[str, Zdd]) -> Zdd:
+        """States after its exits, with all elements in some status by the route."""
         found = self.store.empty()
         for exit_, route in self.routes.items():
-            if route in hardware:
-                found |= self.type.from_slots(hardware[route], self.slots, exit_)
+            if route in status:
+                found |= self.type.from_slots(status[route], self.slots, exit_)
         return found
 
     def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
-        """By route, how all hardware is where one of its own events has ended it."""
+        """By route, the status of all elements where one of its own events has ended it."""
         after = self.type.after(part, allowed)
         for exit_, route in self.routes.items():
             if ended := after & self.type.ended[exit_]:
@@ -127,7 +128,7 @@ class Stage(Levels):
 
     def beside(self, allowed: Allowed = ALL) -> list[Toggle]:
         """What hardware beside it may do. What its own does changes nothing here, but looks like a step."""
-        return self.layout.beside(allowed.beside, self.faulty)
+        return self.layout.beside(allowed.beside, self.carried)
 
     def conditions(self, allowed: Allowed = ALL) -> list[int]:
         """Conditions of the store, one for each of these."""
@@ -163,7 +164,7 @@ class WholeNet:
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
-        events = {exit_on(i.event): i.target for i in section.interruptions}
+        events = {exit_: interruption.target for exit_, interruption in exits_on(section)}
         routes = {"success": section.success, "failure": section.failure, **events}
         names = Renaming(type_.part, part).elements
         places, transitions = (self._located(kind, part, type_, names) for kind in get_args(Kind))
@@ -194,7 +195,7 @@ class WholeNet:
     def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
         """A section's local net: place by place that of its type, but for names."""
         net = part.net(self.templates)
-        return mortal(net) if len(type_.layout.roles) > 1 else net
+        return mortal(net) if "dead" in type_.layout.said["hardware"] else net
 
     @remembered
     def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
