@@ -71,7 +71,7 @@ def generate(
         names.setdefault(placed.type, placed.name)
     for type_, name in names.items():  # all before the first is listed
         type_.refuse_list(name, limit, WHY)
-        refuse_entries(type_.faulty, name)
+        refuse_entries(type_.part.faulty, name)
     largest = max(names, key=lambda type_: type_.size)
     if told and largest.size > MOST_UNTOLD:
         every = f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states"

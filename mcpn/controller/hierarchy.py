@@ -9,12 +9,15 @@ the section does not use fails and recovers freely.
 The *hierarchical* controller has a machine for each type of section: its size is the sum of theirs. The
 *flat* controller is the same with one section, the whole mission: its size is a product with all hardware.
 Both give the same actions on the same events.
+
+Of handlers that happen once the hierarchical controller keeps beside which have happened, as it keeps the
+hardware out of service; moves have guards. In the flat one it is part of the state.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from mcpn.check.verdicts.modes import Situation
@@ -24,13 +27,17 @@ from mcpn.errors import LimitError
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
-from mcpn.net.sections import Renaming
+from mcpn.net.forgetful import ALWAYS, Guard
+from mcpn.net.sections import LocalPart, Renaming
 from mcpn.notebook import Drawn
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 KINDS = ("hardware", "objectives", "activities", "alternatives")
+"""Kinds of elements that machines speak of in their actions."""
+
+NAMED = (*KINDS, "once")
 """Kinds of names that differ between sections of one type."""
 
 MOST_ENTRIES = 1 << 20
@@ -46,12 +53,14 @@ class Move:
         event: Number of the event.
         target: Number of the state that it goes to, or the outcome with which it leaves the section.
         actions: In order.
+        guard: When it is taken; at most one of those of a state and event is.
     """
 
     source: int
     event: int
     target: int | str
     actions: tuple[Action, ...]
+    guard: Guard = ALWAYS
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +87,7 @@ class SectionMachine:
         entries: By number whose bits say which hardware is out of service; ``None`` where the mission
             cannot come so.
         moves: Sorted by source, then event.
+        once: The section's handlers that happen once.
     """
 
     hardware: tuple[str, ...]
@@ -85,6 +95,7 @@ class SectionMachine:
     states: tuple[Situation, ...]
     entries: tuple[Entry | None, ...]
     moves: tuple[Move, ...]
+    once: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -94,7 +105,7 @@ class PlacedMachine:
     Args:
         name: Its name.
         type: Number of its type's machine.
-        names: By kind (:data:`KINDS`), from names in the type's machine to the section's own; alternatives
+        names: By kind (:data:`NAMED`), from names in the type's machine to the section's own; alternatives
             as ``activity.alternative``. A name that is missing stays as it is.
         events: The type's events with the section's own names, by number.
         routes: By outcome, the section entered next, or ``succeed`` or ``fail``.
@@ -164,12 +175,15 @@ def hierarchical_controller(
         The controller.
     """
     numbers = {type_: number for number, type_ in enumerate(listed)}
-    types = [section_machine(type_.net, graph, type_.faulty) for type_, graph in listed.items()]
+    types = [
+        section_machine(type_.forgetful[0], graph, type_.part, type_.forgetful[1])
+        for type_, graph in listed.items()
+    ]
     sections = []
     for placed in composite.sections.values():
         number = numbers[placed.type]
         renaming = Renaming(placed.type.part, placed.part)
-        names = {kind: dict(getattr(renaming, kind)) for kind in KINDS}
+        names = {kind: dict(getattr(renaming, kind)) for kind in NAMED}
         events = tuple(_renamed(event, names) for event in types[number].events)
         sections.append(PlacedMachine(placed.name, number, names, events, dict(placed.routes)))
     mission_net = composite.mission_net
@@ -194,28 +208,30 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
         The controller.
     """
     hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
-    machine = section_machine(mission_net, alternatives, hardware)
+    refuse_entries(hardware)
+    machine = cut(controller(mission_net, alternatives), hardware)
     name = mission_net.mission.name
     routes = {"success": SUCCEED, "failure": FAIL}
-    whole = PlacedMachine(name, 0, {kind: {} for kind in KINDS}, machine.events, routes)
+    whole = PlacedMachine(name, 0, {kind: {} for kind in NAMED}, machine.events, routes)
     return Controller(name, "flat", hardware, name, (whole,), (machine,))
 
 
 def section_machine(
-    mission_net: MissionNet, alternatives: AlternativesGraph, hardware: tuple[str, ...]
+    local: MissionNet, alternatives: AlternativesGraph, part: LocalPart, guards: Mapping[int, Guard]
 ) -> SectionMachine:
-    """The machine of one section, or of the whole mission taken as one.
+    """The machine of one section.
 
     Args:
-        mission_net: The net of the section alone, or of the mission.
+        local: The net of the section alone, which forgets what has happened once.
         alternatives: Its alternatives graph.
-        hardware: Its hardware that can fail.
+        part: The section.
+        guards: Of the net's transitions.
 
     Raises:
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
-    refuse_entries(hardware)
-    return cut(controller(mission_net, alternatives), hardware)
+    refuse_entries(part.faulty)
+    return replace(cut(controller(local, alternatives), part.faulty, guards), once=part.once)
 
 
 def refuse_entries(hardware: tuple[str, ...], section: str | None = None) -> None:
@@ -232,7 +248,9 @@ def refuse_entries(hardware: tuple[str, ...], section: str | None = None) -> Non
         )
 
 
-def cut(machine: Machine, hardware: tuple[str, ...]) -> SectionMachine:
+def cut(
+    machine: Machine, hardware: tuple[str, ...], guards: Mapping[int, Guard] | None = None
+) -> SectionMachine:
     """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
     inside = [
         number
@@ -249,7 +267,8 @@ def cut(machine: Machine, hardware: tuple[str, ...]) -> SectionMachine:
         target = machine.states[edge.target]
         if edge.source in number_of:
             to = number_of[edge.target] if target.outcome is None else target.outcome
-            moves.append(Move(number_of[edge.source], event_of[edge.event], to, edge.actions))
+            guard = (guards or {}).get(edge.transition, ALWAYS)
+            moves.append(Move(number_of[edge.source], event_of[edge.event], to, edge.actions, guard))
         elif edge.event == START:
             assert target.outcome is None, "a section that is entered has something to do"
             mask = sum(bit[name] for name in machine.states[edge.source].out_of_service)

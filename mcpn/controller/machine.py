@@ -25,12 +25,14 @@ class Edge:
     Args:
         source: Number of the state that it is in.
         event: The event received.
+        transition: The net's transition of it.
         target: Number of the state that it goes to.
         actions: In order: stops, releases, selections, starts.
     """
 
     source: int
     event: Event
+    transition: int
     target: int
     actions: tuple[Action, ...]
 
@@ -42,7 +44,8 @@ class Machine:
     Args:
         mission: The mission's name.
         states: What each state is, by number.
-        edges: Sorted by source, then in the net's order; at most one for each state and event.
+        edges: Sorted by source, then in the net's order; at most one for each state and event, but in a net
+            that forgets (:mod:`mcpn.net.forgetful`).
         waiting: Numbers of the states before the mission's start.
         initial: Number of the initial state.
     """
@@ -86,6 +89,6 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
                 assert alternatives.proof is None, "every interleaving ends in the same stable marking"
                 target = numbers.get(passage.marking, target)
             actions = tuple(ordering.actions(states[source], states[target], passage))
-            edges.append(Edge(source, event, target, actions))
+            edges.append(Edge(source, event, label, target, actions))
     waiting = frozenset(n for n, marking in enumerate(markings) if marking[mission_net.beginning])
     return Machine(mission_net.mission.name, states, tuple(edges), waiting)

@@ -1,8 +1,8 @@
 """Merges states of machines that no run of events can tell apart (partition refinement, Moore 1956).
 
 Two states may be merged where they show the same (objectives, mode, what waits, what was refused, branches
-that have ended, hardware out of service), allow the same events, order the same actions on each, and lead to
-states that may be merged. The coarsest such partition is a bisimulation; :func:`is_bisimulation` checks one
+that have ended, hardware out of service), allow the same events under the same guards, order the same actions
+on each, and lead to states that may be merged. The coarsest such partition is a bisimulation; :func:`is_bisimulation` checks one
 on its own.
 """
 
@@ -12,6 +12,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
 from mcpn.controller.hierarchy import Controller, Move, SectionMachine
+from mcpn.net.forgetful import Guard
 
 
 def minimise(controller: Controller) -> Controller:
@@ -36,7 +37,12 @@ def partition(machine: SectionMachine) -> list[int]:
             (
                 classes[number],
                 tuple(
-                    (m.event, m.actions, classes[m.target] if isinstance(m.target, int) else m.target)
+                    (
+                        m.event,
+                        m.guard,
+                        m.actions,
+                        classes[m.target] if isinstance(m.target, int) else m.target,
+                    )
                     for m in moves[number]
                 ),
             )
@@ -59,9 +65,9 @@ def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:
         classes: The number of its class by state.
     """
     first: dict[int, int] = {}
-    by_source: dict[int, dict[int, Move]] = {number: {} for number in range(len(machine.states))}
+    by_source: dict[int, dict[tuple[int, Guard], Move]] = {n: {} for n in range(len(machine.states))}
     for move in machine.moves:
-        by_source[move.source][move.event] = move
+        by_source[move.source][move.event, move.guard] = move
     for number, found in enumerate(classes):
         other = first.setdefault(found, number)
         if machine.states[number] != machine.states[other]:
@@ -97,6 +103,7 @@ def quotient(machine: SectionMachine, classes: Sequence[int]) -> SectionMachine:
                 m.event,
                 classes[m.target] if isinstance(m.target, int) else m.target,
                 m.actions,
+                m.guard,
             )
             for m in machine.moves
             if m.source in kept

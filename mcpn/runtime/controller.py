@@ -81,6 +81,7 @@ class Controller:
         self._section: Section | None = None
         self._state = 0
         self._out_of_service: set[str] = set()
+        self._happened: set[str] = set()
 
     @classmethod
     def load(cls, path: str | Path, **options: Any) -> Controller:
@@ -144,7 +145,7 @@ class Controller:
             found = set[str]()
             covered = set[str]()
             if self._section:
-                found.update(self._section.possible(self._state))
+                found.update(self._section.possible(self._state, self._happened))
                 covered.update(self._section.hardware)
             elif self._phase == BEFORE:
                 found.add(START)
@@ -203,10 +204,11 @@ class Controller:
         hardware = failing or repaired
         actions: tuple[Action, ...] = ()
         if section is not None and event in section.number:
-            found = section.move(self._state, event)
+            found = section.move(self._state, event, self._happened)
             if found is None:
                 return None
-            target, actions = found
+            target, actions, happening = found
+            self._happened |= happening
             self._note(failing, repaired)
             if isinstance(target, str):
                 actions += self._enter(section.routes[target])
@@ -277,6 +279,7 @@ class Controller:
                     "section": self._section.name if self._section else None,
                     "state": self._state,
                     "out_of_service": sorted(self._out_of_service),
+                    "happened": sorted(self._happened),
                     "count": self.count,
                 }
             )
@@ -298,6 +301,7 @@ class Controller:
                 raise SnapshotError("the snapshot is of another controller")
             phase, name, state = said["phase"], said["section"], said["state"]
             gone, count = set(said["out_of_service"]), said["count"]
+            happened = set(said.get("happened", ()))
             section = None if name is None else self._tables.sections[name]
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             if isinstance(error, SnapshotError):
@@ -309,6 +313,7 @@ class Controller:
             and type(state) is int
             and 0 <= state < (len(section.machine.states) if section else 1)
             and gone <= set(self._tables.hardware)
+            and happened <= self._tables.once
             and type(count) is int
             and count >= 0
         )
@@ -319,7 +324,7 @@ class Controller:
             raise SnapshotError("the snapshot says what cannot be")
         with self._lock:
             self._phase, self._section, self._state = phase, section, state
-            self._out_of_service, self.count = gone, count
+            self._out_of_service, self._happened, self.count = gone, happened, count
 
 
 __all__ = ["Controller", "ControllerFileError", "Hook", "Step"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -111,6 +111,8 @@ class Section:
         self.number = {text: number for number, text in enumerate(self.events)}
         own = self.names.get("hardware", {})
         self.hardware = [own.get(h, h) for h in machine.hardware]
+        once = self.names.get("once", {})
+        self.once = [once.get(handler, handler) for handler in machine.once]
         self._actions: dict[int, tuple[Action, ...]] = {}
         self._states: dict[int, Inside] = {}
 
@@ -122,17 +124,36 @@ class Section:
             raise ControllerFileError(f"section {self.name} has no entry with {sorted(gone)} out of service")
         return found[0], self.actions(found[1])
 
-    def move(self, state: int, event: str) -> tuple[int | str, tuple[Action, ...]] | None:
-        """Where an event leads and the actions, or ``None`` where it is not possible."""
-        number = self.number.get(event)
-        if number is None:
-            return None
-        found = self.machine.moves[state].get(number)
-        return None if found is None else (found[0], self.actions(found[1]))
+    def move(
+        self, state: int, event: str, happened: Set[str] = frozenset()
+    ) -> tuple[int | str, tuple[Action, ...], Set[str]] | None:
+        """Where an event leads, the actions, and which handlers happen by it; ``None`` where it cannot be taken.
 
-    def possible(self, state: int) -> list[str]:
-        """Events of the section that are possible in a state."""
-        return [self.events[number] for number in self.machine.moves[state]]
+        Args:
+            state: The state inside.
+            event: Its text.
+            happened: Handlers that happen once and have happened.
+        """
+        number = self.number.get(event)
+        for move in () if number is None else self.machine.moves[state].get(number, ()):
+            if self._allows(move, happened):
+                return move.target, self.actions(move.actions), {self.once[i] for i in move.open}
+        return None
+
+    def _allows(self, move: Move, happened: Set[str]) -> bool:
+        """Whether a move can be taken with some handlers that have happened."""
+        return not (
+            any(self.once[i] in happened for i in move.open)
+            or any(self.once[i] not in happened for i in move.happened)
+        )
+
+    def possible(self, state: int, happened: Set[str] = frozenset()) -> list[str]:
+        """Events of the section that are possible in a state, with some handlers that have happened."""
+        return [
+            self.events[number]
+            for number, moves in self.machine.moves[state].items()
+            if any(self._allows(move, happened) for move in moves)
+        ]
 
     def actions(self, number: int) -> tuple[Action, ...]:
         """A list of actions of the type, in the section's own names."""
@@ -188,11 +209,29 @@ def _in(names: Mapping[str, Mapping[str, str]], kind: str, name: str | None) -> 
     return None if name is None else names.get(kind, {}).get(name, name)
 
 
+@dataclass(frozen=True, slots=True)
+class Move:
+    """An edge of a machine.
+
+    Args:
+        target: The state that it leads to, or the outcome with which the section is left.
+        actions: The number of its list of actions.
+        open: Handlers that must not have happened yet, and happen with it, by their numbers.
+        happened: Those that must have happened before.
+    """
+
+    target: int | str
+    actions: int
+    open: tuple[int, ...] = ()
+    happened: tuple[int, ...] = ()
+
+
 class TypeTables:
     """The machine of a type, its edges by state and event; equal lists of actions are kept once."""
 
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
+        self.once: list[str] = row.get("once", [])
         self.states: list[Mapping[str, Any]] = row["states"]
         self.lists: list[list[dict[str, str]]] = []
         known: dict[str, int] = {}
@@ -205,11 +244,15 @@ class TypeTables:
             return known[key]
 
         self.entries = [e and (int(e["to"]), number(e["actions"])) for e in row["entries"]]
-        self.moves: list[dict[int, tuple[int | str, int]]] = [{} for _ in self.states]
+        self.moves: list[dict[int, list[Move]]] = [{} for _ in self.states]
+        bit = {handler: number for number, handler in enumerate(self.once)}
+        targets: list[int | str] = [e[0] for e in self.entries if e]
         for edge in row["edges"]:
-            self.moves[edge["from"]][edge["event"]] = (edge["to"], number(edge["actions"]))
+            guard = (tuple(bit[handler] for handler in edge.get(key, ())) for key in ("open", "happened"))
+            move = Move(edge["to"], number(edge["actions"]), *guard)
+            self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
+            targets.append(move.target)
         inside = range(len(self.states))
-        targets = [e[0] for e in self.entries if e] + [to for m in self.moves for to, _ in m.values()]
         if any(to not in inside for to in targets if isinstance(to, int)):
             raise ControllerFileError("an edge leads to a state that is not there")
         self.outcomes = {to for to in targets if isinstance(to, str)}
@@ -258,6 +301,7 @@ class Tables:
             types = [TypeTables(row) for row in document["types"]]
             sections = [Section(row, types[row["type"]], laws) for row in document["sections"]]
             self.sections = {section.name: section for section in sections}
+            self.once = {handler for section in sections for handler in section.once}
             self.initial = self.sections[document["initial"]]
             for section in sections:
                 for outcome in section.machine.outcomes:

@@ -125,10 +125,11 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         kind = placed.type
         if kind not in known:
             kind.refuse_list(name, max_states, "numbers of risk list every state")
-            known[kind] = Prospects(kind.net, ArraySpace(kind.listed()))
+            # Declared events have no rate: what they may do once has not happened.
+            known[kind] = Prospects(kind.forgetful[0], ArraySpace(kind.listed()))
         again = tuple(exit_ for exit_, route in placed.routes.items() if route == name)
         objectives = tuple(placed.part.graph.walk())
         sections[name] = Section(
-            listed(known[kind], kind.faulty, again), placed.faulty, objectives, placed.routes
+            listed(known[kind], kind.part.faulty, again), placed.part.faulty, objectives, placed.routes
         )
     return Sections(sections, net.graph.entry, hardware)

@@ -100,6 +100,8 @@ def write_c(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
         "table_bytes": sum(array.bytes for array in arrays),
         "name_bytes": sum(len(name.encode()) + 1 for names in kinds.values() for name in names),
         "oos_bytes": max(1, (len(numbers.faulty) + 7) // 8),
+        "once_names": comment(", ".join(numbers.once)),
+        "once_bytes": (len(numbers.once) + 7) // 8,
         "longest_name": max(len(name.encode()) for name in numbers.events),
         "number": f"uint{8 if numbers.none == 0xFF else 16 if numbers.none == 0xFFFF else 32}_t",
         "event_type": "uint16_t" if len(numbers.events) < 0xFFFF else "uint32_t",
@@ -154,6 +156,15 @@ def _arrays(n: Numbers) -> list[Array]:
         Array("mode_activity", [pair[0] for pair in n.modes], "activity of the type that runs"),
         Array("mode_alternative", [pair[1] for pair in n.modes], "in which alternative"),
     ]
+    if n.once:
+        guards = list(n.guards)
+        starts = [sum(map(len, guards[:g])) for g in range(len(guards) + 1)]
+        arrays += [
+            Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool"),
+            Array("move_guard", n.move_guard, "guard of a move"),
+            Array("guard_start", starts, "first of a guard; the next row ends it"),
+            Array("guard_once", [g for guard in guards for g in guard], "2 i: handler i happens; 2 i + 1: has"),
+        ]
     for kind, law in n.law.items():
         arrays.append(Array(f"{kind}_law", [first for first, _ in law], f"first parameter of {kind}"))
         arrays.append(Array(f"{kind}_law_count", [count for _, count in law], "how many"))

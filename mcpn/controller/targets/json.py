@@ -6,8 +6,8 @@ One object with these keys:
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
-  ``failure`` or ``on E`` for an event ``E`` that interrupts the section, to the section entered next, or
-  ``succeed`` or ``fail``), ``events`` (its own text of each event of the type) and ``names`` (by kind, from
+  ``failure`` or ``on E`` for an event ``E`` that interrupts the section, ``on E 2`` for the second handler
+  of it, to the section entered next, or ``succeed`` or ``fail``), ``events`` (its own text of each event of the type) and ``names`` (by kind, from
   names in the type to its own; a name that is missing stays);
 - ``types``: machines, each with ``hardware``, ``events``, ``states``, ``entries`` and ``edges``:
 
@@ -19,13 +19,18 @@ One object with these keys:
   - an edge: ``from``, ``event`` (an index), ``to`` (a state, or the outcome with which the section is left)
     and ``actions`` in order, each with ``do`` (``stop``, ``release``, ``select``, ``start``) and
     ``activity``, ``alternative``, ``hardware`` or ``objective`` as it has them;
+  - where a hierarchical controller has handlers that happen once: ``once``, those of the type by where they
+    are written (``go_home.leak``), and on edges ``open``, those that must not have happened yet, and
+    ``happened``, those that must have; left out where there are none;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched.
 
 How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``, ``X_EV_RD`` takes it away,
 before the start, in every section and after the end alike. ``MISSION_EV_START`` enters the initial section. A
 section is entered by the entry of the hardware out of service. An edge whose ``to`` is an outcome leaves the
 section: its actions are given first, then the next section is entered with the actions of its entry. An event
-that a state has no edge for, hardware of other sections aside, cannot be taken there.
+that a state has no edge for, hardware of other sections aside, cannot be taken there. Keep the set of handlers
+that have happened, too: of several edges of one event the one is taken whose ``open`` have not happened and
+whose ``happened`` have, and it adds its ``open`` to the set.
 """
 
 from __future__ import annotations
@@ -88,6 +93,7 @@ def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
 def _machine(machine: SectionMachine) -> dict[str, Any]:
     return {
         "hardware": list(machine.hardware),
+        **({"once": list(machine.once)} if machine.once else {}),
         "events": [str(event) for event in machine.events],
         "states": [_state(state) for state in machine.states],
         "entries": [
@@ -100,6 +106,8 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
                 "event": move.event,
                 "to": move.target,
                 "actions": [_action(a) for a in move.actions],
+                **({"open": list(move.guard.open)} if move.guard.open else {}),
+                **({"happened": list(move.guard.happened)} if move.guard.happened else {}),
             }
             for move in machine.moves
         ],

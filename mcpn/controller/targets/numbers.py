@@ -4,18 +4,21 @@ Every element of the mission has a number, events in the order of their texts' b
 by halving. A section's machine speaks of its own elements by position; each section says, by slices of one
 pool, which elements of the mission these are. Equal slices and equal lists of actions are kept once.
 
+A *guard* is a list of numbers, first 2 i for each handler of the section that must not have happened yet, and
+happens then, and 2 i + 1 for each that must have happened; the empty one is the first.
+
 The highest numbers are no elements: ``none``, then the outcomes with which a section is left, downwards. The
 first two of these are success and failure, of a section as of the mission.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from mcpn.controller.actions import VERBS, Action
-from mcpn.controller.hierarchy import KINDS, Controller, SectionMachine
+from mcpn.controller.hierarchy import KINDS, Controller, Move, PlacedMachine, SectionMachine
 from mcpn.mission.model import FAIL, SUCCEED, Parameter
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
@@ -60,6 +63,8 @@ class Numbers:
         running = [a for a in mission.activities if a.name in set(self.activities)]
         self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]
         self.objectives = [section.name for section in self.mission_net.graph.walk()]
+        mine = (section.names["once"].get(h, h) for section, h in self._handlers())
+        self.once = sorted(set(mine))
         self.sections = [section.name for section in controller.sections]
         texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}
         for name in self.faulty:
@@ -78,6 +83,12 @@ class Numbers:
         }
         self._tables()
         self._parameters()
+
+    def _handlers(self) -> Iterator[tuple[PlacedMachine, str]]:
+        """Handlers that happen once, by section, with the names of its type."""
+        for section in self.controller.sections:
+            for handler in self.controller.types[section.type].once:
+                yield section, handler
 
     # --- events of hardware ---
 
@@ -107,6 +118,8 @@ class Numbers:
         self.move_event: list[int] = []
         self.move_target: list[int] = []
         self.move_list: list[int] = []
+        self.move_guard: list[int] = []
+        self.guards: dict[tuple[int, ...], int] = {(): 0}
         self.mode_start: list[int] = []
         modes: Pool[tuple[int, int]] = Pool()
         self.mode_length: list[int] = []
@@ -141,6 +154,8 @@ class Numbers:
                         move.target if isinstance(move.target, int) else left[move.target]
                     )
                     self.move_list.append(self._list(move.actions, own))
+                    guard = guard_of(machine, move)
+                    self.move_guard.append(self.guards.setdefault(guard, len(self.guards)))
                     move = next(moves, None)
                 pairs = [
                     (own["activities"][a], own["alternatives"][f"{a}.{w}"]) for a, w in state.mode.items()
@@ -189,7 +204,7 @@ class Numbers:
         routes: Pool[int] = Pool()
         self.section_routes = [routes.add(of) for of in self.routes]
         self.route = routes.items
-        self.slices: dict[str, list[int]] = {kind: [] for kind in (*KINDS, "faulty")}
+        self.slices: dict[str, list[int]] = {kind: [] for kind in (*KINDS, "faulty", "once")}
         events: Pool[tuple[int, int]] = Pool()
         self.event_start, self.event_count = list[int](), list[int]()
         faulty = {name: i for i, name in enumerate(self.faulty)}
@@ -202,6 +217,8 @@ class Numbers:
             machine = controller.types[section.type]
             names = section.names["hardware"]
             self.slices["faulty"].append(pool.add(faulty[names.get(h, h)] for h in machine.hardware))
+            once = section.names["once"]
+            self.slices["once"].append(pool.add(self.once.index(once.get(h, h)) for h in machine.once))
             pairs = sorted((self._event[str(e)], i) for i, e in enumerate(section.events))
             self.event_start.append(events.add(pairs))
             self.event_count.append(len(pairs))
@@ -262,6 +279,12 @@ class Numbers:
             for parameters in of:
                 self.law[kind].append((len(self.parameters), len(parameters)))
                 self.parameters.extend(parameters)
+
+
+def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
+    """The guard of a move as numbers."""
+    number = machine.once.index
+    return (*(2 * number(h) for h in move.guard.open), *(2 * number(h) + 1 for h in move.guard.happened))
 
 
 def _positions(machine: SectionMachine) -> dict[str, dict[str, int]]:

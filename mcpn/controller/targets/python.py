@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
-from mcpn.controller.targets.numbers import Numbers
+from mcpn.controller.targets.numbers import Numbers, guard_of
 from mcpn.controller.targets.render import render
 from mcpn.net.compose import MissionNet
 
@@ -28,9 +28,10 @@ def write_python(controller: Controller, mission_net: MissionNet) -> dict[str, s
     for kind, machine in enumerate(controller.types):
         first = numbers.type_states[kind]
         entry = numbers.type_entries[kind]
-        moves: list[list[tuple[int, int | str, int]]] = [[] for _ in machine.states]
+        moves: list[list[tuple[int | str, ...]]] = [[] for _ in machine.states]
         for row, move in enumerate(machine.moves, numbers.move_start[first]):
-            moves[move.source].append((move.event, move.target, numbers.move_list[row]))
+            guard = guard_of(machine, move)
+            moves[move.source].append((move.event, move.target, numbers.move_list[row], *guard))
         modes = [
             numbers.modes[numbers.mode_start[state] : numbers.mode_start[state] + numbers.mode_length[state]]
             for state in range(first, first + len(machine.states))
@@ -90,6 +91,7 @@ def _section(n: Numbers, i: int) -> dict[str, object]:
         "routes": {outcome: ends.get(to, to) for outcome, to in zip(outcomes, n.routes[i], strict=True)},
         "events": dict(n.section_events[first : first + count]),
         "faulty": slice_of("faulty", n.type_hardware[kind]),
+        **({"once": slice_of("once", len(n.controller.types[kind].once))} if n.once else {}),
         "hardware": [n.hardware[k] for k in slice_of("hardware", own["hardware"])],
         "objectives": slice_of("objectives", own["objectives"]),
         "activities": slice_of("activities", own["activities"]),

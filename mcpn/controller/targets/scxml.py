@@ -6,6 +6,9 @@ a compound state: first a tree of choices by the hardware out of service, each a
 their order, with labels like ``select localisation gps_localisation``; a selection with parameters has them
 as its expression, a string that is JSON: by name ``value`` and ``unit``.
 
+A handler that happens once has a region too, *open* and then *happened*: a move that asks for it has a
+condition, and the region goes on with the same event in the same state of the section.
+
 An event's name is its text with ``-`` in place of ``.``: a dot would make ``OBJ_a_EV_OK`` also match
 ``OBJ_a_EV_OK.b_EV_OK``. An event that cannot be taken is ignored, as the Recommendation wants it; a host that
 must know asks first, or watches whether the configuration or the log changes.
@@ -19,7 +22,7 @@ from collections.abc import Sequence
 from lxml import etree
 
 from mcpn.controller.actions import Action
-from mcpn.controller.hierarchy import Controller, Entry, PlacedMachine
+from mcpn.controller.hierarchy import Controller, Entry, Move, PlacedMachine
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
 from mcpn.mission.model import FAIL, SUCCEED
@@ -52,6 +55,9 @@ class _Document:
         self.controller = controller
         self.laws = Laws(laws(mission_net))
         self.hardware = identifiers(controller.hardware, prefix="hardware_")
+        once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
+        self.once = identifiers(dict.fromkeys(once), prefix="once_")
+        self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
 
     def text(self) -> str:
@@ -79,6 +85,13 @@ class _Document:
                 event = event_name(Event(what, name))
                 status = _add(region, "state", id=f"{identifier}.{state}")
                 _add(status, "transition", event=event, target=f"{identifier}.{other}")
+        for name, identifier in self.once.items():
+            region = _add(whole, "state", id=identifier, initial=f"{identifier}.open")
+            region.append(_comment(f"handler {name}"))
+            status = _add(region, "state", id=f"{identifier}.open")
+            for event, condition in self.happening[name]:
+                _add(status, "transition", event=event, cond=condition, target=f"{identifier}.happened")
+            _add(region, "state", id=f"{identifier}.happened")
         written = etree.tostring(
             root.getroottree(), pretty_print=True, xml_declaration=True, encoding="UTF-8"
         )
@@ -107,8 +120,20 @@ class _Document:
                     if isinstance(move.target, int)
                     else self.route(section, move.target)
                 )
-                self.order(_add(inside, "transition", event=event, target=target), section, move.actions)
+                condition = self.condition(section, move)
+                guarded = {"cond": condition} if condition else {}
+                drawn = _add(inside, "transition", event=event, **guarded, target=target)
+                self.order(drawn, section, move.actions)
+                for handler in move.guard.open:
+                    here = f"In('{own}.{number}') && {condition}"
+                    self.happening[names["once"].get(handler, handler)].append((event, here))
                 move = next(moves, None)
+
+    def condition(self, section: PlacedMachine, move: Move) -> str:
+        """What a move asks of handlers that happen once."""
+        asked = ((part, h) for part in ("open", "happened") for h in getattr(move.guard, part))
+        own = section.names["once"]
+        return " && ".join(f"In('{self.once[own.get(h, h)]}.{part}')" for part, h in asked)
 
     def route(self, section: PlacedMachine, outcome: str) -> str:
         target = section.routes[outcome]

@@ -16,6 +16,7 @@ from mcpn.controller.hierarchy import Controller, SectionMachine, section_machin
 from mcpn.mission.graph import ObjectivesGraph, names_in
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
+from mcpn.net.forgetful import forgetful
 from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
@@ -69,7 +70,8 @@ def local_drawing(
     """
     local, graph = local_graph(mission_net, section)
     if actions:
-        machine = section_machine(local, graph, part_of(mission_net, section).faulty)
+        part = part_of(mission_net, section)
+        machine = section_machine(local, graph, part, forgetful(part.net())[1])
         return machine_drawing(machine, f"Controller of the section {section}")
     return local_graph_drawing(local, graph, section, merged=merged)
 

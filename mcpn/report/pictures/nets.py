@@ -41,9 +41,11 @@ def section_net_drawing(mission_net: MissionNet, section: str) -> Drawing:
         _, graph = local_graph(mission_net, section, MOST_LISTED)
     except (LimitError, SemanticsError):
         return drawing(net_picture(local.net, f"Net of the section {section}"))
-    stable = {
+    marked = {
         place for state in range(graph.states) for place, tokens in enumerate(graph.marking(state)) if tokens
     }
+    stable = {local.net.place_index[graph.net.places[place].name] for place in marked}
+    stable |= {*local.saying("open"), *local.saying("happened")}
     return drawing(net_picture(local.net, f"Net of the section {section}", stable))
 
 

@@ -63,7 +63,11 @@
   const sections = new Map(machine.sections.map((section) => [section.name, section]));
   for (const type of machine.types) {
     type.moves = type.states.map(() => new Map());
-    for (const edge of type.edges) type.moves[edge.from].set(edge.event, edge);
+    for (const edge of type.edges) {
+      const moves = type.moves[edge.from];
+      if (!moves.has(edge.event)) moves.set(edge.event, []);
+      moves.get(edge.event).push(edge);
+    }
   }
   const typeOf = (section) => machine.types[section.type];
   const named = (section, kind, name) => (section.names[kind] || {})[name] ?? name;
@@ -77,7 +81,12 @@
     if (told.do === "release") return `release ${named(section, "hardware", told.hardware)}`;
     return `${told.do} ${named(section, "activities", told.activity)}`;
   };
-  const first = { phase: "before", section: null, at: 0, out: new Set() };
+  const first = { phase: "before", section: null, at: 0, out: new Set(), happened: new Set() };
+  const handlers = (section, names) => (names || []).map((name) => named(section, "once", name));
+  /** Of edges by one event the one that can be taken: some ask whether handlers have happened. */
+  const allowed = (state, edges) => (edges || []).find((edge) =>
+    handlers(state.section, edge.open).every((name) => !state.happened.has(name))
+    && handlers(state.section, edge.happened).every((name) => state.happened.has(name)));
 
   function enter(state, route) {
     if (ENDS[route]) return [{ ...state, phase: ENDS[route], section: null, at: 0 }, []];
@@ -111,8 +120,9 @@
     }
     const number = state.section ? state.section.events.indexOf(event) : -1;
     if (number >= 0) {
-      const edge = typeOf(state.section).moves[state.at].get(number);
+      const edge = allowed(state, typeOf(state.section).moves[state.at].get(number));
       if (!edge) return null;
+      next = { ...next, happened: new Set([...state.happened, ...handlers(state.section, edge.open)]) };
       const actions = edge.actions.map((told) => action(state.section, told));
       if (typeof edge.to === "number") return [{ ...next, at: edge.to }, actions];
       const [entered, more] = enter(next, state.section.routes[edge.to]);
@@ -126,7 +136,9 @@
     const found = new Set(state.phase === "before" ? [START] : []), covered = new Set();
     if (state.section) {
       const type = typeOf(state.section);
-      for (const number of type.moves[state.at].keys()) found.add(state.section.events[number]);
+      for (const [number, edges] of type.moves[state.at]) {
+        if (allowed(state, edges)) found.add(state.section.events[number]);
+      }
       for (const name of type.hardware) covered.add(named(state.section, "hardware", name));
     }
     for (const name of machine.hardware) {

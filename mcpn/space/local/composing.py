@@ -1,7 +1,7 @@
 """From a mission to its composite: each type of sections explored once, its premises checked.
 
-Composition rests on two premises. *Idle at the exit*: a section hands on its exit and the state of the
-hardware, everything else is as it was; this is checked on each local net. *Confluence*: internal evolution
+Composition rests on two premises. *Idle at the exit*: a section hands on its exit, the state of the hardware
+and what has happened once, everything else is as it was; this is checked on each local net. *Confluence*: internal evolution
 after each event has one stable end, within a section and where one section leads to the next; this is proved
 on the local net of each type and on the net of each type of junction, and where the proof fails, the states
 in which it fails are looked for among those that the mission comes to.
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError, WorkersError
 from mcpn.net.compose import MissionNet
+from mcpn.net.forgetful import forgetful
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts, part_of
@@ -64,7 +65,7 @@ def composite_space(
         The composite. With ``may_die`` its net is that of :func:`mcpn.net.mortal.mortal`.
 
     Raises:
-        PremiseError: A section hands on more than the state of its hardware.
+        PremiseError: A section hands on more than that.
         ConfluenceError: An event that the mission comes to has two outcomes.
         DivergenceError: After an event that the mission comes to internal evolution need not end.
         UnsafeError: A local net is not 1-safe.
@@ -137,6 +138,8 @@ def local_graph(
 ) -> tuple[MissionNet, AlternativesGraph]:
     """The local net of a section and its alternatives graph, from every state of its hardware.
 
+    It forgets what has happened once (:mod:`mcpn.net.forgetful`).
+
     Raises:
         InputError: There is no such section.
         SemanticsError: It is not safe, or not confluent.
@@ -144,7 +147,7 @@ def local_graph(
     """
     from mcpn.space.stable.alternatives import direct_with_proof  # which lists states in arrays
 
-    local = part_of(mission_net, name).net()
+    local, _ = forgetful(part_of(mission_net, name).net())
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     with in_section(name), in_mission_words(local):
         return local, direct_with_proof(local.net, max_states=limit)

@@ -15,12 +15,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from mcpn._kernel import Zdd
 from mcpn.errors import LimitError, PremiseError
 from mcpn.net.compose import MissionNet
+from mcpn.net.forgetful import Guard, forgetful
 from mcpn.net.sections import Element, LocalPart
 from mcpn.space.algebra import Edge
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.local.layout import Layout, idle_places, remembered
+from mcpn.space.stable.settling import DEFAULT_MAX_STATES
 
 if TYPE_CHECKING:
     from mcpn.space.stable.alternatives import AlternativesGraph
@@ -62,7 +64,7 @@ class SectionType:
 
     Attributes:
         graph: The alternatives graph of the local net, with the hardware beside it in any state.
-        size: The number of stable states of the local net.
+        size: The number of stable states of the local net, whatever has happened once.
         before: The states before the section is entered.
         ended: By exit, the states after the section.
         inside: The states of the section itself.
@@ -75,7 +77,7 @@ class SectionType:
         self.carried = part.carried
         self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
         assert explored.stable is not None, "nets of missions have priorities"
-        self.size = explored.stable.count()
+        self.size = self._forgetting(explored).count()
         reachable, stable = (
             layout.opened(layout.store.from_bytes(states.to_bytes()), layout.all_slots)
             for states in (explored.reachable, explored.stable)
@@ -87,6 +89,17 @@ class SectionType:
         self.inside = stable - self.before
         for states in self.ended.values():
             self.inside -= states
+
+    def _forgetting(self, explored: SymbolicSpace) -> Zdd:
+        """The stable states as if what happens once had not happened yet."""
+        encoding, found = explored.encoding, explored.stable
+        assert found is not None, "nets of missions have priorities"
+        by_role = self.net.by_role
+        for name in self.part.once:
+            still, gone = (by_role[role, name][0] for role in ("open", "happened"))
+            before = encoding.restricted(found, [gone])
+            found = (found - before) | before.images([encoding.event((gone,), (still,), ())])
+        return found
 
     # --- steps and closures: inside the section, or from inside to its ends ---
 
@@ -219,12 +232,18 @@ class SectionType:
 
     # --- listed one by one ---
 
+    @cached_property
+    def forgetful(self) -> tuple[MissionNet, Mapping[int, Guard]]:
+        """The local net without what has happened once, and the guards of its transitions."""
+        return forgetful(self.net)
+
     def listed(self) -> AlternativesGraph:
-        """The stable states of the local net, one by one."""
+        """The stable states of the local net without what has happened once, one by one."""
         from mcpn.space.stable.alternatives import direct  # which lists them in arrays
 
         # The composite has proved what the mission reaches confluent.
-        return direct(self.net.net, proof=False, max_states=self.size)
+        most = DEFAULT_MAX_STATES if self.part.once else self.size
+        return direct(self.forgetful[0].net, proof=False, max_states=most)
 
     def refuse_list(self, section: str, max_states: int, why: str) -> None:
         """Refuses to list more states than a limit, for a reason that the error names.

@@ -1,0 +1,81 @@
+"""Nets that forget what has happened once, for machines and chains that keep it beside.
+
+What has happened changes by declared events alone and decides which of a section's handlers one finds, nothing
+else. So it need not multiply the states that are listed: a net without it has an event's transitions side by
+side, each with its *guard*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import What
+from mcpn.net.petri import PetriNet, Transition
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """Which handlers that happen once a transition asks for, by where they are written.
+
+    Args:
+        open: Those that must not have happened yet, and happen with it.
+        happened: Those that must have happened before.
+    """
+
+    open: tuple[str, ...] = ()
+    happened: tuple[str, ...] = ()
+
+
+ALWAYS = Guard()
+"""The guard of what asks for none."""
+
+
+def forgetful(
+    mission_net: MissionNet, handlers: Collection[str] | None = None
+) -> tuple[MissionNet, Mapping[int, Guard]]:
+    """The net without what some handlers need to happen once.
+
+    Args:
+        mission_net: The net of a mission, or of a part of it.
+        handlers: Which to forget; all by default.
+
+    Returns:
+        The net, and the guards of those of its transitions that have one. Its markings are those of the given
+        net, without these places, and those that more than one happening leads to. Transitions of one event
+        that a marking enables together have guards that exclude each other.
+    """
+    forgotten = {
+        place: name
+        for role in ("open", "happened")
+        for place, name in mission_net.saying(role).items()
+        if handlers is None or name in handlers
+    }
+    if not forgotten:
+        return mission_net, {}
+    net, still = mission_net.net, mission_net.saying("open")
+    kept = [place for place in range(len(net.places)) if place not in forgotten]
+    number = {place: new for new, place in enumerate(kept)}
+
+    def left(arcs: tuple[tuple[int, int], ...]) -> tuple[tuple[int, int], ...]:
+        return tuple((number[place], weight) for place, weight in arcs if place in number)
+
+    transitions, guards = list[Transition](), dict[int, Guard]()
+    for t in net.transitions:
+        taken, read = ([forgotten[p] for p, _ in arcs if p in forgotten] for arcs in (t.consume, t.read))
+        if taken and t.event is not None and t.event.what is What.EARLIER:
+            continue
+        if taken or read:
+            guards[len(transitions)] = Guard(tuple(taken), tuple(read))
+        transitions.append(
+            replace(t, consume=left(t.consume), produce=left(t.produce), read=left(t.read))
+        )
+    assert all(place in still for t in net.transitions for place, _ in t.consume if place in forgotten)
+    units = (tuple(number[p] for p in unit if p in number) for unit in net.units)
+    places = tuple(net.places[place] for place in kept)
+    without = PetriNet(
+        net.name, places, tuple(transitions), net.priorities, tuple(unit for unit in units if unit)
+    )
+    roles = {number[place]: role for place, role in mission_net.roles.items() if place in number}
+    return replace(mission_net, net=without, roles=roles), guards
