@@ -2,8 +2,8 @@
 
 Two states may be merged where they show the same (objectives, mode, what waits, what was refused, branches
 that have ended, hardware out of service), allow the same events under the same guards, order the same actions
-on each, and lead to states that may be merged. The coarsest such partition is a bisimulation; :func:`is_bisimulation` checks one
-on its own.
+on each, and lead to states that may be merged. The coarsest such partition is a bisimulation;
+:func:`is_bisimulation` checks one on its own.
 """
 
 from __future__ import annotations

@@ -40,9 +40,9 @@ class _Routes:
     interruptions: tuple[Interruption, ...]
 
     def handlers(self, event: str) -> Iterator[tuple[Interruption | None, tuple[str, ...]]]:
-        """What interrupts the section on an event: each handler with those that have happened before it counts.
+        """What interrupts the section on an event: each handler, with those that must have happened before.
 
-        The last is ``None`` where all of them happen once: the section then goes on.
+        The last is ``None`` where all of them happen once: after these the section goes on.
         """
         happened: tuple[str, ...] = ()
         for interruption in self.interruptions:

@@ -1,6 +1,6 @@
 """Nets that forget what has happened once, for machines and chains that keep it beside.
 
-What has happened changes by declared events alone and decides which of a section's handlers one finds, nothing
+What has happened changes by declared events alone, and decides which handler such an event finds and nothing
 else. So it need not multiply the states that are listed: a net without it has an event's transitions side by
 side, each with its *guard*.
 """
@@ -68,9 +68,7 @@ def forgetful(
             continue
         if taken or read:
             guards[len(transitions)] = Guard(tuple(taken), tuple(read))
-        transitions.append(
-            replace(t, consume=left(t.consume), produce=left(t.produce), read=left(t.read))
-        )
+        transitions.append(replace(t, consume=left(t.consume), produce=left(t.produce), read=left(t.read)))
     assert all(place in still for t in net.transitions for place, _ in t.consume if place in forgotten)
     units = (tuple(number[p] for p in unit if p in number) for unit in net.units)
     places = tuple(net.places[place] for place in kept)

@@ -55,6 +55,8 @@ def what_happens(event: Event, mission: str) -> str:
     match event.what:
         case What.START:
             return f"mission {mission} starts"
+        case What.EARLIER:
+            return f"the handler {name} has happened before"
         case What.SUCCESS:
             return f"objective {name} succeeds"
         case What.FAILURE:

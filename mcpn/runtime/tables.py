@@ -127,7 +127,7 @@ class Section:
     def move(
         self, state: int, event: str, happened: Set[str] = frozenset()
     ) -> tuple[int | str, tuple[Action, ...], Set[str]] | None:
-        """Where an event leads, the actions, and which handlers happen by it; ``None`` where it cannot be taken.
+        """Where an event leads, the actions, and which handlers happen; ``None`` where it cannot be taken.
 
         Args:
             state: The state inside.

@@ -409,16 +409,15 @@ def test_handlers_are_ways_out_of_what_they_stand_around(tmp_path: Path) -> None
     )
     found = mission(tmp_path, text)
     graph = flatten(found)
-    routes = {s.name: {i.event: i.target for i in s.interruptions} for s in graph.all_sections()}
+    routes = {s.name: [(i.event, i.target, i.once) for i in s.interruptions] for s in graph.all_sections()}
+    recall, leak = ("recall", "home", "recall"), ("leak", FAIL, None)
     assert routes == {
-        "dive": {"leak": "home", "recall": "after_recall.home"},
-        "both": {"leak": "dive", "recall": "after_recall.home"},
-        "x": {"leak": SUCCEED},
-        "y": {},
-        "home": {"recall": "after_recall.home", "leak": FAIL},
-        "after_recall.home": {"leak": FAIL},
+        "dive": [("leak", "home", None), recall],
+        "both": [("leak", "dive", None), recall],
+        "x": [("leak", SUCCEED, None)],
+        "y": [],
+        "home": [recall, leak],
     }
-    assert [s.written for s in graph.walk()] == ["dive", "x", "y", "home", "home"]
     told = [(p.source and p.source.line, p.message) for p in find_warnings(found)]
     assert (1, "event storm interrupts nothing") in told
 
@@ -432,13 +431,15 @@ def test_rounds_are_interrupted_as_one(tmp_path: Path) -> None:
         '</objective><objective name="rest" activities="look"/></each>'
         '<objective name="home" activities="go"/>',
     )
-    targets = {s.name: [i.target for i in s.interruptions] for s in flatten(found).sections}
+    graph = flatten(found)
+    assert graph.once() == ["visit.stop"]
+    targets = {s.name: [(i.target, i.once) for i in s.interruptions] for s in graph.sections}
     assert targets == {
-        "visit_a_try1": ["rest_a"],
-        "visit_a_try2": ["rest_a"],
-        "rest_a": ["home"],
-        "visit_b_try1": ["rest_b"],
-        "visit_b_try2": ["rest_b"],
-        "rest_b": ["home"],
+        "visit_a_try1": [("rest_a", "visit.stop"), ("home", None)],
+        "visit_a_try2": [("rest_a", "visit.stop"), ("home", None)],
+        "rest_a": [("home", None)],
+        "visit_b_try1": [("rest_b", "visit.stop"), ("home", None)],
+        "visit_b_try2": [("rest_b", "visit.stop"), ("home", None)],
+        "rest_b": [("home", None)],
         "home": [],
     }

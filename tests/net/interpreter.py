@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from mcpn.mission.model import (
@@ -18,8 +19,32 @@ from mcpn.mission.model import (
     Use,
 )
 
-Spent: TypeAlias = set[tuple[str, str, str]]
-"""Handlers that have happened: where they stand, their block, their event."""
+Written: TypeAlias = tuple[str, str, str]
+"""A handler as it is written: the protocol, its block and its event; nothing for the mission's."""
+
+
+@dataclass(frozen=True)
+class Spent:
+    """Handlers that happen once and have happened, as seen by the blocks of one text.
+
+    Args:
+        text: The protocol; nothing for the mission.
+        before: Those that have happened by earlier events.
+        now: Those that happen by this one: it is one moment for all branches.
+    """
+
+    text: str = ""
+    before: set[Written] = field(default_factory=set)
+    now: set[Written] = field(default_factory=set)
+
+    def takes(self, block: str, handlers: tuple[Handler, ...], event: str) -> Handler | None:
+        """The handler of a block, or of the mission, that the event finds."""
+        for handler in handlers:
+            written = self.text, block, event
+            if handler.event == event and not (handler.once and written in self.before):
+                self.now.add(written)
+                return handler
+        return None
 
 
 class Series:
@@ -29,7 +54,7 @@ class Series:
         mission: The mission.
         blocks: The siblings.
         place: What stands before and after the names of the blocks.
-        spent: Handlers that happen once and have.
+        spent: Handlers that have happened.
         around: Handlers of the mission itself.
     """
 
@@ -66,6 +91,13 @@ class Series:
         self.current = Rounds(self.mission, self.blocks[self.at], self.place, self.spent)
         return None
 
+    def happens(self, name: str) -> tuple[bool, bool | None]:
+        """Gives the mission an event: whether it is handled, and how the mission ends by it."""
+        found = self.event(name)
+        self.spent.before.update(self.spent.now)
+        self.spent.now.clear()
+        return found
+
     def event(self, name: str) -> tuple[bool, bool | None]:
         """Whether the event is handled, and how the series ends by it."""
         handled, outcome = self.current.event(name)
@@ -73,11 +105,9 @@ class Series:
             return True, self.go_on(outcome)
         block = self.blocks[self.at]
         for owner, handlers in ((block.name, block.handlers), ("", self.around)):
-            for handler in handlers:
-                key = (".".join(self.place), owner, name)
-                if handler.event == name and not (handler.once and key in self.spent):
-                    self.spent.add(key)
-                    return True, self.go(handler.goto)
+            handler = self.spent.takes(owner, handlers, name)
+            if handler is not None:
+                return True, self.go(handler.goto)
         return False, None
 
 
@@ -130,13 +160,14 @@ class Once:
         self.branches: list[tuple[Block, Rounds]] = []
         self.outcomes: dict[str, bool] = {}
         if isinstance(block, Parallel):
-            self.branches = [(b, Rounds(mission, b, (self.inside, ""), set())) for b in block.blocks]
+            self.branches = [(b, Rounds(mission, b, (self.inside, ""), spent)) for b in block.blocks]
 
     def begin(self) -> Series | None:
         block, mission = self.block, self.mission
         if isinstance(block, Use):
             (protocol,) = [p for p in mission.protocols if p.name == block.protocol]
-            return Series(mission, protocol.blocks, (f"{self.name}.", ""), self.spent)
+            spent = replace(self.spent, text=protocol.name)
+            return Series(mission, protocol.blocks, (f"{self.name}.", ""), spent)
         if isinstance(block, Recursive):
             return Series(mission, block.blocks, (self.inside, ""), self.spent)
         if isinstance(block, Each):
@@ -187,9 +218,8 @@ class Once:
             if block.name in self.outcomes:
                 continue
             handled, outcome = branch.event(name)
-            own = next((h for h in block.handlers if h.event == name), None)
-            if not handled and own and not (own.once and ("", block.name, name) in branch.spent):
-                branch.spent.add(("", block.name, name))
+            own = None if handled else self.spent.takes(block.name, block.handlers, name)
+            if own is not None:
                 handled, outcome = True, own.goto == SUCCEED
             if handled:
                 found = True

@@ -22,7 +22,7 @@ from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests import small
-from tests.net.interpreter import Series
+from tests.net.interpreter import Series, Spent
 from tests.net.settling import stabilise
 from tests.shares import returns_early
 
@@ -35,10 +35,9 @@ class Walk:
     def __init__(self, found: MissionNet) -> None:
         self.found = found
         self.net = found.net
-        self.written = {s.name: s.written for s in found.graph.walk()}
         self.marking: Marking = stabilise(self.net, self.net.initial)
         mission = found.mission
-        self.text = Series(mission, mission.blocks, ("", ""), set(), mission.handlers)
+        self.text = Series(mission, mission.blocks, ("", ""), Spent(), mission.handlers)
         self.interruptions = 0
 
     def said(self, *kinds: str) -> list[str]:
@@ -55,10 +54,10 @@ class Walk:
         out = self.said("oos")
         self.marking = stabilise(self.net, self.net.fire(self.marking, transition))
         if taken.what in (What.SUCCESS, What.FAILURE):
-            outcome = self.text.end(self.written[taken.element], taken.what is What.SUCCESS)
+            outcome = self.text.end(taken.element, taken.what is What.SUCCESS)
         elif taken.what is What.DECLARED:
             self.interruptions += 1
-            handled, outcome = self.text.event(taken.element)
+            handled, outcome = self.text.happens(taken.element)
             assert handled
             assert self.said("oos") == out
         else:
@@ -74,8 +73,11 @@ class Walk:
     def compare(self) -> None:
         if self.marking[self.found.beginning]:
             return
-        objectives = self.said("objective", "pending")
-        assert sorted(self.written[name] for name in objectives) == sorted(self.text.running())
+        assert sorted(self.said("objective", "pending")) == sorted(self.text.running())
+        spent = {".".join(filter(None, written)) for written in self.text.spent.before}
+        once = self.found.graph.once()
+        assert set(self.said("happened")) == spent & {*once}
+        assert set(self.said("open")) == {*once} - spent
         nothing_left(self.found, self.marking)
 
 
@@ -225,11 +227,14 @@ def test_a_handler_happens_once(ulysse: Mission) -> None:
     again = replace(leaking(ulysse), handlers=(Handler(event="leak", goto="coral_head", once=True),))
     found = compose(again)
     assert check(found).passed
-    names = [s.name for s in found.graph.walk()]
-    assert "after_leak.coral_head.manual_moving" in names
-    after = found.graph.section("after_leak.coral_head.manual_moving")
-    assert after.interruptions == ()
-    assert [i.target for i in found.graph.section("coral_head.manual_moving").interruptions] == [after.name]
+    assert found.graph.once() == ["leak"]
+    assert [s.name for s in found.graph.walk()] == [s.name for s in compose(leaking(ulysse)).graph.walk()]
+    space = ArraySpace(direct(found.net))
+    happened = space.marked(found.by_role["happened", "leak"])
+    leaks = [t for t, of in enumerate(found.net.transitions) if of.event == Event(What.DECLARED, "leak")]
+    there = happened & space.marked(found.by_role["objective", "coral_head.manual_moving"])
+    assert there
+    assert not there & space.before(space.everything, leaks)
 
 
 def test_a_wide_block_that_an_event_may_halt_waits_for_all_its_branches() -> None:

@@ -47,7 +47,7 @@ def test_every_objective_has_its_box(mission: Mission) -> None:
         box = found[keys[section.name]]
         assert box.kind == "objective"
         assert box.activities == section.activities
-        assert box.name in section.written
+        assert box.name in section.name
     picture = lay_out(root, mission)
     drawn = Counter(dict(frame.data)["box"] for frame in picture.frames if "box" in dict(frame.data))
     assert drawn == Counter(str(box.key) for box in found.values() if box.kind == "objective")

@@ -163,7 +163,9 @@ def _arrays(n: Numbers) -> list[Array]:
             Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool"),
             Array("move_guard", n.move_guard, "guard of a move"),
             Array("guard_start", starts, "first of a guard; the next row ends it"),
-            Array("guard_once", [g for guard in guards for g in guard], "2 i: handler i happens; 2 i + 1: has"),
+            Array(
+                "guard_once", [g for guard in guards for g in guard], "2 i: handler i happens; 2 i + 1: has"
+            ),
         ]
     for kind, law in n.law.items():
         arrays.append(Array(f"{kind}_law", [first for first, _ in law], f"first parameter of {kind}"))

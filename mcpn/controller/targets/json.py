@@ -6,9 +6,9 @@ One object with these keys:
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
-  ``failure`` or ``on E`` for an event ``E`` that interrupts the section, ``on E 2`` for the second handler
-  of it, to the section entered next, or ``succeed`` or ``fail``), ``events`` (its own text of each event of the type) and ``names`` (by kind, from
-  names in the type to its own; a name that is missing stays);
+  ``failure`` or ``on E`` for an event ``E`` that interrupts the section, ``on E 2`` for its second handler of
+  it, to the section entered next, or ``succeed`` or ``fail``), ``events`` (its own text of each event of the
+  type) and ``names`` (by kind, from names in the type to its own; a name that is missing stays);
 - ``types``: machines, each with ``hardware``, ``events``, ``states``, ``entries`` and ``edges``:
 
   - a state: ``objectives`` (running), ``pending`` (about to be entered), ``done`` (branches that have ended),
@@ -28,9 +28,9 @@ How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``,
 before the start, in every section and after the end alike. ``MISSION_EV_START`` enters the initial section. A
 section is entered by the entry of the hardware out of service. An edge whose ``to`` is an outcome leaves the
 section: its actions are given first, then the next section is entered with the actions of its entry. An event
-that a state has no edge for, hardware of other sections aside, cannot be taken there. Keep the set of handlers
-that have happened, too: of several edges of one event the one is taken whose ``open`` have not happened and
-whose ``happened`` have, and it adds its ``open`` to the set.
+that a state has no edge for, hardware of other sections aside, cannot be taken there. Keep the set of the
+handlers that have happened, too: an edge can be taken where its ``open`` have not happened and its
+``happened`` have, and then adds its ``open`` to the set; at most one edge of a state and an event can.
 """
 
 from __future__ import annotations

@@ -7,10 +7,6 @@ puts a token into each branch's place *halt*. Internal transitions then stop the
 in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
 follows is entered. Of all handlers of an event those of the branches count first: where some branch is at a
 place that handles the event itself, these branches do so together and the block goes on.
-
-A handler that happens once has two places of its own: *open*, and *happened*. The transition of an event that
-it handles takes the one and puts the other; that of the next handler outwards reads *happened*. Sections hand
-them on as they do the status of hardware.
 """
 
 from __future__ import annotations
@@ -33,6 +29,7 @@ from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
 from mcpn.net.templates.canvas import Canvas, Pen
+from mcpn.net.templates.interruption import Position, called, draw_once, events_of
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -62,52 +59,10 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
                 place = canvas.of("exit", target, section.source).place("left")
                 exits[target] = [canvas.role(place, ("exit", target))]
     for handler in graph.once():
-        _draw_once(canvas, pen, handler, begin)
+        draw_once(canvas, pen, handler, begin)
     control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
-
-
-def _draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
-    """Draws whether a handler that happens once has happened; in a part of a mission it may have before."""
-    pen = canvas.of("once", handler, None)
-    still = canvas.role(pen.place("open", initial=1), ("open", handler))
-    gone = canvas.role(pen.place("happened"), ("happened", handler))
-    canvas.unit([still, gone])
-    if canvas.part:
-        event = Event(What.EARLIER, handler)
-        mission.transition(("earlier", handler), [still], [gone], read=[begin], event=event)
-
-
-@dataclass(frozen=True)
-class _Position:
-    """Where the objectives of a section may be when an event happens, and what the event does there.
-
-    Args:
-        read: Places that are marked there.
-        take: Those of them that the event's transition consumes.
-        put: Places that it marks; ``None`` where nothing handles the event.
-        once: Handlers that happen once and do so there.
-        happened: Those that have happened before.
-    """
-
-    read: tuple[str, ...]
-    take: tuple[str, ...] = ()
-    put: tuple[str, ...] | None = None
-    once: tuple[str, ...] = ()
-    happened: tuple[str, ...] = ()
-
-    def beside(self, other: _Position) -> _Position:
-        """What the event does where both hold, each in a branch of its own."""
-        put = None if self.put is other.put is None else (*(self.put or ()), *(other.put or ()))
-        read, take = (*self.read, *other.read), (*self.take, *other.take)
-        once, happened = (*self.once, *other.once), (*self.happened, *other.happened)
-        return _Position(read, take, put, tuple(dict.fromkeys(once)), tuple(dict.fromkeys(happened)))
-
-    @property
-    def possible(self) -> bool:
-        """Whether no handler has happened already that does so there."""
-        return not {*self.once} & {*self.happened}
 
 
 @dataclass(frozen=True)
@@ -170,7 +125,7 @@ class _Control:
 
     def eventful(self, section: Section) -> bool:
         """Whether a place must say that the block runs."""
-        return self.around.eventful or any(_events(section))
+        return self.around.eventful or any(events_of(section))
 
     def halted(self, section: ParallelSection) -> bool:
         """Whether an event may interrupt the block as a whole."""
@@ -313,7 +268,7 @@ class _Control:
     def interruptions(self, section: Section) -> None:
         """One transition for each event and each position of the section's objectives that handles it."""
         pen = self.canvas.of(*_element(section), section.source)
-        for name in dict.fromkeys(_events(section)):
+        for name in dict.fromkeys(events_of(section)):
             event = Event(What.DECLARED, name)
             found = [p for p in self.positions(section, name) if p.put is not None]
             for number, position in enumerate(found, 1):
@@ -327,15 +282,16 @@ class _Control:
         """The same place of each of some handlers that happen once."""
         return [self.canvas.place_of("once", handler, part) for handler in handlers]
 
-    def positions(self, section: Section, event: str) -> Iterator[_Position]:
+    def positions(self, section: Section, event: str) -> Iterator[Position]:
         """Where the objectives of a section may be when an event happens; one of these holds at a time."""
-        def handled(place: str, put: Callable[[Interruption, int], Iterable[str]]) -> Iterator[_Position]:
+
+        def handled(place: str, put: Callable[[Interruption, int], Iterable[str]]) -> Iterator[Position]:
             for number, (own, before) in enumerate(section.handlers(event), 1):
                 if own is None:
-                    yield _Position((place,), happened=before)
+                    yield Position((place,), happened=before)
                 else:
                     once = () if own.once is None else (own.once,)
-                    yield _Position((place,), (place,), tuple(put(own, number)), once, before)
+                    yield Position((place,), (place,), tuple(put(own, number)), once, before)
 
         if self.around.in_branch and self.gated(section):
             yield from handled(self.of(section, "enter"), lambda own, _: self.enter(own.target))
@@ -349,34 +305,37 @@ class _Control:
                 yield inside
                 continue
             for whole in handled(
-                self.of(section, "running"), lambda _, number: [self.of(section, _on(event, number)), *halts]
+                self.of(section, "running"),
+                lambda _, number: [self.of(section, called(event, number)), *halts],
             ):
                 if (both := inside.beside(whole)).possible:
                     yield both
 
-    def in_branches(self, section: ParallelSection, event: str) -> list[_Position]:
+    def in_branches(self, section: ParallelSection, event: str) -> list[Position]:
         """Where those branches may be that handle an event somewhere."""
         handling = [
             list(self.inside(section, branch).in_branch(section, branch, event))
             for branch in section.branches
-            if any(e == event for inner in branch.graph.sections for e in _events(inner))
+            if any(e == event for inner in branch.graph.sections for e in events_of(inner))
         ]
-        found = [_Position(())]
+        found = [Position(())]
         for number, positions in enumerate(handling, 1):
             both = (one.beside(other) for one in found for other in positions)
             found = [position for position in both if position.possible]
             if len(found) > MAX_POSITIONS:
                 count = len(found) * prod(map(len, handling[number:]))
-                message = f"parallel block {section.name}: {count} combinations of where its branches are when "
+                message = (
+                    f"parallel block {section.name}: {count} combinations of where its branches are when "
+                )
                 raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
         return found
 
-    def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[_Position]:
+    def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[Position]:
         """Positions of this graph, that of a branch of a section, its ends among them."""
         for inner in self.graph.sections:
             yield from self.positions(inner, event)
         for place in dict.fromkeys(end[-1] for end in self.ends(section, branch)):
-            yield _Position((place,))
+            yield Position((place,))
 
     def halt(self, pen: Pen, section: ParallelSection) -> None:
         """Halts every branch, wherever it is, then goes on to what the event leads to."""
@@ -390,8 +349,8 @@ class _Control:
                 pen.transition(f"halt{number}", [halt, *taken], put)
         all_halted = [self.of_branch(branch, "halted") for branch in section.branches]
         for number, interruption in section.numbered:
-            place = pen.place(_on(interruption.event, number))
-            left = _on(interruption.event, number, "left")
+            place = pen.place(called(interruption.event, number))
+            left = called(interruption.event, number, "left")
             pen.transition(left, [place, *all_halted], self.enter(interruption.target))
         if self.around.halted:
             place = pen.place("halting")
@@ -412,19 +371,6 @@ class _Control:
                 )
         for end in self.ends(section, branch):
             yield list(end), [halted]
-
-
-def _on(event: str, number: int, word: str = "on") -> str:
-    """What is drawn for the handlers of an event is called: the innermost has no number."""
-    return f"{word}_{event}" if number == 1 else f"{word}{number}_{event}"
-
-
-def _events(section: Section) -> Iterator[str]:
-    """Names of events that interrupt a section, or something in it."""
-    yield from (i.event for i in section.interruptions)
-    for branch in section.branches if isinstance(section, ParallelSection) else ():
-        for inner in branch.graph.sections:
-            yield from _events(inner)
 
 
 def _element(section: Section) -> tuple[str, str]:

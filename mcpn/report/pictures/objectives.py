@@ -119,7 +119,8 @@ def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     yield section.success, (), "success"
     yield section.failure, (), "failure"
     for interruption in section.interruptions:
-        yield interruption.target, (f"on {interruption.event}",), "event"
+        word = f"on {interruption.event}" + (" once" if interruption.once else "")
+        yield interruption.target, (word,), "event"
 
 
 def _title(section: ElementarySection) -> str:

@@ -1,10 +1,10 @@
 """From a mission to its composite: each type of sections explored once, its premises checked.
 
 Composition rests on two premises. *Idle at the exit*: a section hands on its exit, the state of the hardware
-and what has happened once, everything else is as it was; this is checked on each local net. *Confluence*: internal evolution
-after each event has one stable end, within a section and where one section leads to the next; this is proved
-on the local net of each type and on the net of each type of junction, and where the proof fails, the states
-in which it fails are looked for among those that the mission comes to.
+and what has happened once, everything else is as it was; this is checked on each local net. *Confluence*:
+internal evolution after each event has one stable end, within a section and where one section leads to the
+next; this is proved on the local net of each type and on the net of each type of junction, and where the
+proof fails, the states in which it fails are looked for among those that the mission comes to.
 """
 
 from __future__ import annotations

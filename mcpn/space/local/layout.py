@@ -1,10 +1,10 @@
 """The diagram store of a composite: one for all sections, so that sets pass from section to section.
 
 The first levels hold the places of a section's local net, those of another section elsewhere in the same
-place. The last levels, the *slots*, hold the status that sections hand on: of all hardware of the mission, out
-of service, and lost for good where hardware may die; and of each handler that happens once, whether it has
-happened. A section keeps its own hardware and handlers in its local places; its own slots are left open (in
-either state), so that sections of one type have equal diagrams whatever these are called.
+place. The last levels, the *slots*, hold the status that sections hand on: of all hardware of the mission,
+out of service, and lost for good where hardware may die; and of each handler that happens once, whether it
+has happened. A section keeps its own hardware and handlers in its local places; its own slots are left open
+(in either state), so that sections of one type have equal diagrams whatever these are called.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Layout:
 
     @cached_property
     def status(self) -> dict[int, tuple[int, bool]]:
-        """Places of the whole net that say, while no section has it, what a slot of an element says, or not."""
+        """Places of the whole net that say, while nobody uses it, what a slot of an element says, or not."""
         places = idle_places(self.mission_net).items()
         return {place: (self.slots[of][number], reverse) for place, (of, number, reverse) in places}
 
@@ -147,7 +147,7 @@ def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]
 
 
 def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]:
-    """What the places of what has a status that sections hand on say, in a net of a mission or of a part of it.
+    """What places say of the status that sections hand on, in the net of a mission or of a part of it.
 
     By place that changes with the status of hardware that nobody uses, or of a handler that happens once: the
     element, the number of its slot that says the same, and whether the place says the reverse.

@@ -1,0 +1,70 @@
+"""What an event does where the objectives of a section are, and what of it happens once.
+
+A handler that happens once has two places of its own: *open*, and *happened*. The transition of an event that
+it handles takes the one and puts the other; that of the next handler outwards reads *happened*. Sections hand
+them on as they do the status of hardware.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mcpn.mission.flatten import ParallelSection, Section
+from mcpn.net.events import Event, What
+from mcpn.net.templates.canvas import Canvas, Pen
+
+
+def draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
+    """Draws whether a handler that happens once has happened; in a part of a mission it may have before."""
+    pen = canvas.of("once", handler, None)
+    still = canvas.role(pen.place("open", initial=1), ("open", handler))
+    gone = canvas.role(pen.place("happened"), ("happened", handler))
+    canvas.unit([still, gone])
+    if canvas.part:
+        event = Event(What.EARLIER, handler)
+        mission.transition(("earlier", handler), [still], [gone], read=[begin], event=event)
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where the objectives of a section may be when an event happens, and what the event does there.
+
+    Args:
+        read: Places that are marked there.
+        take: Those of them that the event's transition consumes.
+        put: Places that it marks; ``None`` where nothing handles the event.
+        once: Handlers that happen once and do so there.
+        happened: Those that have happened before.
+    """
+
+    read: tuple[str, ...]
+    take: tuple[str, ...] = ()
+    put: tuple[str, ...] | None = None
+    once: tuple[str, ...] = ()
+    happened: tuple[str, ...] = ()
+
+    def beside(self, other: Position) -> Position:
+        """What the event does where both hold, each in a branch of its own."""
+        put = None if self.put is other.put is None else (*(self.put or ()), *(other.put or ()))
+        read, take = (*self.read, *other.read), (*self.take, *other.take)
+        once, happened = (*self.once, *other.once), (*self.happened, *other.happened)
+        return Position(read, take, put, tuple(dict.fromkeys(once)), tuple(dict.fromkeys(happened)))
+
+    @property
+    def possible(self) -> bool:
+        """Whether no handler has happened already that does so there."""
+        return not {*self.once} & {*self.happened}
+
+
+def called(event: str, number: int, word: str = "on") -> str:
+    """What is drawn for the handlers of an event is called: the innermost has no number."""
+    return f"{word}_{event}" if number == 1 else f"{word}{number}_{event}"
+
+
+def events_of(section: Section) -> Iterator[str]:
+    """Names of events that interrupt a section, or something in it."""
+    yield from (i.event for i in section.interruptions)
+    for branch in section.branches if isinstance(section, ParallelSection) else ():
+        for inner in branch.graph.sections:
+            yield from events_of(inner)
