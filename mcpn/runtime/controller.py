@@ -132,6 +132,12 @@ class Controller:
             return frozenset(self._out_of_service)
 
     @property
+    def happened(self) -> frozenset[str]:
+        """Handlers that happen once and have; a flat controller has this in its state alone."""
+        with self._lock:
+            return frozenset(self._happened)
+
+    @property
     def outcome(self) -> str | None:
         """``success``, ``failure``, or ``None`` before the mission has ended."""
         with self._lock:

@@ -33,6 +33,8 @@ def expected(controller: Controller, traced: Traced, events: list[str]) -> Answe
     """What the runtime does, in the words of SCXML."""
     sections = identifiers([s.name for s in controller.sections], prefix="section_")
     hardware = identifiers(controller.hardware, prefix="hardware_")
+    handlers = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
+    once = identifiers(dict.fromkeys(handlers), prefix="once_")
     traced.restart()
     found: Answers = []
     for event in events:
@@ -40,9 +42,10 @@ def expected(controller: Controller, traced: Traced, events: list[str]) -> Answe
             traced.restart()
             continue
         said = traced.line(event).split(" | ")[0].partition(":")[2].strip()
-        section, state, gone, outcome = traced.place
+        section, state, gone, outcome, happened = traced.place
         inside = f"{sections[section]}.{state}" if section else outcome or "before"
         regions = {f"{i}.{'out' if name in gone else 'ready'}" for name, i in hardware.items()}
+        regions |= {f"{i}.{'happened' if name in happened else 'open'}" for name, i in once.items()}
         found.append((said.split("; ") if said else [], {inside, *regions}))
     return found
 

@@ -12,7 +12,7 @@ from mcpn.runtime.tables import Tables
 
 logging.getLogger("mcpn.runtime").setLevel(logging.ERROR)
 
-Place = tuple[str | None, int, frozenset[str], str | None]
+Place = tuple[str | None, int, frozenset[str], str | None, frozenset[str]]
 
 
 class Traced:
@@ -28,7 +28,7 @@ class Traced:
     @property
     def place(self) -> Place:
         c = self.controller
-        return c.section, c._state, c.out_of_service, c.outcome
+        return c.section, c._state, c.out_of_service, c.outcome, c.happened
 
     def line(self, event: str) -> str:
         try:
