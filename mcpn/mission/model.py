@@ -148,8 +148,8 @@ class Handler:
         event: The declared event.
         goto: Where it leads: a sibling of the block, ``succeed`` or ``fail``; from the mission itself, one of
             its own blocks, ``succeed`` or ``fail``.
-        once: Whether it happens at most once, in the mission or in the branch of a parallel block that it
-            stands in; then the next handler outwards counts, if there is one.
+        once: Whether it happens at most once in the whole mission, whichever copy of it (value, use, round,
+            try, branch) it happens in; then the next handler outwards counts, if there is one.
         description: Shown in reports.
         source: File and line.
     """

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-FORMAT, VERSION = "mcpn-controller", 2
+FORMAT, VERSIONS = "mcpn-controller", (2, 3)
 ENDS = {"succeed": "success", "fail": "failure"}
 
 
@@ -292,8 +292,9 @@ class Tables:
     def __init__(self, document: Mapping[str, Any]) -> None:
         if not isinstance(document, dict) or document.get("format") != FORMAT:
             raise ControllerFileError(f"expected an object whose format is {FORMAT}")
-        if document.get("version") != VERSION:
-            raise ControllerFileError(f"version {document.get('version')!r} found, {VERSION} expected")
+        if document.get("version") not in VERSIONS:
+            expected = " or ".join(map(str, VERSIONS))
+            raise ControllerFileError(f"version {document.get('version')!r} found, {expected} expected")
         try:
             self.mission: str = document["mission"]
             self.hardware: list[str] = document["hardware"]

@@ -2,7 +2,7 @@
 
 One object with these keys:
 
-- ``format``: ``mcpn-controller``; ``version``: 2; ``mission``; ``form``: ``flat`` or ``hierarchical``;
+- ``format``: ``mcpn-controller``; ``version``: 2, or 3 where edges have ``open`` or ``happened``; ``mission``; ``form``: ``flat`` or ``hierarchical``;
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
@@ -45,7 +45,7 @@ from mcpn.mission.model import Parameter
 from mcpn.net.compose import MissionNet
 
 FILE_NAME = "controller.json"
-FORMAT, VERSION = "mcpn-controller", 2
+FORMAT, VERSION, WITH_ONCE = "mcpn-controller", 2, 3
 
 
 def write_json(controller: Controller, mission_net: MissionNet) -> str:
@@ -65,7 +65,7 @@ def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
     """The controller as a JSON object."""
     return {
         "format": FORMAT,
-        "version": VERSION,
+        "version": WITH_ONCE if any(machine.once for machine in controller.types) else VERSION,
         "mission": controller.mission,
         "form": controller.form,
         "minimised": controller.minimised,
