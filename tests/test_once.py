@@ -149,6 +149,17 @@ def test_it_happens_once_in_all_copies(copies: str, tmp_path: Path) -> None:
     hold_together(found, tmp_path)
 
 
+@pytest.mark.parametrize("name", ["once_in_each", "once_in_use", "once_in_repeated_parent"])
+def test_missions_in_which_it_once_happened_twice(name: str, faults: Path, tmp_path: Path) -> None:
+    found = compose(read_mission(faults / f"{name}.xml"))
+    simulation = Simulation(found)
+    assert simulation.take(Event.parse("MISSION_EV_START"))
+    assert simulation.take(Event.parse("leak_EV"))
+    assert simulation.situation.outcome is None
+    assert simulation.take(Event.parse("leak_EV")) is None
+    hold_together(found, tmp_path)
+
+
 def test_it_happens_once_in_all_tries(tmp_path: Path) -> None:
     found = drawn(tmp_path, IN_TRIES)
     run = happens(found, "MISSION_EV_START", "OBJ_o_try1_EV_FAIL", "leak_EV", "OBJ_p_EV_OK")

@@ -176,8 +176,9 @@ def hierarchical_controller(
     """
     numbers = {type_: number for number, type_ in enumerate(listed)}
     types = [
-        section_machine(type_.forgetful[0], graph, type_.part, type_.forgetful[1])
+        section_machine(net, graph, type_.part, guards)
         for type_, graph in listed.items()
+        for net, guards in [type_.forgetful()]
     ]
     sections = []
     for placed in composite.sections.values():

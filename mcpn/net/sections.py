@@ -8,7 +8,7 @@ nets then differ in names only, place by place and transition by transition.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Collection, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
@@ -137,6 +137,11 @@ class LocalPart:
     def once(self) -> tuple[str, ...]:
         """Handlers of the sections that happen once, in the order in which they stand."""
         return tuple(self.graph.once())
+
+    def once_on(self, events: Collection[str]) -> tuple[str, ...]:
+        """Those of them that some events make happen."""
+        on = {i.once: i.event for section in self.graph.all_sections() for i in section.interruptions}
+        return tuple(handler for handler in self.once if on[handler] in events)
 
     @cached_property
     def carried(self) -> tuple[Element, ...]:

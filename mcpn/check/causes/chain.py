@@ -21,6 +21,8 @@ from scipy.sparse.linalg import splu
 
 from mcpn.check.causes.prospects import Prospects
 from mcpn.net.events import What
+from mcpn.net.sections import Element
+from mcpn.net.templates import Role
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
 
@@ -39,8 +41,8 @@ class Listed:
 
     Args:
         prospects: The section's local net, or the mission's, on its alternatives graph in arrays.
-        hardware: Its hardware that can fail. A *status* is a number whose bits say which of it is out of
-            service, the first resource in the highest bit.
+        carried: Its hardware that can fail, and handlers that happen once. A *status* is a number whose bits
+            say what is out of service and what has happened, the first of these in the highest bit.
         again: Exits after which it is entered again at once: edges to them lead to its first states.
 
     Attributes:
@@ -58,24 +60,25 @@ class Listed:
     """
 
     def __init__(
-        self, prospects: Prospects[ArraySet], hardware: Sequence[str], again: Collection[str] = ()
+        self, prospects: Prospects[ArraySet], carried: Sequence[Element], again: Collection[str] = ()
     ) -> None:
         assert isinstance(prospects.space, ArraySpace), "numbers are of listed states"
         self.prospects = prospects
         self.graph: StateGraph = prospects.space.graph
-        self.statuses = 1 << len(hardware)
+        self.statuses = 1 << len(carried)
         self.exits = tuple(prospects.mission_net.exits)
         sources, targets, states = self.graph.sources, self.graph.targets, self.graph.states
         exit_of, status = np.full(states, -1, np.int64), np.zeros(states, np.int64)
         for number, place in enumerate(prospects.mission_net.exits.values()):
             exit_of[self.graph.marked(place)] = number
-        for name in hardware:
-            status = 2 * status + self.graph.marked(prospects.mission_net.by_role["oos", name][0])
+        for kind, name in carried:
+            role: Role = ("oos", name) if kind == "hardware" else ("happened", name)
+            status = 2 * status + self.graph.marked(prospects.mission_net.by_role[role][0])
         self.columns = len(self.exits) * self.statuses
         self.column = exit_of * self.statuses + status
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)
-        self.failing = self._hardware_of(What.OUT_OF_SERVICE, hardware)
-        self.repaired = self._hardware_of(What.REPAIRED, hardware)
+        self.failing = self._hardware_of(What.OUT_OF_SERVICE, carried)
+        self.repaired = self._hardware_of(What.REPAIRED, carried)
         self.interrupting: Floats = np.zeros(self.graph.edges)
         for event in prospects.mission_net.mission.events:
             self.interrupting[self.carrying(What.DECLARED, event.name)] = event.rate or 0.0
@@ -93,10 +96,11 @@ class Listed:
             returning &= self.inside & (first >= 0)
             self.graph = replace(self.graph, targets=np.where(returning, first, targets))
 
-    def _hardware_of(self, what: What, hardware: Sequence[str]) -> Ints:
+    def _hardware_of(self, what: What, carried: Sequence[Element]) -> Ints:
         number = np.full(len(self.graph.net.transitions), -1, np.int64)
-        for i, name in enumerate(hardware):
-            number[list(self.prospects.carrying(what, name))] = i
+        for i, (kind, name) in enumerate(carried):
+            if kind == "hardware":
+                number[list(self.prospects.carrying(what, name))] = i
         return number[self.graph.labels]
 
     def carrying(self, what: What, element: str = "") -> Mask:

@@ -32,6 +32,7 @@ from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
+from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
@@ -80,12 +81,15 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
     model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
-    rates = {h: (hardware[h].failure_rate or 0.0, hardware[h].repair_rate or 0.0) for h in prospects.hardware}
+    rates = {
+        ("hardware", h): (hardware[h].failure_rate or 0.0, hardware[h].repair_rate or 0.0)
+        for h in prospects.hardware
+    }
     expected = Outlook(model, rates)
     importance = {}
-    for name in rates:
-        frozen = Outlook(model, {**rates, name: (0.0, 0.0)}, expected)
-        importance[name] = frozen.ends()[0] - frozen.ends(name)[0]
+    for resource in rates:
+        frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, expected)
+        importance[resource[1]] = frozen.ends()[0] - frozen.ends(resource)[0]
     return Risk(
         *expected.ends(), expected.degraded_modes(), importance, tuple(_unrated(prospects.mission_net))
     )
@@ -109,7 +113,8 @@ def _refuse_unknown(prospects: Prospects[Any]) -> None:
 
 def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     """The sections of a composite; of any other space the whole mission as one, listed."""
-    space, net, hardware = prospects.space, prospects.mission_net, prospects.hardware
+    space, net = prospects.space, prospects.mission_net
+    hardware = tuple(("hardware", name) for name in prospects.hardware)
     if not isinstance(space, CompositeSpace):
         if not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
@@ -119,17 +124,25 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     known: dict[SectionType, Prospects[ArraySet]] = {}
     listed = cache(Listed)
     sections = {}
+    # An event without a rate never happens, and so nothing that it makes happen once has happened.
+    rated = {event.name for event in net.mission.events if event.rate}
+
+    def carried(part: LocalPart) -> tuple[Element, ...]:
+        kept = {("once", name) for name in part.once_on(rated)}
+        return tuple(of for of in part.carried if of[0] == "hardware" or of in kept)
+
     for name, placed in space.sections.items():
         if name not in space.everything.parts:
             continue
         kind = placed.type
         if kind not in known:
             kind.refuse_list(name, max_states, "numbers of risk list every state")
-            # Declared events have no rate: what they may do once has not happened.
-            known[kind] = Prospects(kind.forgetful[0], ArraySpace(kind.listed()))
+            kept = kind.part.once_on(rated)
+            known[kind] = Prospects(kind.forgetful(kept)[0], ArraySpace(kind.listed(kept, max_states)))
         again = tuple(exit_ for exit_, route in placed.routes.items() if route == name)
         objectives = tuple(placed.part.graph.walk())
         sections[name] = Section(
-            listed(known[kind], kind.part.faulty, again), placed.part.faulty, objectives, placed.routes
+            listed(known[kind], carried(kind.part), again), carried(placed.part), objectives, placed.routes
         )
-    return Sections(sections, net.graph.entry, hardware)
+    once = tuple(("once", name) for name in space.layout.once)
+    return Sections(sections, net.graph.entry, (*hardware, *once))

@@ -9,13 +9,14 @@ transform ``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.
 and without the product of the section's states with the status of the other hardware.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
-the hardware that this section and later ones use; other hardware does not matter any more. Where sections
-lead back to earlier ones, the values at those entries are the unknowns of a linear system.
+the hardware that this section and later ones use; other hardware does not matter any more. What has happened
+once is status too, of a resource that never fails nor is repaired beside a section. Where sections lead back
+to earlier ones, the values at those entries are the unknowns of a linear system.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
@@ -28,6 +29,7 @@ from mcpn.check.causes.chain import CHUNK, Chain, Floats, Listed, totals
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.net.sections import Element
 from mcpn.space.markings.graph import Ints, Mask
 
 MOST_HARDWARE = 16
@@ -46,13 +48,13 @@ class Section:
 
     Args:
         listed: Its states, which sections of one type share.
-        hardware: Its hardware that can fail, in the order of the states'.
+        carried: Its hardware that can fail and handlers that happen once, in the order of the states'.
         objectives: Its elementary objectives, in that order too.
         routes: By exit, the section that it leads to, or the mission's own exit.
     """
 
     listed: Listed
-    hardware: tuple[str, ...]
+    carried: tuple[Element, ...]
     objectives: Sequence[ElementarySection]
     routes: Mapping[str, str]
 
@@ -66,7 +68,7 @@ class Sections:
     Args:
         sections: The sections by name, in the mission's order.
         entry: The section where the mission begins.
-        hardware: The mission's hardware that can fail.
+        carried: The mission's hardware that can fail and handlers that happen once.
 
     Attributes:
         sections: The sections, in the order of their entries: later ones first.
@@ -80,30 +82,29 @@ class Sections:
         LimitError: Too much hardware must be remembered.
     """
 
-    def __init__(self, sections: Mapping[str, Section], entry: str, hardware: Sequence[str]) -> None:
+    def __init__(self, sections: Mapping[str, Section], entry: str, carried: Sequence[Element]) -> None:
         self.entry = entry
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(sections)
         graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
         order = {name: number for number, name in enumerate(sections)}
         condensed = nx.condensation(graph)
-        self.used: dict[str, tuple[str, ...]] = {SUCCEED: (), FAIL: ()}
+        self.used: dict[str, tuple[Element, ...]] = {SUCCEED: (), FAIL: ()}
         self.first = {SUCCEED: 0, FAIL: 1}
         self.entries = 2
         self.loops: list[tuple[list[str], Ints]] = []
         for number in reversed(list(nx.topological_sort(condensed))):
             members = sorted(condensed.nodes[number]["members"], key=order.__getitem__, reverse=True)
-            used = {h for n in members for h in sections[n].hardware}
+            used = {h for n in members for h in sections[n].carried}
             used |= {h for n in members for r in graph[n] for h in self.used.get(r, ())}
             if len(used) > MOST_HARDWARE and len(sections) > 1:
                 raise LimitError(
-                    f"section {members[-1]} and those after it use {len(used)} hardware resources that may "
-                    f"fail: numbers of risk remember 2^{len(used)} states of them, the limit is "
-                    f"2^{MOST_HARDWARE}"
+                    f"section {members[-1]} and those after it use {_counted(used)}: "
+                    f"numbers of risk remember 2^{len(used)} states of them, the limit is 2^{MOST_HARDWARE}"
                 )
             for name in members:
-                own = sections[name].hardware
-                self.used[name] = (*(h for h in hardware if h in used.difference(own)), *own)
+                own = sections[name].carried
+                self.used[name] = (*(h for h in carried if h in used.difference(own)), *own)
                 self.first[name] = self.entries
                 self.entries += 1 << len(used)
             back = {r for n in members for r in graph[n] if r in members and order[r] < order[n]}
@@ -125,17 +126,23 @@ class Sections:
         return np.concatenate([numbers.reshape(-1, section.listed.statuses) for numbers in found], axis=1)
 
 
-def _projected(hardware: Sequence[str], of: Sequence[str]) -> Ints:
-    """By status of some hardware, the status of some of it; bits of what is not among it are 0."""
+def _projected(carried: Sequence[Element], of: Sequence[Element]) -> Ints:
+    """By status of some elements, the status of some of them; bits of what is not among these are 0."""
     found = np.zeros(1, np.int64)
-    for name in hardware:
-        found = np.add.outer(found, (0, _bit(name, of))).reshape(-1)
+    for element in carried:
+        found = np.add.outer(found, (0, _bit(element, of))).reshape(-1)
     return found
 
 
-def _bit(name: str, of: Sequence[str]) -> int:
-    """The status of some hardware in which one resource is out of service, if it is among it."""
-    return 1 << len(of) >> of.index(name) + 1 if name in of else 0
+def _bit(element: Element | None, of: Sequence[Element]) -> int:
+    """The status of some elements in which one is out of service, or has happened, if it is among them."""
+    return 1 << len(of) >> of.index(element) + 1 if element in of else 0
+
+
+def _counted(elements: Collection[Element]) -> str:
+    once = sum(kind == "once" for kind, _ in elements)
+    found = f"{len(elements) - once} hardware resources that may fail"
+    return f"{found} and {once} handlers that happen once" if once else found
 
 
 class Outlook:
@@ -143,20 +150,22 @@ class Outlook:
 
     Args:
         model: Its sections.
-        rates: Failures and repairs per hour, by hardware.
+        rates: Failures and repairs per hour, of hardware; of all else nothing changes beside a section.
         like: The same mission under other rates, whose chains are taken where they are the same.
     """
 
     def __init__(
-        self, model: Sections, rates: Mapping[str, tuple[float, float]], like: Outlook | None = None
+        self, model: Sections, rates: Mapping[Element, tuple[float, float]], like: Outlook | None = None
     ) -> None:
         self.model = model
         self._chains: dict[Any, Chain] = dict(like._chains) if like else {}
         self._passages: dict[str, _Passage] = {}
         passage = cache(_Passage)
         for name, section in model.sections.items():
-            own = tuple(rates[h] for h in section.hardware)
-            used = tuple(rates[h] for h in model.used[name])
+            own, used = (
+                tuple(rates.get(of, (0.0, 0.0)) for of in each)
+                for each in (section.carried, model.used[name])
+            )
             ending = tuple(
                 (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
             )
@@ -165,7 +174,7 @@ class Outlook:
                 self._chains[key] = Chain(*key)
             self._passages[name] = passage(self._chains[key], used[: len(used) - len(own)])
 
-    def ends(self, lost: str = "") -> tuple[float, float]:
+    def ends(self, lost: Element | None = None) -> tuple[float, float]:
         """Probabilities of success and failure, if one resource is out of service at the start."""
         entry = self.model.entry
         success, failure = self._ends[self.model.first[entry] + _bit(lost, self.model.used[entry])].tolist()

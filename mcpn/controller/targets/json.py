@@ -2,7 +2,8 @@
 
 One object with these keys:
 
-- ``format``: ``mcpn-controller``; ``version``: 2, or 3 where edges have ``open`` or ``happened``; ``mission``; ``form``: ``flat`` or ``hierarchical``;
+- ``format``: ``mcpn-controller``; ``version``: 2, or 3 where types have ``once``; ``mission``; ``form``:
+  ``flat`` or ``hierarchical``;
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,

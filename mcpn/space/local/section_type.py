@@ -232,18 +232,18 @@ class SectionType:
 
     # --- listed one by one ---
 
-    @cached_property
-    def forgetful(self) -> tuple[MissionNet, Mapping[int, Guard]]:
-        """The local net without what has happened once, and the guards of its transitions."""
-        return forgetful(self.net)
+    @remembered
+    def forgetful(self, kept: tuple[str, ...] = ()) -> tuple[MissionNet, Mapping[int, Guard]]:
+        """The local net without what has happened once, some handlers aside, and its transitions' guards."""
+        return forgetful(self.net, [handler for handler in self.part.once if handler not in kept])
 
-    def listed(self) -> AlternativesGraph:
-        """The stable states of the local net without what has happened once, one by one."""
+    def listed(self, kept: tuple[str, ...] = (), max_states: int = DEFAULT_MAX_STATES) -> AlternativesGraph:
+        """The stable states of that net, one by one."""
         from mcpn.space.stable.alternatives import direct  # which lists them in arrays
 
         # The composite has proved what the mission reaches confluent.
-        most = DEFAULT_MAX_STATES if self.part.once else self.size
-        return direct(self.forgetful[0].net, proof=False, max_states=most)
+        most = max_states if self.part.once else self.size
+        return direct(self.forgetful(kept)[0].net, proof=False, max_states=most)
 
     def refuse_list(self, section: str, max_states: int, why: str) -> None:
         """Refuses to list more states than a limit, for a reason that the error names.
