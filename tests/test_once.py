@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from mcpn.check.verdicts.mission import check
 from mcpn.check.spaces import Choice, Engine, space_of
+from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.minimise import minimise
@@ -48,7 +48,8 @@ IN_USE = f"""<protocols><protocol name="P"><objective name="o" activities="a">{H
 IN_REPEATED_PARENT = f"""<objective name="r" repeat="2">
 <objective name="o" activities="a">{HANDLER}</objective></objective>"""
 
-IN_TRIES = """<objective name="o" activities="a" retries="1"><on event="leak" goto="p" once="true"/></objective>
+IN_TRIES = """<objective name="o" activities="a" retries="1">
+<on event="leak" goto="p" once="true"/></objective>
 <objective name="p" activities="c" success="o"/>"""
 
 COPIES = {
@@ -76,7 +77,8 @@ MEETING = """<protocols><protocol name="P"><objective name="o" activities="a">
 <on event="leak" goto="succeed" once="true"/></objective></protocol></protocols>
 <parallel name="both" success="both" failure="both"><on event="leak" goto="after"/>
 <use name="u" protocol="P"/>
-<objective name="beside"><objective name="x" activities="c"/><use name="w" protocol="P"/></objective></parallel>
+<objective name="beside"><objective name="x" activities="c"/><use name="w" protocol="P"/></objective>
+</parallel>
 <objective name="after" activities="b" success="both" failure="fail"/>"""
 
 
@@ -244,7 +246,7 @@ def test_machines_do_not_grow_by_what_has_happened(count: int, tmp_path: Path) -
     found = compose(read_mission(file))
     assert len(found.graph.sections) == 2
     composite = composite_space(found)
-    # The hardware before; in each of two sections it runs, or is in error with h out and with h back; the end.
+    # The hardware before; in each of two sections it runs, or is in error with h out, or h back; the end.
     assert composite.everything.count() == 2 + (2 * 3 + 2) * 2**count
     controller = generate(found)
     assert (controller.states, len(controller.types)) == (3, 1)
