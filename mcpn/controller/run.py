@@ -3,10 +3,10 @@
 Where a net is confluent every interleaving of internal transitions ends in the same stable marking. What the
 controller must *do* depends on the way there: an activity that runs before and after the event may have gone
 on, or may have been stopped and started again. The run chosen here settles that: a transition that selects an
-alternative fires only where no other internal transition of its rank can. So all stops, releases and acknowledgements are
-over before anything new is asked of a resource, and an activity that passes through idle is *restarted*. This
-holds for the net of a mission and for that of one of its sections alike, so that machines made of either give
-the robot the same orders.
+alternative fires only where no other internal transition of its rank can. So all stops, releases and
+acknowledgements are over before anything new is asked of a resource, and an activity that passes through idle
+is *restarted*. This holds for the net of a mission and for that of one of its sections alike, so that
+machines made of either give the robot the same orders.
 """
 
 from __future__ import annotations

@@ -70,6 +70,7 @@ class MissionDrawing(RobotDrawing):
         )
 
     def event(self, name: str) -> DeclaredEvent:
+        """An event, with a rate where numbers are drawn."""
         return DeclaredEvent(name=name, description=self.description(), rate=self.value(0, 1e6))
 
     def handlers(self, siblings: list[str]) -> tuple[Handler, ...]:
