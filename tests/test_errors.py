@@ -17,6 +17,7 @@ from mcpn.errors import (
     Source,
     UnboundedError,
     UnsafeError,
+    WorkersError,
 )
 from mcpn.space.compare import Disagreement
 
@@ -29,6 +30,7 @@ def kinds(kind: type[McpnError]) -> set[type[McpnError]]:
 ERRORS = [
     InputError([Problem(Source("m.xml", 3), "no such activity"), Problem(None, "no robot")]),
     LimitError("more than 5 states"),
+    WorkersError("the last worker is gone"),
     UnsafeError("p", "t", ["q", "r"], ["u", "v"]),
     UnboundedError(["p"], ["t"], ["u", "v"], (-1, 2)),
     ConfluenceError("not confluent", [["a"], ["b", "c"]]),

@@ -15,7 +15,16 @@ from typing import Any
 import pytest
 
 from mcpn.cli.report import findings
-from mcpn.mission.model import DeclaredEvent, Handler, Mission, Objective
+from mcpn.mission.model import (
+    Activity,
+    Alternative,
+    DeclaredEvent,
+    Handler,
+    Hardware,
+    Mission,
+    Objective,
+    Robot,
+)
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.causes import fmeca_rows
@@ -129,6 +138,36 @@ def test_a_failure_and_a_recovery(browser: Any, ulysse_findings: Findings, tmp_p
             " ".join(filter(None, (a.verb, a.activity or a.hardware))) for a in actions
         ]
     assert runtime.outcome == "success"
+    assert wrong == []
+
+
+INHERITED = ("constructor", "toString", "valueOf", "hasOwnProperty", "isPrototypeOf", "__proto__")
+"""Names that the objects of JavaScript inherit."""
+
+
+def test_names_that_objects_of_a_browser_inherit(browser: Any, tmp_path: Path) -> None:
+    arms = [Hardware(name=name) for name in INHERITED]
+    lays = [
+        Activity(name=name, alternatives=(Alternative(name=name, consumes=(name,)),)) for name in INHERITED
+    ]
+    events = tuple(DeclaredEvent(name=name) for name in INHERITED)
+    blocks = tuple(Objective(name=name, activities=(name,)) for name in INHERITED)
+    handlers = tuple(Handler(event=name, goto=name) for name in INHERITED)
+    robot = Robot(name="robot", hardware=tuple(arms), activities=tuple(lays), events=events)
+    mission = Mission(name="constructor", robots=(robot,), blocks=blocks, handlers=handlers)
+    found = findings(compose(mission))
+    tab, wrong = opened(browser, page(found), tmp_path)
+    assert found.controller is not None
+    runtime, boxes = Controller.from_document(found.controller), boxes_of(tab)
+    ended = (f"OBJ_{name}_EV_OK" for name in INHERITED)
+    for event in ("MISSION_EV_START", "toString_EV_OOS", "toString_EV_RD", "valueOf_EV", "constructor_EV", *ended):
+        runtime.handle(event)
+        click(tab, event)
+        compare(tab, runtime, boxes)
+    assert runtime.outcome == "success"
+    shown = tab.locator("body").inner_text()
+    assert "[object Object]" not in shown
+    assert "function" not in tab.locator("#history").inner_text()
     assert wrong == []
 
 
@@ -345,7 +384,7 @@ def test_an_interruption(browser: Any, tmp_path: Path) -> None:
     runtime = Controller.from_document(found.controller)
     tab, wrong = opened(browser, page(found), tmp_path)
     boxes = boxes_of(tab)
-    for event in ("MISSION_EV_START", "s_EV_OOS", "leak_EV", "OBJ_after_leak.surface_EV_OK"):
+    for event in ("MISSION_EV_START", "s_EV_OOS", "leak_EV", "OBJ_surface_EV_OK"):
         compare(tab, runtime, boxes)
         if event == "MISSION_EV_START":
             assert "leak_EV" not in runtime.possible

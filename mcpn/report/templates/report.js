@@ -1,6 +1,9 @@
 "use strict";
 (() => {
-  const data = JSON.parse(document.getElementById("data").textContent);
+  // Names are keys: an object that inherits nothing has no other ones, such as "constructor".
+  const bare = (key, value) =>
+    value && typeof value === "object" && !Array.isArray(value) ? Object.assign(Object.create(null), value) : value;
+  const data = JSON.parse(document.getElementById("data").textContent, bare);
 
   // --- tables: sorted by a click on a head, filtered by what is typed -------------------------------------
   const order = new Intl.Collator(undefined, { numeric: true });
@@ -59,7 +62,7 @@
 
   // --- the controller, as mcpn/controller/targets/json.py describes it ------------------------------------
   const machine = data.controller;
-  const START = "MISSION_EV_START", ENDS = { succeed: "success", fail: "failure" };
+  const START = "MISSION_EV_START", ENDS = new Map([["succeed", "success"], ["fail", "failure"]]);
   const sections = new Map(machine.sections.map((section) => [section.name, section]));
   for (const type of machine.types) {
     type.moves = type.states.map(() => new Map());
@@ -70,7 +73,7 @@
     }
   }
   const typeOf = (section) => machine.types[section.type];
-  const named = (section, kind, name) => (section.names[kind] || {})[name] ?? name;
+  const named = (section, kind, name) => section.names[kind]?.[name] ?? name;
   const way = (section, activity, alternative) => {
     const whole = named(section, "alternatives", `${activity}.${alternative}`);
     const dot = whole.indexOf(".");
@@ -89,7 +92,7 @@
     && handlers(state.section, edge.happened).every((name) => state.happened.has(name)));
 
   function enter(state, route) {
-    if (ENDS[route]) return [{ ...state, phase: ENDS[route], section: null, at: 0 }, []];
+    if (ENDS.has(route)) return [{ ...state, phase: ENDS.get(route), section: null, at: 0 }, []];
     const section = sections.get(route), type = typeOf(section);
     let number = 0;
     type.hardware.forEach((name, bit) => {

@@ -121,7 +121,9 @@ def _explored(nets: Sequence[PetriNet], executor: Executor | None, *, proved: bo
     except Exception as error:
         from concurrent.futures import BrokenExecutor
 
-        if not isinstance(error, BrokenExecutor):
+        # A pool that breaks while it starts a process closes what that one is to be given.
+        closed = isinstance(error, OSError) and error.errno is None
+        if not isinstance(error, BrokenExecutor) and not closed:
             raise
         raise WorkersError(
             "a process that explored sections ended before its work was done: it was killed, as by a system "
