@@ -23,7 +23,7 @@ class Levelled {
       store.require(store.nodes_.size() * sizeof(std::uint32_t));
       store.number_.resize(store.nodes_.size());
     }
-    scratch.take((levels + 2) * 2 * sizeof(std::uint32_t) + nodes * 3 * sizeof(std::uint32_t));
+    scratch.take((std::size_t(levels) + 2) * 2 * sizeof(std::uint32_t) + nodes * 3 * sizeof(std::uint32_t));
     from.assign(levels + 1, 2);
     for (Level at = levels; at-- > 0;) from[at] = from[at + 1] + count[at + 1];
     std::vector<std::uint32_t> next = from;
@@ -257,6 +257,7 @@ std::vector<std::vector<std::uint64_t>> Store::counts(Node a, const std::vector<
   const auto counted = [&](auto number) {
     Evaluation evaluate(diagram, suffixes_, number, conditions.size() > 1, scratch);
     std::vector<std::vector<std::uint64_t>> results;
+    results.reserve(conditions.size());
     for (const std::uint32_t condition : conditions)
       results.push_back(possible(condition, marked) ? evaluate(condition, [&] { count_step(); }) : std::vector<std::uint64_t>{});
     return results;

@@ -163,7 +163,7 @@ class Markings {
   explicit Markings(const Handle& set) : set_(set) { descend(set.node); }
   std::vector<Level> next() {
     if (!more_) throw nb::stop_iteration();
-    const std::vector<Level> found = marked_;
+    std::vector<Level> found = marked_;
     more_ = false;
     while (!path_.empty() && !more_) {
       const Step step = path_.back();
@@ -308,18 +308,18 @@ void bind_diagrams(nb::module_& module) {
       .def(nb::new_([](std::uint64_t levels, std::uint64_t memory_limit) {
         return std::make_shared<PyStore>(levels, memory_limit);
       }), nb::arg("levels"), nb::arg("memory_limit") = std::uint64_t(4) << 30)
-      .def("empty", [](std::shared_ptr<PyStore> s) { return Handle(s, 0); })
-      .def("singleton", [](std::shared_ptr<PyStore> s, const Levels& marked) {
+      .def("empty", [](std::shared_ptr<PyStore> s) { return Handle(std::move(s), 0); })
+      .def("singleton", [](const std::shared_ptr<PyStore>& s, const Levels& marked) {
         const std::vector<Level> levels = s->sorted(marked);
         return computed(s, [&](Store& store) { return store.singleton(levels); });
       }, nb::arg("marked"))
-      .def("from_bytes", [](std::shared_ptr<PyStore> s, const nb::bytes& data) {
+      .def("from_bytes", [](const std::shared_ptr<PyStore>& s, const nb::bytes& data) {
         if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no table of a set: rows are triples");
         std::vector<std::uint32_t> rows(data.size() / sizeof(std::uint32_t));
         if (!rows.empty()) std::memcpy(rows.data(), data.c_str(), data.size());
         return computed(s, [&](Store& store) { return store.from_table(rows); });
       }, nb::arg("data"))
-      .def("from_markings", [](std::shared_ptr<PyStore> s, const nb::ndarray<const std::uint64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& rows,
+      .def("from_markings", [](const std::shared_ptr<PyStore>& s, const nb::ndarray<const std::uint64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& rows,
                                const std::vector<std::int64_t>& bits) {
         const std::size_t count = rows.shape(0), words = rows.shape(1);
         if (bits.size() != s->store.levels) throw std::invalid_argument("one bit for each level");

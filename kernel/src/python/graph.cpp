@@ -239,7 +239,7 @@ bool stays(const Column<std::int64_t>& offsets, const Column<State>& targets, co
   for (std::size_t first = 0; first < rows.states; ++first) {
     if (!start[first] || !inside[first] || met[first]) continue;
     met.set(first);
-    path.push_back({State(first), rows.offsets[first]});
+    path.emplace_back(State(first), rows.offsets[first]);
     while (!path.empty()) {
       rows.signals.after(1);
       const State at = path.back().first;
@@ -253,7 +253,7 @@ bool stays(const Column<std::int64_t>& offsets, const Column<State>& targets, co
       if (!inside[next] || done[next]) continue;
       if (met[next]) return true;
       met.set(next);
-      path.push_back({next, rows.offsets[next]});
+      path.emplace_back(next, rows.offsets[next]);
     }
   }
   return false;

@@ -162,6 +162,7 @@ CountedNet counted(const std::vector<Field>& given, const std::vector<Counted>& 
 }  // namespace
 
 void bind_explorer(nb::module_& module) {
+  // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): it declares a class of Python in the module.
   nb::exception<StateLimit>(module, "StateLimit");
   module.def("stable_ends", [](const Column<std::int64_t>& offsets, const Column<std::int64_t>& targets,
                                const Column<bool>& transient) {

@@ -7,9 +7,11 @@ using namespace mcpn;
 
 NB_MODULE(_kernel, module) {
   module.doc() = "Zero-suppressed decision diagrams with saturation, and explicit exploration, for 1-safe Petri nets.";
+  // NOLINTBEGIN(bugprone-throw-keyword-missing,bugprone-unused-raii): each declares a class of Python in the module.
   nb::exception<BudgetExceeded>(module, "BudgetExceeded");
   nb::exception<MemoryLimit>(module, "MemoryLimit", PyExc_MemoryError);
   nb::exception<Cancelled>(module, "Cancelled");
+  // NOLINTEND(bugprone-throw-keyword-missing,bugprone-unused-raii)
 
   bind_explorer(module);
   bind_graph(module);

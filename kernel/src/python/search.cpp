@@ -101,6 +101,7 @@ void bind_search(nb::module_& module) {
           return walk(net, initial, goals, roots, {steps, length, seed, unsafe, counts}, go_on);
         });
         std::vector<std::pair<std::uint32_t, std::vector<Transition>>> told;
+        told.reserve(found.size());
         for (const Reached& reached : found) told.emplace_back(reached.goal, reached.run);
         return told;
       }, nb::arg("initial"), nb::arg("goals"), nb::arg("roots"), nb::arg("steps"), nb::arg("length"), nb::arg("seed"),

@@ -20,10 +20,13 @@ from functools import partial
 from typing import TypeAlias
 
 from mcpn._kernel import Goals
+from mcpn.errors import LimitError
 from mcpn.net.petri import EVENTS, PetriNet
 
 FARTHEST = 2**62
 """Sums of tokens in searches are nearer than this bound."""
+MOST_WEIGHTS = 2**29
+"""Searches take weights of a sum up to this total, signs aside."""
 
 
 class Formula:
@@ -210,7 +213,11 @@ def renamed(goal: Goal, index: Callable[[int], int]) -> Goal:
 
 
 def encode(goals: Sequence[Goal], places: int) -> tuple[Goals, list[int]]:
-    """Goals as the kernel takes them, and the number of each."""
+    """Goals as the kernel takes them, and the number of each.
+
+    Raises:
+        LimitError: The weights of a sum are beyond what searches follow.
+    """
     nodes: list[tuple[str, list[int], list[tuple[int, int]], int]] = []
     known: dict[Goal, int] = {}
 
@@ -218,6 +225,11 @@ def encode(goals: Sequence[Goal], places: int) -> tuple[Goals, list[int]]:
         if goal not in known:
             match goal:
                 case AtMost(weights, bound):
+                    if (total := sum(abs(weight) for _, weight in weights)) > MOST_WEIGHTS:
+                        raise LimitError(
+                            f"weights of a sum of tokens that total {total}: more than {MOST_WEIGHTS}, "
+                            "the limit of searches"
+                        )
                     nodes.append(("at_most", [], list(weights), max(-FARTHEST, min(bound, FARTHEST))))
                 case And(operands) | Or(operands):
                     inside = list(map(add, operands))
