@@ -160,7 +160,14 @@ def test_names_that_objects_of_a_browser_inherit(browser: Any, tmp_path: Path) -
     assert found.controller is not None
     runtime, boxes = Controller.from_document(found.controller), boxes_of(tab)
     ended = (f"OBJ_{name}_EV_OK" for name in INHERITED)
-    for event in ("MISSION_EV_START", "toString_EV_OOS", "toString_EV_RD", "valueOf_EV", "constructor_EV", *ended):
+    for event in (
+        "MISSION_EV_START",
+        "toString_EV_OOS",
+        "toString_EV_RD",
+        "valueOf_EV",
+        "constructor_EV",
+        *ended,
+    ):
         runtime.handle(event)
         click(tab, event)
         compare(tab, runtime, boxes)
