@@ -60,6 +60,7 @@ WRITTEN = {
     "alternatives mission.xml -o g.json": ("g.json", "alternatives-graph"),
     "convert mission.xml n.json": ("n.json", "net"),
     "convert unbounded.net n.json": ("n.json", "net"),
+    "convert courier/mission.xml n.json": ("n.json", "net"),  # its internal transitions have ranks
     "controller mission.xml -o one": ("one/controller.json", "controller-document"),
     "controller mission.xml -o one --flat --minimise": ("one/controller.json", "controller-document"),
 }
@@ -74,6 +75,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         shutil.copy(path, tmp_path)
     contended = CONTENDED.read_text().partition("```xml")[2].partition("\n")[2].partition("```")[0]
     (tmp_path / "contended.xml").write_text(contended)
+    shutil.copytree(ROOT / "experiments" / "courier", tmp_path / "courier")
     (tmp_path / "unbounded.net").write_text(UNBOUNDED)
     (tmp_path / "unsafe.net").write_text("net n\npl p (1)\npl q (1)\ntr t p -> q\n")
     (tmp_path / "dead.net").write_text("net n\npl p (1)\npl q (0)\ntr t p -> q\n")
