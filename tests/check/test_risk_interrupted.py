@@ -75,10 +75,10 @@ def test_the_stable_states_of_a_small_block(faults: Path) -> None:
     assert_same(risk(Prospects(found, ArraySpace(graph))), Dense(found, graph).numbers())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_small_block_by_every_engine(faults: Path, engine: Engine) -> None:
-    """The same with the proof of confluence, which takes minutes where all its markings are looked at."""
+    """The same with the proof of confluence, whose diagrams hold 10^11 markings where nothing has a rank."""
     of = read_mission(faults / "slow_small_block.xml")
     found = compose(of)
     assert_same(by(engine, of), Dense(found, direct(found.net, proof=False)).numbers())
