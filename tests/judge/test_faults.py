@@ -69,17 +69,6 @@ def test_an_interruption_that_leads_back_leaves_the_probability_whole(
     assert (risk["success"], risk["failure"]) == pytest.approx((success, 1 - success))
 
 
-@pytest.mark.long
-def test_causes_of_a_small_block_are_found_by_each_engine(faults: Path) -> None:
-    path = fault(faults, "slow_small_block")
-    by_sections, whole = (output("causes", path, "--engine", e, "--rates") for e in ("local", "explicit"))
-    assert by_sections["mission"]["cut_sets"] == whole["mission"]["cut_sets"] == [["h0"]]
-    one, other = by_sections["risk"], whole["risk"]
-    assert one.keys() == other.keys()
-    assert (one["success"], one["failure"]) == pytest.approx((other["success"], other["failure"]))
-    assert one["unrated"] == other["unrated"] == ["e0"]
-
-
 def seen(mission: Mission, *happenings: Happening) -> tuple[Seen, set[Happening]]:
     """What the interpreter sees after some events, and what may happen then."""
     interpreter = Interpreter(mission)
