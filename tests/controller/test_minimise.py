@@ -18,6 +18,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
+from mcpn.net.forgetful import Guard
 from mcpn.testing import missions
 from tests.controller.test_lockstep import walk
 from tests.controller.traces import Traced, random_events
@@ -95,6 +96,53 @@ def test_what_is_no_bisimulation_is_seen(machine: SectionMachine, data: st.DataO
     joined = {(a, b) for a in range(size) for b in range(size) if classes[a] == classes[b]}
     if joined & told_apart(machine):
         assert not is_bisimulation(machine, classes)
+
+
+@given(machines(), st.data())
+def test_twins_are_merged_and_one_difference_keeps_them_apart(
+    machine: SectionMachine, data: st.DataObject
+) -> None:
+    """A copy of a state that nothing leads to, then with another action, guard or target of one move."""
+    number = len(machine.states)
+    source = data.draw(st.integers(0, number - 1))
+    mine = [replace(move, source=number) for move in machine.moves if move.source == source]
+    twins = replace(machine, states=(*machine.states, machine.states[source]))
+
+    def together(moves: list[Move]) -> bool:
+        classes = partition(replace(twins, moves=(*machine.moves, *moves)))
+        return classes[source] == classes[number]
+
+    assert together(mine)
+    for at, move in enumerate(mine):
+        other = "failure" if move.target == "success" else "success"
+        for differs in (
+            replace(move, actions=(*move.actions, Action("stop", "other"))),
+            replace(move, guard=Guard(("handler",), ())),
+            replace(move, guard=Guard((), ("handler",))),
+            replace(move, target=other),
+        ):
+            assert not together([*mine[:at], differs, *mine[at + 1 :]])
+        assert not together(mine[:at] + mine[at + 1 :])
+
+
+@given(machines(), st.data())
+def test_a_quotient_keeps_the_guards_and_actions(machine: SectionMachine, data: st.DataObject) -> None:
+    guards = st.sampled_from([Guard(), Guard(("handler",), ()), Guard((), ("handler",))])
+    moves = tuple(replace(move, guard=data.draw(guards)) for move in machine.moves)
+    machine = replace(machine, moves=moves)
+    classes = partition(machine)
+    small = quotient(machine, classes)
+
+    def said(of: SectionMachine, state: int, classes: list[int]) -> set[object]:
+        return {
+            (m.event, m.guard, m.actions, classes[m.target] if isinstance(m.target, int) else m.target)
+            for m in of.moves
+            if m.source == state
+        }
+
+    own = list(range(len(small.states)))
+    for state, of in enumerate(classes):
+        assert said(machine, state, classes) == said(small, of, own)
 
 
 def test_the_gain_on_ulysse(ulysse_net: MissionNet) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections import deque
 
 from hypothesis import strategies as st
@@ -182,4 +183,68 @@ def odd_nets(draw: st.DrawFn, *, line_breaks: bool = False) -> PetriNet:
         event = draw(st.none() | events(texts))
         rank = draw(RANKS) if event is None else 0
         builder.transition(name, consume=consume, produce=produce, read=read, event=event, rank=rank)
+    return builder.build()
+
+
+@st.composite
+def conflicting_nets(draw: st.DrawFn, *, ranks: int = 1) -> PetriNet:
+    """Machines side by side, all 1-safe, whose internal moves are in conflict and end.
+
+    One or two machines move to later states by internal transitions, which may ask for states of others or
+    move both; there are several ways from the first state, and some from each other one but the last.
+    Further machines are moved by events alone: a conflict comes up with different states of them beside it,
+    and leads to one marking here and to two there. Places and transitions are in any order.
+
+    Args:
+        draw: Given by hypothesis.
+        ranks: How many ranks internal transitions may have.
+
+    Returns:
+        A strategy of nets with priorities.
+    """
+    sizes = draw(st.lists(st.integers(3, 4), min_size=1, max_size=2))
+    moving = range(len(sizes))
+    sizes += [2] * draw(st.integers(1, 3))
+    every, drawn = range(len(sizes)), list[tuple[list[str], list[str], list[str], Event | None, int]]()
+
+    def later(machine: int, state: int) -> str:
+        return f"m{machine}s{draw(st.integers(state + 1, sizes[machine] - 1))}"
+
+    for machine in moving:
+        for state in range(sizes[machine] - 1):
+            for _ in range(draw(st.integers(1, 2)) + (state == 0)):
+                consume, produce = [f"m{machine}s{state}"], [later(machine, state)]
+                others = [m for m in every if m != machine]
+                if len(moving) > 1 and draw(st.integers(0, 5)) == 0:
+                    other = 1 - machine
+                    others.remove(other)
+                    with_it = draw(st.integers(0, sizes[other] - 2))
+                    consume.append(f"m{other}s{with_it}")
+                    produce.append(later(other, with_it))
+                asked = draw(st.lists(st.sampled_from(others), max_size=2, unique=True))
+                read = [f"m{m}s{draw(st.integers(0, sizes[m] - 1))}" for m in asked]
+                drawn.append((consume, produce, read, None, draw(st.integers(0, ranks - 1))))
+    for machine, size in enumerate(sizes):
+        for state in {0, size - 1}:
+            to = (state + 1) % size
+            ends = [f"m{machine}s{state}"], [f"m{machine}s{to}"]
+            drawn.append((*ends, [], Event.parse(f"EV_{machine}_{state}"), 0))
+    builder = NetBuilder("machines", priorities=True)
+    places = [f"m{machine}s{state}" for machine, size in enumerate(sizes) for state in range(size)]
+    for name in draw(st.permutations(places)):
+        builder.place(name, initial=int(name.endswith("s0")))
+    for number, (consume, produce, read, event, rank) in enumerate(draw(st.permutations(drawn))):
+        builder.transition(f"t{number}", consume=consume, produce=produce, read=read, event=event, rank=rank)
+    return builder.build()
+
+
+def reordered(net: PetriNet, order: random.Random) -> PetriNet:
+    """The same net with its places and transitions in another order."""
+    builder = NetBuilder(net.name, priorities=net.priorities)
+    names = [place.name for place in net.places]
+    for p in order.sample(range(len(names)), len(names)):
+        builder.place(names[p], initial=net.initial[p])
+    for t in order.sample(net.transitions, len(net.transitions)):
+        consume, produce, read = ([names[p] for p, _ in arcs] for arcs in (t.consume, t.produce, t.read))
+        builder.transition(t.name, consume=consume, produce=produce, read=read, event=t.event, rank=t.rank)
     return builder.build()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import event, given, settings
+from hypothesis import strategies as st
 
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.model import Mission
@@ -28,7 +30,7 @@ from mcpn.space.stable.nearest import fault_by, nearest_fault
 from mcpn.space.stable.ranks import open_conflicts
 from mcpn.space.stable.settling import fault_after
 from mcpn.testing import missions
-from tests.net.nets import nets, reachable
+from tests.net.nets import conflicting_nets, nets, reachable, reordered
 from tests.shares import returns_early
 
 
@@ -111,6 +113,30 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
     else:
         assert (proof is None) == (expected is not None)
         event("rejoins" if proof else "may have no end")
+
+
+@settings(max_examples=max(settings.default.max_examples, 300))  # small nets: a hundredth of a second each
+@given(st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks)), st.integers(0, 2**32))
+def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -> None:
+    """The proof, with joins or patterns, against every marking; places and transitions in several orders."""
+    order, ends = random.Random(seed), list[bool]()
+    try:
+        by_reduction(explore(drawn))
+        confluent = True
+    except ConfluenceError:
+        confluent = False
+    event("confluent" if confluent else "not confluent")
+    for net in (drawn, *(reordered(drawn, order) for _ in range(5))):
+        space = reach(net)
+        nothing_open = next(open_conflicts(space.encoding, space.reachable), None) is None
+        assert confluent or not nothing_open
+        try:
+            proof_of_conflicts(space)
+            ends.append(True)
+        except ConfluenceError as error:
+            ends_differ(net, error)
+            ends.append(False)
+    assert ends == [confluent] * len(ends)
 
 
 @pytest.mark.parametrize(("endless", "forks"), [(True, False), (False, True), (True, True)])
