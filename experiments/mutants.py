@@ -36,7 +36,7 @@ COPIED = ("mcpn", "tests", "docs", "experiments", "papers", "kernel", "pyproject
 
 AREAS = {
     "mcpn": "tests/test_smoke.py tests/test_face.py tests/test_cli.py",
-    "mcpn/mission": "tests/mission tests/test_language_page.py tests/judge tests/test_errors.py",
+    "mcpn/mission": "tests/mission tests/test_language_page.py tests/judge",
     "mcpn/net": "tests/net tests/space/test_conformance.py tests/judge",
     "mcpn/net/reduce": "tests/net/test_reduce.py tests/space",
     "mcpn/space": "tests/space tests/check/test_engines.py",

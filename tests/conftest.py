@@ -84,7 +84,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None]:
         handle.inner_test = inner
     marker = item.get_closest_marker("may_leave")
     ceiling = marker.args[0] if marker else shares.CEILING
-    if examples >= shares.ENOUGH and shares.left.total() > ceiling * examples:
+    if examples >= shares.ENOUGH and shares.left.total() > shares.most(examples, ceiling):
         told = ", ".join(f"{count} {reason}" for reason, count in shares.left.most_common())
         pytest.fail(f"returned early for {shares.left.total()} of {examples} examples: {told}")
     return result
