@@ -115,7 +115,7 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
         event("rejoins" if proof else "may have no end")
 
 
-@settings(max_examples=max(settings.default.max_examples, 300))  # small nets: a hundredth of a second each
+@settings(max_examples=max(settings().max_examples, 300))  # small nets: a hundredth of a second each
 @given(st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks)), st.integers(0, 2**32))
 def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -> None:
     """The proof, with joins or patterns, against every marking; places and transitions in several orders."""
