@@ -30,7 +30,7 @@ from mcpn.space.stable.nearest import fault_by, nearest_fault
 from mcpn.space.stable.ranks import open_conflicts
 from mcpn.space.stable.settling import fault_after
 from mcpn.testing import missions
-from tests.net.nets import conflicting_nets, nets, reachable, reordered
+from tests.net.nets import cascades, conflicting_nets, nets, reachable, reordered
 from tests.shares import returns_early
 
 
@@ -116,7 +116,10 @@ def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) ->
 
 
 @settings(max_examples=max(settings().max_examples, 300))  # small nets: a hundredth of a second each
-@given(st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks)), st.integers(0, 2**32))
+@given(
+    st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks)) | cascades(),
+    st.integers(0, 2**32),
+)
 def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -> None:
     """The proof, with joins or patterns, against every marking; places and transitions in several orders."""
     order, ends = random.Random(seed), list[bool]()

@@ -178,8 +178,12 @@ class Diagrams:
 
     @cached_property
     def where(self) -> Mapping[int, Zdd]:
-        """By transition, the states in which priorities let it fire."""
-        return {t: where for group, where in self.groups for t in group}
+        """By transition, the markings in which priorities let it fire."""
+        if not self.net.priorities:
+            return dict.fromkeys(range(len(self.net.transitions)), self.everything)
+        internal = zip(self.net.internal_ranks, self.space.allowed, strict=True)
+        found = {t: where for of, where in internal for t in of}
+        return {t: found.get(t, self.stable) for t in range(len(self.net.transitions))}
 
     def closure(self, begin: Zdd, events: Sequence[int], within: Zdd) -> Zdd:
         """The states that some events lead to inside a set, by saturation or by chaining, turn by turn.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 from mcpn._kernel import Zdd
 from mcpn.errors import UnsafeError
 from mcpn.space.diagrams.encoding import Encoding
@@ -14,10 +16,10 @@ def refuse_unsafe(space: SymbolicSpace) -> None:
 
     Markings beyond an unsafe firing are not followed, so the first unsafe firing of any run is seen.
     """
-    suspects, markings = _suspects(space.encoding), DiagramMarkings(space)
-    for group, where in markings.groups:
-        among = set(group) if space.stable is not None else {t for t, _, _ in suspects}
-        if where.first([c for t, _, c in suspects if t in among]) >= 0:
+    markings = DiagramMarkings(space)
+    suspects = sorted(_suspects(space.encoding), key=lambda suspect: space.encoding.net.ranks[suspect[0]])
+    for where, of in groupby(suspects, lambda suspect: markings.where[suspect[0]]):
+        if where.first([condition for _, _, condition in of]) >= 0:
             raise _unsafe(markings, suspects)
 
 
@@ -44,7 +46,7 @@ def _unsafe(markings: DiagramMarkings, suspects: list[Suspect]) -> UnsafeError:
     layers = [layer]
     while True:
         for t, place, condition in suspects:
-            firing = layer & markings.where.get(t, markings.everything)
+            firing = layer & markings.where[t]
             found = (firing - firing.without([condition])).pick()
             if found is not None:
                 names = net.marked(markings.marking(found))

@@ -5,11 +5,12 @@ before another of rank *k* may fire. Both together are one step. Two such steps 
 
 1. their first transitions do;
 2. nothing of a lower rank that one brings about is in conflict with the first transition of the other;
-3. what follows of lower ranks after both first transitions is itself confluent.
+3. what follows of lower ranks after both first transitions is without conflict, in whatever order it fires.
 
 So conflicts of rank *k* are asked for in the markings that rank *k* may come to, and those of lower ranks
-also in the markings behind two firings of rank *k* (``papers/mcpn.md``, Proposition 2). Where all internal
-transitions have one rank, this asks whether some reachable marking enables both of a pair.
+also in all markings behind two firings of rank *k*, priorities between the lower ranks aside: what follows
+after one need not be what its ranks let fire first after both (``papers/mcpn.md``, Proposition 2). Where all
+internal transitions have one rank, this asks whether some reachable marking enables both of a pair.
 """
 
 from __future__ import annotations
@@ -56,16 +57,19 @@ def open_conflicts(encoding: Encoding, markings: Zdd) -> Iterator[Pair]:
     by_rank: list[dict[int, list[Pair]]] = [{} for _ in ranks]
     for pair in open_pairs(net, encoding.transitions):
         by_rank[rank_of[pair[1]]].setdefault(rank_of[pair[0]], []).append(pair)
-    for rank in reversed(range(len(ranks))):
-        allowed = passing(encoding, markings)
+    allowed, told = passing(encoding, markings), set[Pair]()
+    below: list[Pair] = []  # pairs of ranks below the present one
+    for rank, events in enumerate(encoding.internal_ranks):
         for lower, pairs in by_rank[rank].items():
-            for first, second in _both_covered(encoding, allowed[lower], pairs):
-                if lower == rank or _meet(encoding, allowed[rank], rank, first, second):
-                    yield first, second
-        if rank:
-            events = encoding.internal_ranks[rank]
-            twice = allowed[rank].images(events).images(events)
-            markings = behind(encoding, markings | twice, ranks=rank)[0]
+            for pair in _both_covered(encoding, allowed[lower], pairs):
+                if lower == rank or _meet(encoding, allowed[rank], rank, *pair):
+                    told.add(pair)
+                    yield pair
+        twice = allowed[rank].images(events).images(events) if below else encoding.store.empty()
+        if twice:
+            behind_both = twice.saturate([e for of in encoding.internal_ranks[:rank] for e in of])
+            yield from (pair for pair in _both_covered(encoding, behind_both, below) if pair not in told)
+        below += [pair for pairs in by_rank[rank].values() for pair in pairs]
 
 
 def _both_covered(encoding: Encoding, markings: Zdd, pairs: Iterable[Pair]) -> Iterator[Pair]:
