@@ -21,8 +21,9 @@ from tests.small import activity, hw, mission, robot
 def check(of: Mission) -> None:
     """All that play a mission agree with the interpreter.
 
-    Who waits is not compared where something contends: a producer that switches back to what its consumer
-    holds waits by the interpreter and not by the net, which is still to be decided.
+    What runs, waits or is refused is not compared where something contends, out of service, objectives, ends
+    and events are: a producer that switches back to what its consumer holds waits by the interpreter and not
+    by the net, which is still to be decided.
     """
     mission_net = composed(of)
     unseen = ("waiting", "mode", "refused") if mission_net.usage.contentions else ()
