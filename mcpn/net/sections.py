@@ -16,6 +16,7 @@ from typing import TypeAlias
 from mcpn.errors import InputError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.graph import names_in
 from mcpn.mission.model import FAIL, SUCCEED, Activity, Hardware, Software
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
@@ -255,7 +256,7 @@ class Renaming:
         alternatives: As ``activity.alternative``.
         hardware: By name.
         once: Handlers that happen once, by where they are written.
-        objectives: By name.
+        objectives: By name, blocks and branches with them.
         elements: All of them, with software and parallel blocks, each with its kind.
     """
 
@@ -269,8 +270,10 @@ class Renaming:
         }
         self.hardware = {a.name: b.name for a, b in zip(old.used.hardware, new.used.hardware, strict=True)}
         self.once = dict(zip(old.once, new.once, strict=True))
-        walks = zip(old.graph.walk(), new.graph.walk(), strict=True)
-        self.objectives = {theirs.name: mine.name for theirs, mine in walks}
+        sections = zip(old.graph.sections, new.graph.sections, strict=True)
+        self.objectives = {
+            its: own for pair in sections for its, own in zip(*map(names_in, pair), strict=True)
+        }
         software = zip(old.used.software, new.used.software, strict=True)
         by_kind = {
             "hardware": self.hardware,

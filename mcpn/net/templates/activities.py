@@ -134,7 +134,11 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     refuse = []
     if canvas.usage.refusable(a):
         refuse = [canvas.role(pen.place("refusing"), ("refused", a))]
-        pen.transition("refused", refuse, [idle], read=unused, rank=canvas.ranks.settling)
+        # One that has waited may have passed over what is possible again by now: who asks anew is to find it
+        # idle. Else nothing can have changed since it evaluated, so its refusal answers all who ask.
+        waited = canvas.usage.may_wait(a)
+        rank = canvas.ranks.answering(a) if waited else canvas.ranks.settling
+        pen.transition("refused", refuse, [idle], read=unused, rank=rank)
     return _Life(start, refuse, [], _Ending(produce=[idle], read=unused, rank=canvas.ranks.settling))
 
 
