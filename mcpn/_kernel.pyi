@@ -304,6 +304,14 @@ class Exploration:
     @property
     def most_tokens(self) -> int: ...
     @property
+    def transient(self) -> int:
+        """Transient markings kept by a proof of :meth:`SafeNet.settle`."""
+
+    @property
+    def parted(self) -> int:
+        """Transient markings that it left in all ways."""
+
+    @property
     def bounds(self) -> list[int]:
         """Most tokens by place, of a :class:`CountedNet`."""
 
@@ -389,7 +397,8 @@ class SafeNet:
     def settle(
         self,
         initial: Sequence[int],
-        every: bool,
+        orders: Literal["one", "enough", "every"],
+        units: Sequence[Sequence[int]],
         max_states: int,
         max_transient: int,
         max_bytes: int,
@@ -397,8 +406,9 @@ class SafeNet:
     ) -> Exploration:
         """Stable markings and events only, of a net with priorities.
 
-        Each event is run to completion along one interleaving, or along every one, which proves that all have
-        one end. A run along one interleaving that is very long is called endless, too.
+        Each event is run to completion in one order of internal transitions, or in enough of them to prove
+        that all have one end, or in every order. A run in one order that is very long is called endless, too.
+        Units, of which each holds one token at most, spare orders: those that do not are passed over.
         """
 
 class CountedNet:

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "markings/bits.hpp"
 #include "pages.hpp"
 
 namespace mcpn {
 
-using Word = std::uint64_t;
 using State = std::uint32_t;
 
 constexpr std::uint16_t kEvents = 0xFFFF;  // the rank of events; internal transitions have lower ones
@@ -32,6 +32,7 @@ struct Limits {
 // Markings in the order in which they were found, and the firings between them if they were asked for.
 struct Exploration {
   std::uint64_t words = 1, edges = 0, dead = 0, stable = 0, most_tokens = 0;
+  std::uint64_t transient = 0, parted = 0;  // of a proof: transient markings kept, and those left by several ways
   std::vector<std::uint64_t> bounds;   // most tokens by place, of nets whose places may hold several
   Table<Word> markings;                // words for each state
   std::vector<State> parents;          // the state that each was found from; its own number for the first
@@ -72,6 +73,7 @@ class SafeNet {
  private:
   friend class Explorer;
   friend class Settling;
+  friend class Stubborn;
   struct Part { std::uint32_t word; Word need, take, put; };  // of a transition in one word of a marking
   struct Level {                                               // internal transitions, or events
     std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -125,6 +126,13 @@ const Places& checked(const SafeNet& net, const Places& places) {
   return places;
 }
 
+Orders orders_named(const std::string& name) {
+  if (name == "one") return Orders::kOne;
+  if (name == "enough") return Orders::kEnough;
+  if (name == "every") return Orders::kEvery;
+  throw std::invalid_argument("orders: one, enough or every");
+}
+
 constexpr std::uint32_t kMostWords = 1u << 20;
 
 // A net whose places hold several tokens, its numbers checked.
@@ -184,6 +192,8 @@ void bind_explorer(nb::module_& module) {
       .def_ro("dead", &Exploration::dead)
       .def_ro("stable", &Exploration::stable)
       .def_ro("most_tokens", &Exploration::most_tokens)
+      .def_ro("transient", &Exploration::transient)
+      .def_ro("parted", &Exploration::parted)
       .def_ro("bounds", &Exploration::bounds)
       .def_prop_ro("trouble", [](const Exploration& e) -> std::optional<std::tuple<State, Places, const char*>> {
         if (!e.trouble) return std::nullopt;
@@ -235,12 +245,16 @@ void bind_explorer(nb::module_& module) {
         if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
         return array(net.labels(markings.data(), markings.shape(0)));
       }, nb::arg("markings"))
-      .def("settle", [](const SafeNet& net, const Places& initial, bool every, std::uint64_t max_states,
-                        std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
-        return run([&](const Limits& limits) { return Settling(net, every, limits, max_transient).run(checked(net, initial)); },
-                   max_states, max_bytes, progress);
-      }, nb::arg("initial"), nb::arg("every"), nb::arg("max_states"), nb::arg("max_transient"), nb::arg("max_bytes"),
-         nb::arg("progress").none() = nb::none());
+      .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, const std::vector<Places>& units,
+                        std::uint64_t max_states, std::uint64_t max_transient, std::uint64_t max_bytes,
+                        const nb::object& progress) {
+        for (const Places& unit : units) checked(net, unit);
+        const Orders tried = orders_named(orders);
+        return run([&](const Limits& limits) {
+          return Settling(net, checked(net, initial), tried, units, limits, max_transient).run();
+        }, max_states, max_bytes, progress);
+      }, nb::arg("initial"), nb::arg("orders"), nb::arg("units"), nb::arg("max_states"), nb::arg("max_transient"),
+         nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
 
   nb::class_<CountedNet>(module, "CountedNet")
       .def("__init__", [](CountedNet* self, const std::vector<Field>& fields, const std::vector<Counted>& transitions,

@@ -157,7 +157,7 @@ def direct(
     if proof:
         found = judged(prepared, max_states, progress)
         return AlternativesGraph(net, *prepared.arrays(found), "direct", PROOF_BY_MARKINGS)
-    found = settled(prepared, every=False, max_states=max_states, progress=progress)
+    found = settled(prepared, orders="one", max_states=max_states, progress=progress)
     if found.trouble is None:
         return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
     # Unsafe, endless, or a very long run: every interleaving tells which.

@@ -90,7 +90,7 @@ class _Search:
         walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
         walk.run[:] = prefix
         try:
-            found = settled(behind, walk.marking, every=True, max_states=MOST_NEAR)
+            found = settled(behind, walk.marking, orders="every", max_states=MOST_NEAR)
         except LimitError:  # too much behind this event to be near
             found = None
         if found is not None and found.trouble is not None:

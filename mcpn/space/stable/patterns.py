@@ -36,7 +36,7 @@ def without_one_end(encoding: Encoding, begun: Zdd) -> Marking | None:
     left = begun
     while (levels := left.pick()) is not None:
         marking = encoding.marking(levels)
-        if settled(behind, marking, every=True, max_states=MOST_ENDS).trouble is not None:
+        if settled(behind, marking, orders="every", max_states=MOST_ENDS).trouble is not None:
             return marking
         left -= encoding.restricted(left, *patterns.of(marking))
     return None

@@ -10,6 +10,7 @@ each has one end, so that these two transitions decide the outcome.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Literal, TypeAlias
 
 from mcpn._kernel import Exploration, MemoryLimit, StateLimit
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError
@@ -20,6 +21,8 @@ from mcpn.space.run import Completion
 from mcpn.space.stable.parting import parting_runs
 
 PROOF_BY_MARKINGS = "every transient marking behind each event explored once, its stable end unique"
+
+Orders: TypeAlias = Literal["one", "enough", "every"]
 
 DEFAULT_MAX_STATES = 5_000_000
 """Stable states that an alternatives graph may have."""
@@ -39,7 +42,7 @@ def settled(
     prepared: KernelNet,
     marking: Sequence[int] | None = None,
     *,
-    every: bool,
+    orders: Orders,
     max_states: int,
     progress: Progress | None = None,
 ) -> Exploration:
@@ -48,7 +51,8 @@ def settled(
     Args:
         prepared: A net with priorities.
         marking: Where it begins; by default the initial marking.
-        every: Along every interleaving, which proves that all have one end, or along one.
+        orders: In which orders internal transitions fire behind an event: in one; in enough of them to prove
+            that all have one end; or in every one, which proves the same without the theory of stubborn sets.
         max_states: How many stable markings there may be.
         progress: Called now and then.
 
@@ -58,10 +62,11 @@ def settled(
     Raises:
         LimitError: A limit was hit.
     """
+    units = prepared.units if orders == "enough" else ()
     begin = prepared.initial if marking is None else [p for p, tokens in enumerate(marking) if tokens]
     most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT)
     try:
-        return prepared.kernel.settle(begin, every, max_states, most, DEFAULT_MAX_MEMORY, progress)
+        return prepared.kernel.settle(begin, orders, units, max_states, most, DEFAULT_MAX_MEMORY, progress)
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error)) from error
 
@@ -83,7 +88,7 @@ def judged(prepared: KernelNet, max_states: int, progress: Progress | None = Non
         UnsafeError: A firing would put a second token in a place.
         LimitError: A limit was hit.
     """
-    found = settled(prepared, every=True, max_states=max_states, progress=progress)
+    found = settled(prepared, orders="enough", max_states=max_states, progress=progress)
     if found.trouble is not None:
         raise _fault_found(prepared, found)
     return found
@@ -119,7 +124,7 @@ def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
     for t in (None, *events):
         if t is not None:
             walk.fire(t)
-        found = settled(behind, walk.marking, every=True, max_states=MOST_ENDS)
+        found = settled(behind, walk.marking, orders="enough", max_states=MOST_ENDS)
         if found.trouble is not None:
             return walk.fault(behind, found)
         walk.settle()

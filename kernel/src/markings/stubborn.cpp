@@ -1,0 +1,152 @@
+#include "markings/stubborn.hpp"
+
+#include <algorithm>
+
+#include "markings/bits.hpp"
+
+namespace mcpn {
+
+namespace {
+
+using Places = Stubborn::Places;
+
+bool meet(const Places& some, const Places& others) {
+  return std::any_of(some.begin(), some.end(), [&](std::uint32_t p) { return std::find(others.begin(), others.end(), p) != others.end(); });
+}
+
+bool same(Places some, Places others) {
+  std::sort(some.begin(), some.end());
+  std::sort(others.begin(), others.end());
+  return some == others;
+}
+
+}  // namespace
+
+Stubborn::Stubborn(const SafeNet& net, const Places& initial, const std::vector<Places>& units)
+    : net_(net), units_of_(net.places_), bounded_(net.words_), rivals_(net.firings_.size()),
+      crowders_(net.firings_.size()), event_(net.words_),
+      known_(net.firings_.size()), marked_(net.words_) {
+  const std::size_t words = net.firings_.size() / 64 + 1;
+  for (std::vector<Word>* bits : {&always_, &behind_event_, &here_, &brought_}) bits->assign(words, 0);
+  for (std::uint32_t unit = 0; unit < units.size(); ++unit)
+    if (one_token(initial, units[unit]))
+      for (const std::uint32_t p : units[unit]) {
+        set_bit(bounded_.data(), p);
+        units_of_[p].push_back(unit);
+      }
+  std::vector<std::vector<std::uint32_t>> givers(net.places_);
+  const std::uint32_t events = std::uint32_t(std::find_if(net.firings_.begin(), net.firings_.end(), [](const Firing& f) { return f.rank == kEvents; }) - net.firings_.begin());
+  for (std::uint32_t t = 0; t < events; ++t)
+    for (const std::uint32_t p : net.firings_[t].put) givers[p].push_back(t);
+  for (std::uint32_t t = 0; t < events; ++t) {
+    const Firing& firing = net.firings_[t];
+    for (const std::uint32_t u : net.losers_[t]) {
+      const Firing& other = net.firings_[u];
+      if (u == t || apart(t, u) || (same(firing.take, other.take) && same(firing.put, other.put))) continue;
+      rivals_[t].push_back(u);
+      rivals_[u].push_back(t);
+    }
+    for (const std::uint32_t p : firing.take)
+      if (!has_bit(bounded_.data(), p)) crowders_[t].insert(crowders_[t].end(), givers[p].begin(), givers[p].end());
+  }
+  std::vector<Word> all(words);
+  for (std::uint32_t t = 0; t < events; ++t) {
+    set_bit(all.data(), t);
+    if (net.rank_end_[t] != t + 1) continue;  // all of its rank are there
+    for (std::uint32_t u = t + 1; u-- > 0 && net.rank_end_[u] == t + 1;)
+      if (judge(u, all)) set_bit(always_.data(), u);
+  }
+}
+
+// Whether no firing leaves more tokens in a set of places than it finds there, and there is one at first, or none.
+bool Stubborn::one_token(const Places& initial, const Places& unit) const {
+  const auto among = [&](const Places& places) {
+    return std::count_if(places.begin(), places.end(), [&](std::uint32_t p) { return std::find(unit.begin(), unit.end(), p) != unit.end(); });
+  };
+  return among(initial) <= 1 && std::all_of(net_.firings_.begin(), net_.firings_.end(), [&](const Firing& firing) {
+    return among(firing.put) <= among(firing.take);
+  });
+}
+
+void Stubborn::begin(const Word* marking) {
+  std::copy_n(marking, net_.words_, event_.begin());
+  told_ = false;
+}
+
+// Whether two transitions are never enabled at a time: they need different places of one unit.
+bool Stubborn::apart(std::uint32_t t, std::uint32_t u) const {
+  for (const std::uint32_t p : net_.firings_[t].need)
+    for (const std::uint32_t q : net_.firings_[u].need)
+      if (p != q && meet(units_of_[p], units_of_[q])) return true;
+  return false;
+}
+
+std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first) {
+  const std::size_t words = enabled.size();
+  const std::uint32_t end = net_.rank_end_[first];
+  if (next_bit(enabled.data(), words, first + 1) >= end) return first;
+  for (std::size_t w = first / 64; w * 64 < end; ++w)
+    if (const Word both = enabled[w] & always_[w]) {
+      const std::uint32_t t = std::uint32_t(w) * 64 + std::uint32_t(std::countr_zero(both));
+      if (t < end) return t;
+      break;
+    }
+  if (!told_) {
+    relax(event_.data(), std::uint32_t(net_.firings_.size()), behind_event_);
+    std::fill(known_.begin(), known_.end(), Known::kNot);
+    told_ = true;
+  }
+  for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1)) {
+    if (known_[t] == Known::kNot) known_[t] = judge(t, behind_event_) ? Known::kAlone : Known::kBesideOthers;
+    if (known_[t] == Known::kAlone) return t;
+  }
+  relax(marking, end, here_);
+  for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1))
+    if (judge(t, here_)) return t;
+  return std::nullopt;
+}
+
+// Notes the internal transitions before one of a later rank that may fire from a marking on if tokens are never taken.
+void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& may) {
+  std::fill(may.begin(), may.end(), 0);
+  std::copy_n(marking, net_.words_, marked_.begin());
+  net_.collect(marking, net_.internal_, may);
+  for (std::size_t w = end / 64; w < may.size(); ++w) may[w] &= w == end / 64 ? (Word(1) << end % 64) - 1 : 0;
+  queue_.clear();
+  for (std::uint32_t t = 0; (t = next_bit(may.data(), may.size(), t)) != kNone; ++t) queue_.push_back(t);
+  while (!queue_.empty()) {
+    const std::uint32_t t = queue_.back();
+    queue_.pop_back();
+    for (const std::uint32_t p : net_.firings_[t].put) set_bit(marked_.data(), p);
+    for (const std::uint32_t u : net_.winners_[t])
+      if (u < end && !has_bit(may.data(), u) && net_.covers(marked_.data(), u)) {
+        set_bit(may.data(), u);
+        queue_.push_back(u);
+      }
+  }
+}
+
+// Whether a transition may fire alone where those given, and no others of ranks up to its own, may fire.
+bool Stubborn::judge(std::uint32_t t, const std::vector<Word>& may) {
+  const std::uint32_t end = net_.rank_end_[t];
+  const auto there = [&](std::uint32_t u) { return u < end && has_bit(may.data(), u); };
+  const auto free = [&](std::uint32_t u) {
+    return std::none_of(rivals_[u].begin(), rivals_[u].end(), there) && std::none_of(crowders_[u].begin(), crowders_[u].end(), there);
+  };
+  if (!free(t)) return false;
+  std::fill(brought_.begin(), brought_.end(), 0);
+  queue_.assign(1, t);
+  while (!queue_.empty()) {
+    const std::uint32_t from = queue_.back();
+    queue_.pop_back();
+    for (const std::uint32_t u : net_.winners_[from])
+      if (net_.rank_end_[u] < end && there(u) && !has_bit(brought_.data(), u)) {
+        if (!free(u)) return false;
+        set_bit(brought_.data(), u);
+        queue_.push_back(u);
+      }
+  }
+  return true;
+}
+
+}  // namespace mcpn
