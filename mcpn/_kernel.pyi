@@ -398,7 +398,6 @@ class SafeNet:
         self,
         initial: Sequence[int],
         orders: Literal["one", "enough", "every"],
-        units: Sequence[Sequence[int]],
         max_states: int,
         max_transient: int,
         max_bytes: int,
@@ -408,7 +407,6 @@ class SafeNet:
 
         Each event is run to completion in one order of internal transitions, or in enough of them to prove
         that all have one end, or in every order. A run in one order that is very long is called endless, too.
-        Units, of which each holds one token at most, spare orders: those that do not are passed over.
         """
 
 class CountedNet:

@@ -206,7 +206,7 @@ def test_stable_and_transient_markings_share_the_memory() -> None:
     def least(orders: Literal["one", "every"]) -> int:
         def fits(limit: int) -> bool:
             try:
-                return net.settle([0], orders, [], size, size, limit).states == size
+                return net.settle([0], orders, size, size, limit).states == size
             except MemoryLimit:
                 return False
 

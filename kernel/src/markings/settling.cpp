@@ -17,15 +17,15 @@ constexpr State kEntered = kOpen - 1;      // one that has just been put on the 
 
 }  // namespace
 
-Settling::Settling(const SafeNet& net, const Stubborn::Places& initial, Orders orders,
-                   const std::vector<Stubborn::Places>& units, const Limits& limits, std::uint64_t max_transient)
+Settling::Settling(const SafeNet& net, const Stubborn::Places& initial, Orders orders, const Limits& limits,
+                   std::uint64_t max_transient)
     : net_(net), initial_(initial), orders_(orders), limits_(limits),
       transient_limits_{max_transient, limits.bytes, limits.go_on},
       stable_(found_, limits_, "stable states", &transient_),
       transient_(passed_, transient_limits_, "transient markings", &stable_), marking_(net.words_),
       enabled_(net.firings_.size() / 64 + 1) {
   found_.words = passed_.words = net.words_;
-  if (orders == Orders::kEnough) stubborn_.emplace(net, initial, units);
+  if (orders == Orders::kEnough) stubborn_.emplace(net, initial);
 }
 
 Exploration Settling::run() {

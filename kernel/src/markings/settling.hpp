@@ -25,8 +25,8 @@ enum class Orders { kOne, kEnough, kEvery };
 // marking before them to two ends, and each of them to one alone.
 class Settling {
  public:
-  Settling(const SafeNet& net, const Stubborn::Places& initial, Orders orders, const std::vector<Stubborn::Places>& units,
-           const Limits& limits, std::uint64_t max_transient);
+  Settling(const SafeNet& net, const Stubborn::Places& initial, Orders orders, const Limits& limits,
+           std::uint64_t max_transient);
 
   Exploration run();
 

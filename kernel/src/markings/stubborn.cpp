@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "markings/bits.hpp"
+#include "markings/units.hpp"
 
 namespace mcpn {
 
@@ -22,18 +23,20 @@ bool same(Places some, Places others) {
 
 }  // namespace
 
-Stubborn::Stubborn(const SafeNet& net, const Places& initial, const std::vector<Places>& units)
+Stubborn::Stubborn(const SafeNet& net, const Places& initial)
     : net_(net), units_of_(net.places_), bounded_(net.words_), rivals_(net.firings_.size()),
       crowders_(net.firings_.size()), event_(net.words_),
       known_(net.firings_.size()), marked_(net.words_) {
   const std::size_t words = net.firings_.size() / 64 + 1;
   for (std::vector<Word>* bits : {&always_, &behind_event_, &here_, &brought_}) bits->assign(words, 0);
-  for (std::uint32_t unit = 0; unit < units.size(); ++unit)
-    if (one_token(initial, units[unit]))
-      for (const std::uint32_t p : units[unit]) {
-        set_bit(bounded_.data(), p);
-        units_of_[p].push_back(unit);
-      }
+  std::uint32_t number = 0;
+  for (const Places& unit : mcpn::units_of(net.firings_, net.places_, initial)) {
+    for (const std::uint32_t p : unit) {
+      set_bit(bounded_.data(), p);
+      units_of_[p].push_back(number);
+    }
+    ++number;
+  }
   std::vector<std::vector<std::uint32_t>> givers(net.places_);
   const std::uint32_t events = std::uint32_t(std::find_if(net.firings_.begin(), net.firings_.end(), [](const Firing& f) { return f.rank == kEvents; }) - net.firings_.begin());
   for (std::uint32_t t = 0; t < events; ++t)
@@ -56,16 +59,6 @@ Stubborn::Stubborn(const SafeNet& net, const Places& initial, const std::vector<
     for (std::uint32_t u = t + 1; u-- > 0 && net.rank_end_[u] == t + 1;)
       if (judge(u, all)) set_bit(always_.data(), u);
   }
-}
-
-// Whether no firing leaves more tokens in a set of places than it finds there, and there is one at first, or none.
-bool Stubborn::one_token(const Places& initial, const Places& unit) const {
-  const auto among = [&](const Places& places) {
-    return std::count_if(places.begin(), places.end(), [&](std::uint32_t p) { return std::find(unit.begin(), unit.end(), p) != unit.end(); });
-  };
-  return among(initial) <= 1 && std::all_of(net_.firings_.begin(), net_.firings_.end(), [&](const Firing& firing) {
-    return among(firing.put) <= among(firing.take);
-  });
 }
 
 void Stubborn::begin(const Word* marking) {

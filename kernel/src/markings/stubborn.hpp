@@ -14,13 +14,12 @@ namespace mcpn {
 // is x or of D, and no place that these take from may come to hold two tokens, every run from M has one that begins with
 // x and has the same end (papers/mcpn.md, Proposition 3).
 //
-// Two that need different places of a unit are never enabled at a time. A unit is a set of places that holds one token
-// at most: that is checked, not believed.
+// Two that need different places of a unit are never enabled at a time.
 class Stubborn {
  public:
   using Places = std::vector<std::uint32_t>;
 
-  Stubborn(const SafeNet& net, const Places& initial, const std::vector<Places>& units);
+  Stubborn(const SafeNet& net, const Places& initial);
 
   // From now on markings are behind another event, which has led to this one.
   void begin(const Word* marking);
@@ -30,7 +29,6 @@ class Stubborn {
  private:
   enum class Known : std::uint8_t { kNot, kAlone, kBesideOthers };
 
-  bool one_token(const Places& initial, const Places& unit) const;
   bool apart(std::uint32_t t, std::uint32_t u) const;
   void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may);
   bool judge(std::uint32_t t, const std::vector<Word>& may);

@@ -245,15 +245,13 @@ void bind_explorer(nb::module_& module) {
         if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
         return array(net.labels(markings.data(), markings.shape(0)));
       }, nb::arg("markings"))
-      .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, const std::vector<Places>& units,
-                        std::uint64_t max_states, std::uint64_t max_transient, std::uint64_t max_bytes,
-                        const nb::object& progress) {
-        for (const Places& unit : units) checked(net, unit);
+      .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, std::uint64_t max_states,
+                        std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
         const Orders tried = orders_named(orders);
         return run([&](const Limits& limits) {
-          return Settling(net, checked(net, initial), tried, units, limits, max_transient).run();
+          return Settling(net, checked(net, initial), tried, limits, max_transient).run();
         }, max_states, max_bytes, progress);
-      }, nb::arg("initial"), nb::arg("orders"), nb::arg("units"), nb::arg("max_states"), nb::arg("max_transient"),
+      }, nb::arg("initial"), nb::arg("orders"), nb::arg("max_states"), nb::arg("max_transient"),
          nb::arg("max_bytes"), nb::arg("progress").none() = nb::none());
 
   nb::class_<CountedNet>(module, "CountedNet")

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn._kernel import Exploration, MemoryLimit, SafeNet, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
-from mcpn.net.structure import state_machine_units
 from mcpn.space.markings.firing import unsafe_after, unsafe_at_start
 
 if TYPE_CHECKING:
@@ -51,11 +50,6 @@ class KernelNet:
         ]
         if net.priorities:  # the kernel takes them by rank
             self.transitions.sort(key=net.ranks.__getitem__)
-
-    @cached_property
-    def units(self) -> tuple[tuple[int, ...], ...]:
-        """Groups of places that hold one token in every reachable marking."""
-        return state_machine_units(self.net)
 
     @cached_property
     def kernel(self) -> SafeNet:

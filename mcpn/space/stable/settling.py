@@ -62,11 +62,10 @@ def settled(
     Raises:
         LimitError: A limit was hit.
     """
-    units = prepared.units if orders == "enough" else ()
     begin = prepared.initial if marking is None else [p for p, tokens in enumerate(marking) if tokens]
     most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT)
     try:
-        return prepared.kernel.settle(begin, orders, units, max_states, most, DEFAULT_MAX_MEMORY, progress)
+        return prepared.kernel.settle(begin, orders, max_states, most, DEFAULT_MAX_MEMORY, progress)
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error)) from error
 
