@@ -394,6 +394,12 @@ class SafeNet:
     def labels(self, markings: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint32]:
         """The transitions on the edges of some markings, as :meth:`explore` lists edges."""
 
+    def units(self, initial: Sequence[int]) -> list[list[int]]:
+        """Sets of places that hold one token at most together, from a marking on: no firing adds to one.
+
+        A search of bounded length finds them; places may be in several, or in none.
+        """
+
     def settle(
         self,
         initial: Sequence[int],

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "markings/bits.hpp"
-#include "markings/units.hpp"
 
 namespace mcpn {
 
@@ -30,7 +29,7 @@ Stubborn::Stubborn(const SafeNet& net, const Places& initial)
   const std::size_t words = net.firings_.size() / 64 + 1;
   for (std::vector<Word>* bits : {&always_, &behind_event_, &here_, &brought_}) bits->assign(words, 0);
   std::uint32_t number = 0;
-  for (const Places& unit : mcpn::units_of(net.firings_, net.places_, initial)) {
+  for (const Places& unit : net.units(initial)) {
     for (const std::uint32_t p : unit) {
       set_bit(bounded_.data(), p);
       units_of_[p].push_back(number);

@@ -245,6 +245,7 @@ void bind_explorer(nb::module_& module) {
         if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
         return array(net.labels(markings.data(), markings.shape(0)));
       }, nb::arg("markings"))
+      .def("units", [](const SafeNet& net, const Places& initial) { return net.units(checked(net, initial)); }, nb::arg("initial"))
       .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, std::uint64_t max_states,
                         std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
         const Orders tried = orders_named(orders);
