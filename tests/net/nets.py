@@ -225,6 +225,38 @@ def cascades(draw: st.DrawFn) -> PetriNet:
 
 
 @st.composite
+def falls(draw: st.DrawFn) -> PetriNet:
+    """Nets of ranks whose tokens fall from place to later place, so that all evolution ends.
+
+    An event marks some of the first places. Transitions compete for tokens, wait for those of others and may
+    put a second one in a place: often in some orders only.
+    """
+    builder = NetBuilder("falls", priorities=True)
+    count = draw(st.integers(4, 9))
+    first = draw(st.integers(1, count - 2))
+    builder.place("top", initial=1)
+    for number in range(count):
+        builder.place(f"p{number}", initial=int(number >= first and draw(st.integers(0, 5)) == 0))
+    builder.transition(
+        "let_go", consume=["top"], produce=[f"p{i}" for i in range(first)], event=Event.parse("GO")
+    )
+    for number in range(draw(st.integers(2, 9))):
+        takes = draw(st.sets(st.integers(0, count - 2), min_size=1, max_size=2))
+        later = st.integers(max(takes) + 1, count - 1)
+        puts = draw(st.sets(later, max_size=2))
+        others = sorted({*range(count)} - takes - puts)
+        reads = draw(st.sets(st.sampled_from(others), max_size=1)) if draw(st.integers(0, 3)) == 0 else set()
+        builder.transition(
+            f"fall{number}",
+            consume=[f"p{i}" for i in sorted(takes)],
+            produce=[f"p{i}" for i in sorted(puts)],
+            read=[f"p{i}" for i in sorted(reads)],
+            rank=draw(st.sampled_from([0, 0, 1, 1, 2])),
+        )
+    return builder.build()
+
+
+@st.composite
 def conflicting_nets(draw: st.DrawFn, *, ranks: int = 1) -> PetriNet:
     """Machines side by side, all 1-safe, whose internal moves are in conflict and end.
 

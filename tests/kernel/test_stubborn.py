@@ -1,0 +1,200 @@
+"""Stubborn sets spare orders, never a verdict: enough orders of internal transitions against every one."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn._kernel import Exploration
+from mcpn.errors import LimitError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import compose
+from mcpn.net.events import Event
+from mcpn.net.petri import Marking, NetBuilder, PetriNet
+from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.stable.settling import Walk, settled
+from mcpn.testing import missions
+from tests.net.nets import cascades, conflicting_nets, falls, nets, reachable
+from tests.shares import returns_early
+
+MOST = 3_000
+"""Stable states of a drawn mission that are listed; in every order a hundred times as many transient markings."""
+
+FEW = 3_000
+"""Transient markings in which a run of drawn nets may lose itself before ends are no longer listed."""
+
+
+def both(net: PetriNet) -> tuple[Exploration, Exploration, KernelNet]:
+    """What enough orders and what every order find."""
+    prepared = KernelNet(net)
+    return *(settled(prepared, orders=orders, max_states=MOST) for orders in ORDERS), prepared  # type: ignore[return-value]
+
+
+ORDERS: tuple[Literal["enough", "every"], ...] = ("enough", "every")
+
+
+def judged_alike(net: PetriNet) -> str:
+    """Both find the same graph, or trouble that is there; what they find."""
+    enough, every, prepared = both(net)
+    for found in (enough, every):
+        if found.trouble is not None:
+            shown(net, prepared, found)
+    if enough.trouble is None or every.trouble is None:
+        assert enough.trouble is None
+        assert every.trouble is None
+        assert enough.transient <= every.transient
+        one, other = prepared.arrays(enough), prepared.arrays(every)
+        assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+        return "confluent"
+    return enough.trouble[2]
+
+
+def shown(net: PetriNet, prepared: KernelNet, found: Exploration) -> None:
+    """The firings of trouble are a run of the net, and end in what they are said to."""
+    assert found.trouble is not None
+    state, firings, kind = found.trouble
+    last = [prepared.transitions[t] for t in firings]
+    walk = Walk(net)
+    if not net.transitions[last[0]].internal:
+        walk.settle()
+        for t in found.run(state):
+            walk.fire(prepared.transitions[t])
+            walk.settle()
+    at = tuple(walk.marking)
+    ways = [last.pop(), last.pop()] if kind == "parted" else [last.pop()] if kind == "unsafe" else []
+    passed = [at]
+    for t in last:
+        assert t in net.enabled(at)
+        at = net.fire(at, t)
+        assert max(at) <= 1
+        passed.append(at)
+    assert {*ways} <= {*net.enabled(at)}
+    if kind == "unsafe":
+        assert max(net.fire(at, ways[0])) == 2
+    elif kind == "endless":
+        assert at in passed[:-1]
+        assert all(net.transitions[t].internal for t in last[passed.index(at) :])
+    else:
+        first, second = (ends(net, net.fire(at, t)) for t in ways)
+        if first is not None and second is not None:
+            assert len(first) == len(second) == 1
+            assert first != second
+
+
+def ends(net: PetriNet, marking: Marking) -> set[Marking] | None:
+    """The stable markings in which internal evolution from a marking ends, unless too many are passed."""
+    found, queue, stable = {marking}, [marking], set[Marking]()
+    for at in queue:
+        enabled = [t for t in net.enabled(at) if net.transitions[t].internal]
+        if not enabled:
+            stable.add(at)
+        for t in enabled:
+            after = net.fire(at, t)
+            if after not in found:
+                found.add(after)
+                queue.append(after)
+        if len(found) > FEW:
+            return None
+    return stable
+
+
+ALL = (
+    nets(max_places=7, max_transitions=9, ranks=True)
+    | falls()
+    | cascades()
+    | st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks))
+)
+
+
+@given(ALL)
+def test_enough_orders_judge_as_every_order(drawn: PetriNet) -> None:
+    net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
+    event(judged_alike(net))
+
+
+@given(missions())
+def test_missions_are_judged_alike(mission: Mission) -> None:
+    try:
+        event(judged_alike(compose(mission).net))
+    except LimitError:
+        returns_early("too many markings")
+
+
+@given(ALL)
+def test_units_hold_one_token_at_most(net: PetriNet) -> None:
+    prepared = KernelNet(net)
+    units = prepared.kernel.units(prepared.initial)
+    event("units" if units else "no units")
+    for marking in reachable(net)[0]:
+        if max(marking) == 1:
+            assert all(sum(marking[p] for p in unit) <= 1 for unit in units)
+
+
+@given(missions())
+def test_most_places_of_missions_are_in_units(mission: Mission) -> None:
+    net = compose(mission).net
+    prepared = KernelNet(net)
+    covered = {p for unit in prepared.kernel.units(prepared.initial) for p in unit}
+    assert len(covered) >= 0.8 * len(net.places)
+
+
+def side_by_side(machines: int) -> PetriNet:
+    """Machines that one event starts, each in as many steps: no two are ever in conflict."""
+    builder = NetBuilder("beside", priorities=True)
+    builder.place("begin", initial=1)
+    names = [[f"m{m}s{s}" for s in range(5)] for m in range(machines)]
+    for places in names:
+        for place in places:
+            builder.place(place)
+        for one, other in zip(places, places[1:], strict=False):
+            builder.transition(f"from_{one}", consume=[one], produce=[other])
+    builder.transition("go", consume=["begin"], produce=[n[0] for n in names], event=Event.parse("GO"))
+    return builder.build()
+
+
+def test_no_order_of_what_does_not_conflict_is_tried_twice() -> None:
+    enough, every, _ = both(side_by_side(6))
+    assert (enough.transient, enough.parted) == (0, 0)
+    assert every.transient == every.parted == 5**6 - 1
+    assert (enough.states, enough.edges) == (2, 1)
+
+
+@pytest.mark.parametrize("length", [1, 50, 6_000])
+def test_a_long_circle_of_what_may_fire_alone_is_found(length: int) -> None:
+    builder = NetBuilder("circle", priorities=True)
+    builder.place("begin", initial=1)
+    for number in range(length + 1):
+        builder.place(f"c{number}")
+    builder.transition("go", consume=["begin"], produce=["c0"], event=Event.parse("GO"))
+    for number in range(length + 1):
+        builder.transition(
+            f"on{number}", consume=[f"c{number}"], produce=[f"c{(number + 1) % (length + 1)}"]
+        )
+    net = builder.build()
+    prepared = KernelNet(net)
+    found = settled(prepared, orders="enough", max_states=10)
+    assert found.trouble is not None
+    assert found.trouble[2] == "endless"
+    shown(net, prepared, found)
+
+
+def test_a_token_that_some_order_puts_twice_is_found() -> None:
+    """Alone, the first to fire takes the token away before the second one comes."""
+    builder = NetBuilder("twice", priorities=True)
+    for name in ("begin", "a", "b", "held", "out"):
+        builder.place(name, initial=int(name == "begin"))
+    builder.transition("go", consume=["begin"], produce=["a", "b"], event=Event.parse("GO"))
+    builder.transition("one", consume=["a"], produce=["held"])
+    builder.transition("other", consume=["b"], produce=["held"])
+    builder.transition("out", consume=["held"], produce=[])
+    assert judged_alike(builder.build()) == "unsafe"
+
+
+def test_no_orders_by_another_name() -> None:
+    prepared = KernelNet(side_by_side(1))
+    with pytest.raises(ValueError, match="one, enough or every"):
+        prepared.kernel.settle([0], "all", 10, 10, 1 << 30)  # type: ignore[arg-type]
