@@ -51,7 +51,7 @@ def test_only_events_and_conditions_of_the_store_are_taken() -> None:
 def test_places_out_of_range_are_refused(place: int) -> None:
     net = SafeNet(3, [([0], [0], [1], False, False)], False)
     with pytest.raises(ValueError, match="no such place"):
-        net.explore([0, place], "every", 10, 1 << 30)
+        net.explore([0, place], True, 10, 1 << 30)
     with pytest.raises(ValueError, match="no such place"):
         net.settle([0, place], "every", 10, 10, 1 << 30)
     with pytest.raises(ValueError, match="no such place"):

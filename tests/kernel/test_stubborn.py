@@ -171,9 +171,7 @@ def test_a_long_circle_of_what_may_fire_alone_is_found(length: int) -> None:
         builder.place(f"c{number}")
     builder.transition("go", consume=["begin"], produce=["c0"], event=Event.parse("GO"))
     for number in range(length + 1):
-        builder.transition(
-            f"on{number}", consume=[f"c{number}"], produce=[f"c{(number + 1) % (length + 1)}"]
-        )
+        builder.transition(f"on{number}", consume=[f"c{number}"], produce=[f"c{(number + 1) % (length + 1)}"])
     net = builder.build()
     prepared = KernelNet(net)
     found = settled(prepared, orders="enough", max_states=10)

@@ -245,7 +245,7 @@ def falls(draw: st.DrawFn) -> PetriNet:
         later = st.integers(max(takes) + 1, count - 1)
         puts = draw(st.sets(later, max_size=2))
         others = sorted({*range(count)} - takes - puts)
-        reads = draw(st.sets(st.sampled_from(others), max_size=1)) if draw(st.integers(0, 3)) == 0 else set()
+        reads = {draw(st.sampled_from(others))} if others and draw(st.integers(0, 3)) == 0 else set()
         builder.transition(
             f"fall{number}",
             consume=[f"p{i}" for i in sorted(takes)],

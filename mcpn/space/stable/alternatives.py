@@ -3,7 +3,7 @@
 It needs internal evolution to be *confluent*, one stable end whatever the interleaving, and not *divergent*.
 Two ways lead to it and must give the same graph: by reduction of the whole markings graph, as the paper does,
 and directly, running to completion along one interleaving. The direct way is sound only with a proof; here
-every transient marking behind an event is explored once, and its one stable end is remembered, in the kernel.
+enough orders of internal transitions are explored behind each event to prove that all have one end, in the kernel.
 """
 
 from __future__ import annotations
@@ -138,9 +138,9 @@ def direct(
 
     Args:
         net: A net with priorities.
-        proof: Whether to explore every transient marking behind each event, which proves that internal
-            evolution is confluent and ends. Without it the graph rests on that premise.
-        max_states: How many stable states it may have; the proof may explore a hundred times as many markings
+        proof: Whether to explore enough orders of internal transitions behind each event to prove that
+            internal evolution is confluent and ends. Without it the graph rests on that premise.
+        max_states: How many stable states it may have; the proof may keep a hundred times as many markings
             between them, and 100,000 at least.
         progress: Called now and then.
 
@@ -175,7 +175,7 @@ def direct_with_proof(
         progress: Called now and then.
 
     Returns:
-        The graph, which says the proof used: the symbolic one, or else each transient marking explored once.
+        The graph, which says the proof used: the symbolic one, or else enough orders explored.
 
     Raises:
         ConfluenceError: Two interleavings end in different stable markings.

@@ -1,10 +1,11 @@
 """Runs each event to completion in the kernel, and tells the errors of events without one outcome.
 
-Along one interleaving, which is sound where internal evolution is confluent; or along every one, which
-proves it: every transient marking behind an event is explored once, depth first, and its one stable end is
-remembered (``kernel/src/markings/settling.hpp``). That stops at an unsafe firing, at one that closes a
-circle, or at a marking that two ways leave for different ends. Everything behind both was explored then, and
-each has one end, so that these two transitions decide the outcome.
+In one order of internal transitions, which is sound where internal evolution is confluent; or in enough of
+them, which proves it: a transition that may go first whatever comes after fires alone (*stubborn sets*,
+Valmari 1989; ``papers/mcpn.md``, Proposition 3), and where none is found all ways are explored, depth first,
+and the one stable end of the marking is remembered (``kernel/src/markings/settling.hpp``). That stops at an
+unsafe firing, at one that closes a circle, or at a marking that two ways leave for different ends. Everything
+behind both was judged then, and each has one end, so that these two transitions decide the outcome.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from mcpn.space.markings.firing import MaskedNet, mask_of, unsafe_after
 from mcpn.space.run import Completion
 from mcpn.space.stable.parting import parting_runs
 
-PROOF_BY_MARKINGS = "every transient marking behind each event explored once, its stable end unique"
+PROOF_BY_MARKINGS = (
+    "behind each event enough orders of internal transitions explored; all have one stable end"
+)
 
 Orders: TypeAlias = Literal["one", "enough", "every"]
 
@@ -52,7 +55,7 @@ def settled(
         prepared: A net with priorities.
         marking: Where it begins; by default the initial marking.
         orders: In which orders internal transitions fire behind an event: in one; in enough of them to prove
-            that all have one end; or in every one, which proves the same without the theory of stubborn sets.
+            that all have one end; or in every one, which tests judge the former by.
         max_states: How many stable markings there may be.
         progress: Called now and then.
 
@@ -71,7 +74,7 @@ def settled(
 
 
 def judged(prepared: KernelNet, max_states: int, progress: Progress | None = None) -> Exploration:
-    """Runs events to completion along every interleaving.
+    """Runs events to completion in enough orders of internal transitions to judge all.
 
     Args:
         prepared: A net with priorities.
