@@ -1,11 +1,12 @@
-"""What the proof that goes along with listing stable states costs, and how many orders it tries; about a minute.
+"""What the proof along with listing stable states costs, and how many orders it tries; about three minutes.
 
 Usage: ``python experiments/orders.py [--seconds S]``
 
-The growing missions of ``growth.py`` and the missions beside these scripts. Each is listed three times: along one
-run behind each event, without proof; in enough orders of internal transitions to prove that all have one end
-(stubborn sets, ``papers/mcpn.md``, Proposition 3); and in every order, each transient marking once, as the proof
-did before. CPU seconds in the kernel, how many transient markings are kept, and how many are left in all ways.
+The growing missions of ``growth.py`` and the missions beside these scripts. Each is listed three times: along
+one run behind each event, without proof; in enough orders of internal transitions to prove that all have one
+end (stubborn sets, ``papers/mcpn.md``, Proposition 3); and in every order, each transient marking once, as the
+proof did before. CPU seconds in the kernel, how many transient markings are kept, and how many are left in all
+ways.
 """
 
 from __future__ import annotations
@@ -70,7 +71,8 @@ def main() -> None:
     options = parser.parse_args()
     begin = time.monotonic()
     print(
-        "| mission | stable states | one run, s | enough orders: s; kept; in all ways | every order: s; kept; in all ways |"
+        "| mission | stable states | one run, s | enough orders: s; kept; in all ways | "
+        "every order: s; kept; in all ways |"
     )
     print("|---|---|---|---|---|")
     for name, net in nets():

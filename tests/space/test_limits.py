@@ -176,7 +176,7 @@ def test_siphons_traps_and_semiflows() -> None:
 
 
 def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Three tokens that each take one internal step, or two that lead to the same place: what comes second may be
+    # Three tokens that each take one internal step, or two that lead to the same place: a second step may be
     # fired at once, so that of the 26 markings behind the event the seven without a token between are left in
     # several ways, and kept.
     builder = NetBuilder("cube", priorities=True)

@@ -3,7 +3,8 @@
 It needs internal evolution to be *confluent*, one stable end whatever the interleaving, and not *divergent*.
 Two ways lead to it and must give the same graph: by reduction of the whole markings graph, as the paper does,
 and directly, running to completion along one interleaving. The direct way is sound only with a proof; here
-enough orders of internal transitions are explored behind each event to prove that all have one end, in the kernel.
+enough orders of internal transitions are explored behind each event to prove that all have one end, in the
+kernel.
 """
 
 from __future__ import annotations
