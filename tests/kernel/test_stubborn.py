@@ -23,7 +23,7 @@ from tests.net.nets import cascades, conflicting_nets, falls, nets, reachable
 from tests.shares import returns_early
 
 MOST = 3_000
-"""Stable states of a drawn mission that are listed; in every order a hundred times as many transient markings."""
+"""Stable states of a drawn mission; in every order, a hundred times as many transient markings."""
 
 FEW = 3_000
 """Transient markings in which a run of drawn nets may lose itself before ends are no longer listed."""
