@@ -4,9 +4,9 @@ Usage: ``python experiments/orders.py [--seconds S]``
 
 The growing missions of ``growth.py`` and the missions beside these scripts. Each is listed three times: along
 one run behind each event, without proof; in enough orders of internal transitions to prove that all have one
-end (stubborn sets, ``papers/mcpn.md``, Proposition 3); and in every order, each transient marking once, as the
-proof did before. CPU seconds in the kernel, how many transient markings are kept, and how many are left in all
-ways.
+end (stubborn sets, ``papers/mcpn.md``, Proposition 3); and in every order, each transient marking once, as
+the proof did before. CPU seconds in the kernel, how many transient markings are kept, and how many are left
+in all ways.
 """
 
 from __future__ import annotations
