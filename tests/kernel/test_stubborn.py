@@ -190,9 +190,9 @@ def test_a_token_that_some_order_puts_twice_is_found() -> None:
     for name in ("begin", "a", "b", "held", "out"):
         builder.place(name, initial=int(name == "begin"))
     builder.transition("go", consume=["begin"], produce=["a", "b"], event=Event.parse("GO"))
+    builder.transition("out", consume=["held"], produce=[])
     builder.transition("one", consume=["a"], produce=["held"])
     builder.transition("other", consume=["b"], produce=["held"])
-    builder.transition("out", consume=["held"], produce=[])
     assert judged_alike(builder.build()) == "unsafe"
 
 
