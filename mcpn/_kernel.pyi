@@ -419,14 +419,13 @@ class CountedNet:
     """A net with several tokens in a place; a marking is a row of words, a field for each place.
 
     Each field is given by its word, its lowest bit there and its width of at most 62 bits; fields do not
-    overlap. Each transition is given by the tokens that it needs, by what it changes, and whether it is
-    internal.
+    overlap. Each transition is given by the tokens that it needs, by what it changes, and its rank.
     """
 
     def __init__(
         self,
         fields: Sequence[tuple[int, int, int]],
-        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], bool]],
+        transitions: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, int]], int]],
         priorities: bool,
     ) -> None: ...
     def explore(

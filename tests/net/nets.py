@@ -46,7 +46,6 @@ def nets(
     max_weight: int = 1,
     odd_names: bool = False,
     events: bool = True,
-    ranks: bool = False,
 ) -> PetriNet:
     """Any small net, with read arcs, self-loops, events, priorities and ranks, safe or not."""
     count = draw(st.integers(1, max_places))
@@ -66,7 +65,7 @@ def nets(
     for name in transitions:
         consume, produce, read = draw(weights), draw(weights), draw(weights)
         event = draw(st.none() | st.sampled_from(EVENTS)) if events else None
-        rank = draw(RANKS) if ranks and priorities and event is None else 0
+        rank = draw(RANKS) if priorities and event is None else 0
         builder.transition(name, consume=consume, produce=produce, read=read, event=event, rank=rank)
     return builder.build()
 

@@ -39,7 +39,7 @@ def same(one: AlternativesGraph, other: AlternativesGraph) -> bool:
     return all(np.array_equal(getattr(one, part), getattr(other, part)) for part in parts)
 
 
-@given(nets(max_places=5, max_transitions=7, ranks=True))
+@given(nets(max_places=5, max_transitions=7))
 def test_a_proof_is_never_wrong(drawn: PetriNet) -> None:
     net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
     if not reachable(net)[2]:
@@ -85,7 +85,7 @@ def test_a_conflict_that_no_marking_enables_is_no_obstacle() -> None:
     assert direct_with_proof(builder.build()).proof == PROOF
 
 
-@given(nets(max_places=6, max_transitions=9, ranks=True))
+@given(nets(max_places=6, max_transitions=9))
 def test_joining_decides_what_a_list_of_all_markings_decides(drawn: PetriNet) -> None:
     net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
     if not reachable(net)[2]:

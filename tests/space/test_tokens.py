@@ -39,7 +39,7 @@ def replay(net: PetriNet, names: tuple[str, ...], marking: tuple[int, ...]) -> t
 
 def check_pump(net: PetriNet, run: tuple[str, ...], pump: tuple[str, ...]) -> None:
     at = replay(net, run, net.initial)
-    for _ in range(3):
+    for _ in range(10):
         after = replay(net, pump, at)
         assert after != at
         assert all(a >= b for a, b in zip(after, at, strict=True))
@@ -63,6 +63,28 @@ def test_with_priorities_it_may_be_left_open() -> None:
     assert found.bounded is None
     assert found.bounds is None
     assert "priorities" in found.reason
+
+
+@pytest.mark.parametrize(("rank", "needed", "bounded"), [(0, 3, True), (1, 3, False), (2, 3, False)])
+def test_a_run_repeats_unless_what_it_fills_lets_a_lower_rank_fire(
+    rank: int, needed: int, bounded: bool
+) -> None:
+    """A heap grows until so much of it is there that a transition of a lower rank, if it has one, ends it."""
+    builder = NetBuilder("heap", priorities=True)
+    builder.place("on", initial=1)
+    builder.place("heap")
+    builder.place("missing")
+    builder.transition("grow", read=["on"], produce=["heap"], rank=1)
+    builder.transition("end", consume=["on"], read={"heap": needed}, rank=rank)
+    builder.transition("never", consume=["on", "missing"], read={"heap": needed})
+    net = builder.build()
+    found = boundedness(net, max_states=100)
+    assert found.bounded is bounded
+    if bounded:
+        assert found.bounds == count_tokens(net).bounds == (1, needed, 0)
+        assert count_tokens(net).states == needed + 2
+    else:
+        check_pump(net, found.run, found.pump)
 
 
 @given(nets(max_weight=2, max_places=4, max_transitions=4))

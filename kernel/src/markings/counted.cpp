@@ -1,12 +1,21 @@
 #include "markings/counted.hpp"
 
+#include <algorithm>
+#include <numeric>
+
 #include "diagrams/store.hpp"
 #include "markings/state_table.hpp"
 
 namespace mcpn {
 
 CountedNet::CountedNet(std::vector<Field> fields, std::uint32_t words, std::vector<Rule> rules, bool priorities)
-    : fields_(std::move(fields)), words_(words), rules_(std::move(rules)), priorities_(priorities) {}
+    : fields_(std::move(fields)), words_(words), rules_(std::move(rules)), by_rank_(rules_.size()) {
+  if (!priorities)
+    for (Rule& rule : rules_) rule.rank = 0;
+  std::iota(by_rank_.begin(), by_rank_.end(), 0u);
+  std::stable_sort(by_rank_.begin(), by_rank_.end(),
+                   [&](std::uint32_t t, std::uint32_t u) { return rules_[t].rank < rules_[u].rank; });
+}
 
 const std::vector<std::int64_t>& CountedNet::checked(const std::vector<std::int64_t>& marking) const {
   if (marking.size() != fields_.size()) throw std::invalid_argument("tokens for each place");
@@ -45,12 +54,11 @@ Exploration CountedNet::explore(const std::vector<std::int64_t>& initial, bool e
     }
     found.most_tokens = std::max(found.most_tokens, sum);
     enabled.clear();
-    for (const bool internal : {true, false}) {
-      for (std::uint32_t t = 0; t < rules_.size(); ++t)
-        if ((!priorities_ || rules_[t].internal == internal) && covers(marking.data(), rules_[t])) enabled.push_back(t);
-      if (internal) found.stable += enabled.empty();
-      if (!priorities_ || !enabled.empty()) break;
+    for (const std::uint32_t t : by_rank_) {
+      if (!enabled.empty() && rules_[t].rank != rules_[enabled.front()].rank) break;
+      if (covers(marking.data(), rules_[t])) enabled.push_back(t);
     }
+    found.stable += enabled.empty() || rules_[enabled.front()].rank == kEvents;
     found.dead += enabled.empty();
     for (const std::uint32_t t : enabled) {
       after = marking;

@@ -9,7 +9,10 @@ class CountedNet {
  public:
   struct Field { std::uint32_t word, shift, width; };  // of at most 63 bits
   struct Arc { std::uint32_t place; std::int64_t tokens; };
-  struct Rule { std::vector<Arc> need, change; bool internal; };  // tokens wanted; tokens added, or taken
+  struct Rule {
+    std::vector<Arc> need, change;  // tokens wanted; tokens added, or taken
+    std::uint16_t rank;             // with priorities, those of the lowest rank that is enabled may fire
+  };
 
   CountedNet(std::vector<Field> fields, std::uint32_t words, std::vector<Rule> rules, bool priorities);
 
@@ -33,8 +36,8 @@ class CountedNet {
 
   std::vector<Field> fields_;
   std::uint32_t words_;
-  std::vector<Rule> rules_;
-  bool priorities_;
+  std::vector<Rule> rules_;            // without priorities all of one rank
+  std::vector<std::uint32_t> by_rank_;  // the rules in the order of their ranks
 };
 
 }  // namespace mcpn

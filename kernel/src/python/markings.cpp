@@ -24,7 +24,7 @@ namespace {
 
 using Places = std::vector<std::uint32_t>;
 using Arcs = std::vector<std::tuple<std::uint32_t, std::int64_t>>;
-using Counted = std::tuple<Arcs, Arcs, bool>;                   // need, change, internal
+using Counted = std::tuple<Arcs, Arcs, std::uint16_t>;          // need, change, rank
 using Field = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;  // word, shift, width
 using Given = std::tuple<Places, Places, Places, std::uint16_t, bool>;  // need, take, put, rank, overflow
 
@@ -154,8 +154,8 @@ CountedNet counted(const std::vector<Field>& given, const std::vector<Counted>& 
     return found;
   };
   std::vector<CountedNet::Rule> rules;
-  for (const auto& [need, change, internal] : transitions) {
-    CountedNet::Rule rule{arcs(need, 0), arcs(change, -(std::int64_t(1) << 62)), internal};
+  for (const auto& [need, change, rank] : transitions) {
+    CountedNet::Rule rule{arcs(need, 0), arcs(change, -(std::int64_t(1) << 62)), rank};
     for (const CountedNet::Arc& taken : rule.change) {  // what is taken is there
       std::int64_t wanted = 0;
       for (const CountedNet::Arc& arc : rule.need)

@@ -143,7 +143,7 @@ def _explored(
         need, change = needs(net, t), changes(net, t)
         if max((*need.values(), *change.values()), default=0) > MOST_WEIGHT:
             raise LimitError(f"{transition.name} has a weight of more than {MOST_WEIGHT}: the limit was hit")
-        given.append((list(need.items()), list(change.items()), transition.internal))
+        given.append((list(need.items()), list(change.items()), net.ranks[t]))
     while True:
         fields = layout(widths.bits)
         kernel = CountedNet(fields, given, net.priorities)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import Arcs, PetriNet
+from mcpn.space.search.goal import needs
 
 OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""
@@ -129,9 +130,10 @@ def _names(net: PetriNet, node: _Node) -> tuple[str, ...]:
 
 
 def _with_priorities(net: PetriNet, max_states: int) -> Boundedness:
-    """Explores; an internal run that ends in more tokens can be repeated, whatever the priorities.
+    """Explores, and looks for an internal run that ends in more tokens and can be repeated for ever.
 
-    Nothing disables an internal transition but the lack of tokens, so that what has fired can fire again.
+    No event keeps it from being repeated, and transitions of lower ranks than what fires do not where each of
+    them lacks tokens in a place that the run does not fill.
     """
     stack = [_Node(net.initial, None, -1)]
     seen: set[tuple[int, ...]] = set()
@@ -145,13 +147,23 @@ def _with_priorities(net: PetriNet, max_states: int) -> Boundedness:
         if len(seen) > max_states:
             reason = f"more than {max_states} markings, and with priorities no run was found that must repeat"
             return Boundedness(None, None, reason=reason)
-        at = node
+        at, lacking = node, set[frozenset[int]]()
         while at.parent is not None and net.transitions[at.transition].internal:
+            lacking |= _lacking(net, at.parent.marking, net.ranks[at.transition])
             at = at.parent
-            if node.marking != at.marking and _covers(node.marking, at.marking):
+            if node.marking == at.marking or not _covers(node.marking, at.marking):
+                continue
+            filled = {p for p, tokens in enumerate(at.marking) if node.marking[p] > tokens}
+            if not any(places <= filled for places in lacking):
                 prefix = _names(net, at)
                 reason = "this internal run can be repeated with more and more tokens"
                 return Boundedness(False, None, prefix, _names(net, node)[len(prefix) :], reason)
         for t in net.enabled(node.marking):
             stack.append(_Node(net.fire(node.marking, t), node, t))
     return Boundedness(True, tuple(bounds), reason="every marking was explored")
+
+
+def _lacking(net: PetriNet, marking: tuple[int, ...], rank: int) -> set[frozenset[int]]:
+    """For each transition of a lower rank, the places in which it lacks tokens."""
+    lower = [t for of in net.internal_ranks for t in of if net.ranks[t] < rank]
+    return {frozenset(p for p, tokens in needs(net, t).items() if marking[p] < tokens) for t in lower}
