@@ -103,7 +103,7 @@ def either(mission_net: MissionNet) -> list[Controller]:
     return found
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(missions(max_objectives=3, max_depth=2), st.integers(0, 2**32))
 def test_any_mission(mission: Mission, seed: int) -> None:
     mission_net = composed(mission)
@@ -154,7 +154,7 @@ def test_a_section_need_not_be_confluent_where_the_mission_never_comes() -> None
         walk(mission_net, controllers, random.Random(seed), 30)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(stacked_missions(), st.integers(0, 2**32))
 def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:
     mission_net = composed(mission)
@@ -164,6 +164,7 @@ def test_missions_of_stacked_producers(mission: Mission, seed: int) -> None:
         walk(mission_net, controllers, random.Random(seed), 30)
 
 
+@fewer(0.25)
 @given(
     missions(max_objectives=3, max_depth=2, allow_disjoint_branches=True, outputs=3), st.integers(0, 2**32)
 )
@@ -175,7 +176,7 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
         walk(mission_net, controllers, random.Random(seed), 60)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
     """An interruption is an event like any other; of a section's machine it is an exit."""

@@ -21,6 +21,7 @@ from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.testing import missions
 from tests.controller.traces import Traced, canonical, random_events, tour
+from tests.draws import fewer
 
 
 class Generated:
@@ -68,6 +69,7 @@ def test_every_edge_of_ulysse(form: str, ulysse_net: MissionNet, tmp_path: Path)
     assert '"depth": ("10", "m")' in text
 
 
+@fewer(0.4)
 @given(
     missions(max_objectives=3, max_depth=1, events=1, awkward_names=True, text=True),
     st.integers(0, 2**32),

@@ -23,55 +23,55 @@ def check(of: Mission) -> None:
     event(Judge(of).judge(composed(of)).kind)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.ANY)
 def test_any_mission(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.INTERRUPTED)
 def test_missions_with_declared_events(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.IN_ROUNDS)
 def test_handlers_in_rounds_and_uses(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.APART)
 def test_missions_without_contention(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.SHARING)
 def test_branches_that_share_data(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.DISJOINT)
 def test_missions_with_disjoint_branches(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.25)
+@fewer(0.15)
 @given(drawn.WIDE)
 def test_wide_blocks(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.CHAINS)
 def test_missions_of_chains(of: Mission) -> None:
     check(of)
 
 
-@fewer(0.5)
+@fewer(0.25)
 @given(drawn.SAYING)
 def test_missions_with_parameters(of: Mission) -> None:
     check(of)

@@ -44,7 +44,6 @@ def nets(
     max_places: int = 6,
     max_transitions: int = 6,
     max_weight: int = 1,
-    odd_names: bool = False,
     events: bool = True,
 ) -> PetriNet:
     """Any small net, with read arcs, self-loops, events, priorities and ranks, safe or not."""
@@ -52,11 +51,6 @@ def nets(
     names = [f"p{i}" for i in range(count)]
     size = draw(st.integers(0, max_transitions))
     transitions = [f"t{i}" for i in range(size)]
-    if odd_names:
-        drawn = draw(
-            st.lists(ODD_NAMES, min_size=count + size, max_size=count + size, unique_by=lambda n: n.strip())
-        )
-        names, transitions = drawn[:count], drawn[count:]
     priorities = events and draw(st.booleans())
     builder = NetBuilder("net", priorities=priorities)
     for name in names:
@@ -123,9 +117,9 @@ def graph_of(net: PetriNet, limit: int = 400) -> dict[Marking, list[tuple[int, M
     return found
 
 
-def pt_nets(*, odd_names: bool = False) -> st.SearchStrategy[PetriNet]:
+def pt_nets() -> st.SearchStrategy[PetriNet]:
     """Small nets with weights and several tokens: what place/transition nets can say, and events."""
-    return nets(max_weight=4, odd_names=odd_names)
+    return nets(max_weight=4)
 
 
 def safe_ish_nets() -> st.SearchStrategy[PetriNet]:

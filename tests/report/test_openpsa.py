@@ -241,6 +241,7 @@ def compare_with_scram(mission: Mission, folder: Path) -> None:
 
 
 @needs_scram
+@fewer(0.4)
 @given(mission=missions(max_objectives=2, max_sections=5, numbers=True) | fragile_missions(max_hardware=3))
 def test_scram_reads_every_export_as_it_is_meant(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission

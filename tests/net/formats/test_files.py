@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn.errors import InputError
 from mcpn.files import read_bounded, write_atomically
 from mcpn.net.formats import read_net, save_net
 from mcpn.net.formats.dot import write_dot
 from mcpn.net.petri import NetBuilder, PetriNet
+from tests.draws import fewer
 from tests.net.nets import odd_nets, pt_nets
 
 
@@ -50,10 +52,14 @@ def test_pictures_have_every_node_and_arc(net: PetriNet) -> None:
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
-@given(net=odd_nets())
-def test_graphviz_reads_pictures(net: PetriNet) -> None:
-    run = subprocess.run(["dot", "-Tcanon"], input=write_dot(net).encode(), capture_output=True, check=True)
+@fewer(0.1)
+@given(nets=st.lists(odd_nets(), min_size=10, max_size=10))
+def test_graphviz_reads_pictures(nets: list[PetriNet]) -> None:
+    """Ten at a time: most of what it takes is to start the program."""
+    texts = "".join(map(write_dot, nets)).encode()
+    run = subprocess.run(["dot", "-Tcanon"], input=texts, capture_output=True, check=True)
     assert run.stderr == b""
+    assert len(re.findall(rb"^(?:strict )?digraph ", run.stdout, re.MULTILINE)) == len(nets)
 
 
 def test_quotes_cannot_break_out_of_pictures() -> None:
