@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Collection
 from dataclasses import dataclass, field, fields
+from typing import TypeAlias
 
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from tests.judge.interpreter import Happening, Interpreter, Seen, State, Undetermined, words
 from tests.judge.players import Key, Player, controllers, graphs
+
+Came: TypeAlias = dict[tuple[State, Key], tuple[tuple[State, Key], Happening] | None]
+"""How each pair was first come to: from which pair, and by which event."""
 
 MOST_STATES = 3_000
 """Stable states of the missions that are judged."""
@@ -69,6 +73,7 @@ class Judge:
         self.compared = [f.name for f in fields(Seen) if f.name not in unseen]
         self.unseen = frozenset(unseen)
         self._after: dict[State, dict[Happening, State | None]] = {}
+        self._seen: dict[State, Seen] = {}
 
     def after(self, state: State) -> dict[Happening, State | None]:
         """Where each event leads; ``None`` where that is not determined."""
@@ -123,16 +128,13 @@ class Judge:
     def lockstep(self, who: str, player: Player[Key]) -> int:
         """Holds one player against the interpreter; says in how many pairs of states they agree."""
         first: tuple[State, Key] = self.interpreter.initial, player.start
-        came: dict[tuple[State, Key], tuple[tuple[State, Key], Happening] | None] = {first: None}
+        came: Came[Key] = {first: None}
         queue = deque([first])
         while queue:
-            pair = queue.popleft()
-            state, at = pair
-            run: list[Happening] = []
-            while (step := came[pair]) is not None:
-                pair = step[0]
-                run.insert(0, step[1])
-            self.compare(who, run, state, player, at)
+            state, at = queue.popleft()
+            if (found := self.differs(state, player, at)) is not None:
+                kind, expected, others = found
+                raise Disagreement(who, kind, _run_to(came, (state, at)), expected, others)
             for happened, after in self.after(state).items():
                 if after is None:
                     continue
@@ -140,18 +142,31 @@ class Judge:
                 for objective, activity, alternative, given in orders:
                     wanted = self.interpreter.parameters(objective, activity, alternative)
                     if "parameters" not in self.unseen and given != wanted:
-                        raise Disagreement(who, "parameters", [*run, happened], wanted, given)
+                        run = [*_run_to(came, (state, at)), happened]
+                        raise Disagreement(who, "parameters", run, wanted, given)
                 if (after, to) not in came:
                     came[after, to] = (state, at), happened
                     queue.append((after, to))
         return len(came)
 
-    def compare(self, who: str, run: list[Happening], state: State, player: Player[Key], at: Key) -> None:
-        """What is seen and what may happen must be the same."""
-        expected, found = self.interpreter.seen(state), player.seen(at)
+    def differs(self, state: State, player: Player[Key], at: Key) -> tuple[str, object, object] | None:
+        """In what a state differs, what is expected and what is found; ``None`` where all is the same."""
+        if state not in self._seen:
+            self._seen[state] = self.interpreter.seen(state)
+        expected, found = self._seen[state], player.seen(at)
         for name in self.compared:
             if getattr(expected, name) != getattr(found, name):
-                raise Disagreement(who, name, run, getattr(expected, name), getattr(found, name))
+                return name, getattr(expected, name), getattr(found, name)
         possible = set(self.after(state))
         if possible != (others := player.possible(at)):
-            raise Disagreement(who, "possible", run, words(possible - others), words(others - possible))
+            return "possible", words(possible - others), words(others - possible)
+        return None
+
+
+def _run_to(came: Came[Key], pair: tuple[State, Key]) -> list[Happening]:
+    """The events that led to a pair."""
+    run = list[Happening]()
+    while (step := came[pair]) is not None:
+        pair = step[0]
+        run.append(step[1])
+    return run[::-1]

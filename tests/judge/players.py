@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable, Iterable, Iterator, Mapping
+from functools import cache
 from typing import Any, Literal, Protocol, TypeVar
 
 from mcpn.check.spaces import Engine, space_of
@@ -51,6 +52,12 @@ def happening(event: Event | None) -> Happening:
     """An event of a net in the interpreter's words."""
     assert event is not None
     return event.what.value, event.element
+
+
+@cache
+def named(text: str) -> Happening:
+    """An event by the name that controllers give it."""
+    return happening(Event.parse(text))
 
 
 def seen_of(said: Situation | Inside, out: Iterable[str], outcome: str | None) -> Seen:
@@ -139,11 +146,11 @@ class OfController:
 
     def possible(self, at: str) -> set[Happening]:
         self.runtime.restore(at)
-        return {happening(Event.parse(text)) for text in self.runtime.possible}
+        return set(map(named, self.runtime.possible))
 
     def after(self, at: str, happened: Happening) -> tuple[str, Iterable[Order]]:
         self.runtime.restore(at)
-        (text,) = (t for t in self.runtime.possible if happening(Event.parse(t)) == happened)
+        (text,) = (t for t in self.runtime.possible if named(t) == happened)
         actions = self.runtime.handle(text)
         orders = [
             (a.objective, a.activity or "", a.alternative or "", {p.name: p.value for p in a.parameters})
