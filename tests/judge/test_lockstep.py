@@ -101,7 +101,9 @@ def test_every_state_of_every_player_is_compared() -> None:
 def test_branches_of_a_repeated_block_have_their_own_names() -> None:
     """Sections of one type are named by what stands in each: branches that are blocks, too."""
     inner = tuple(Objective(name=name, activities=(name[1:],), retries=1) for name in ("oa", "ob"))
-    twice = mission(robot((), activity("a", ()), activity("b", ())), Parallel(name="p", blocks=inner, retries=1))
+    twice = mission(
+        robot((), activity("a", ()), activity("b", ())), Parallel(name="p", blocks=inner, retries=1)
+    )
     assert Judge(twice).judge().kind == "agree"
 
 

@@ -105,7 +105,7 @@ def ends(net: PetriNet, marking: Marking) -> set[Marking] | None:
 
 
 ALL = (
-    nets(max_places=7, max_transitions=9, ranks=True)
+    nets(max_places=7, max_transitions=9)
     | falls()
     | cascades()
     | st.integers(1, 3).flatmap(lambda ranks: conflicting_nets(ranks=ranks))
