@@ -221,7 +221,22 @@ class Store:
         """The set that :meth:`Zdd.to_bytes` told; a ValueError for anything else."""
 
     def from_markings(self, rows: npt.NDArray[np.uint64], bits: Sequence[int]) -> Zdd:
-        """The set of markings given as rows of words; ``bits`` says by level which bit tells of it."""
+        """The set of markings given as rows of words.
+
+        ``bits`` says by level which bit tells of it, -1 that it is unmarked.
+        """
+
+    def from_exploration(self, exploration: Exploration, bits: Sequence[int]) -> Zdd:
+        """The set of the markings of an exploration whose arrays have not been taken."""
+
+    def changes(
+        self, exploration: Exploration, bits: Sequence[int], most: int
+    ) -> list[tuple[int, list[int], list[int], Zdd]] | None:
+        """The edges of an exploration from stable to stable marking, by what they change.
+
+        For each label and each change: the places that lose a token, those that gain one, and the markings in
+        which it happens. ``None`` where there are more than so many.
+        """
 
     def singleton(self, marked: Sequence[int]) -> Zdd: ...
     def event(

@@ -203,7 +203,8 @@ Node Store::beyond(Node a, Node from, const std::vector<std::uint32_t>& events) 
   return minus(a, made);
 }
 
-// The set of markings given as bit sets; `bits` says by level which bit tells of it. Rows may come again.
+// The set of markings given as bit sets; `bits` says by level which bit tells of it, -1 that it is unmarked.
+// Rows may come again.
 //
 // Rows are sorted by their next 64 levels at a time, the first level in the highest bit. Then those that share a node
 // stand together, and where the first and the last of them differ first, the node branches.
@@ -222,7 +223,7 @@ Node Store::from_rows(const std::uint64_t* rows, std::size_t count, std::size_t 
       const std::uint64_t* row = rows + each->row * words;
       each->key = 0;
       for (Level at = from; at < to; ++at)
-        each->key |= (row[std::size_t(bits[at]) / 64] >> bits[at] % 64 & 1) << (kAtATime - 1 - (at - from));
+        if (bits[at] >= 0) each->key |= (row[std::size_t(bits[at]) / 64] >> bits[at] % 64 & 1) << (kAtATime - 1 - (at - from));
     }
     std::sort(first, last, [](const Row& one, const Row& other) { return one.key < other.key; });
   };

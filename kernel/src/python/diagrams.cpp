@@ -4,6 +4,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include <optional>
 
 #include "diagrams/store.hpp"
+#include "markings/changes.hpp"
 #include "python/module.hpp"
 #include "python/operation.hpp"
 #include "python/numbers.hpp"
@@ -56,6 +58,11 @@ class PyStore : public std::enable_shared_from_this<PyStore> {
   static Level checked(std::uint64_t levels) {
     if (levels > kMostLevels) throw std::invalid_argument("a store has at most 2^20 levels");
     return Level(levels);
+  }
+  void check_bits(const std::vector<std::int64_t>& bits, std::size_t words) const {
+    if (bits.size() != store.levels) throw std::invalid_argument("one bit for each level");
+    for (const std::int64_t bit : bits)
+      if (bit < -1 || (bit >= 0 && std::size_t(bit) >= words * 64)) throw std::invalid_argument("no such bit");
   }
   std::vector<Level> sorted(std::vector<std::int64_t> levels) const {
     std::sort(levels.begin(), levels.end());
@@ -146,6 +153,36 @@ template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, F body
     result = body(owner->store);
   });
   return {owner, result};
+}
+
+// An exploration whose markings Python has not taken.
+const Exploration& checked(const Exploration& found) {
+  if (found.markings.size() != found.states() * found.words) throw std::invalid_argument("the markings were taken");
+  return found;
+}
+
+using ToldChange = std::tuple<std::uint32_t, std::vector<std::uint32_t>, std::vector<std::uint32_t>, Handle>;
+
+// What events change in the markings of a listing, with the set of those in which they do.
+std::optional<std::vector<ToldChange>> told_changes(const std::shared_ptr<PyStore>& s, const Exploration& found,
+                                                    const std::vector<std::int64_t>& bits, std::size_t most) {
+  s->check_bits(bits, found.words);
+  if (found.offsets.size() != found.states() + 1 || found.labels.size() != found.edges || found.targets.size() != found.edges)
+    throw std::invalid_argument("an exploration without its edges");
+  auto all = changes(checked(found), most);
+  if (!all) return std::nullopt;
+  std::vector<ToldChange> told;
+  std::vector<Word> rows;
+  for (Change& change : *all) {
+    rows.clear();
+    for (const State source : change.sources) {
+      const Word* row = found.markings.data() + std::uint64_t(source) * found.words;
+      rows.insert(rows.end(), row, row + found.words);
+    }
+    const auto build = [&](Store& store) { return store.from_rows(rows.data(), change.sources.size(), found.words, bits); };
+    told.emplace_back(change.label, std::move(change.lost), std::move(change.gained), computed(s, build));
+  }
+  return told;
 }
 
 template <class F> auto measured(const Handle& set, F body) {
@@ -322,12 +359,15 @@ void bind_diagrams(nb::module_& module) {
       .def("from_markings", [](const std::shared_ptr<PyStore>& s, const nb::ndarray<const std::uint64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>& rows,
                                const std::vector<std::int64_t>& bits) {
         const std::size_t count = rows.shape(0), words = rows.shape(1);
-        if (bits.size() != s->store.levels) throw std::invalid_argument("one bit for each level");
-        for (const std::int64_t bit : bits)
-          if (bit < 0 || std::size_t(bit) >= words * 64) throw std::invalid_argument("no such bit");
+        s->check_bits(bits, words);
         if (count > 0xFFFFFFFFu) throw std::invalid_argument("more markings than 32 bits can name");
         return computed(s, [&](Store& store) { return store.from_rows(rows.data(), count, words, bits); });
       }, nb::arg("rows"), nb::arg("bits"))
+      .def("from_exploration", [](const std::shared_ptr<PyStore>& s, const Exploration& found, const std::vector<std::int64_t>& bits) {
+        s->check_bits(bits, found.words);
+        return computed(s, [&](Store& store) { return store.from_rows(checked(found).markings.data(), found.states(), found.words, bits); });
+      }, nb::arg("exploration"), nb::arg("bits"))
+      .def("changes", &told_changes, nb::arg("exploration"), nb::arg("bits"), nb::arg("most"))
       .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {
         return s.id(s.touches(
             {{Touch::consume, consume}, {Touch::produce, produce}, {Touch::read, read}, {Touch::zero, zero}}));

@@ -121,6 +121,7 @@ class DiagramAlternatives(Diagrams):
         assert space.stable is not None, "the alternatives graph is of nets with priorities"
         super().__init__(space, space.stable, behind(space.encoding, space.encoding.initial())[1])
         self._completion = Completion(self.net)
+        self._endings: dict[Zdd, Zdd] = {}
 
     @cached_property
     def groups(self) -> list[tuple[list[int], Zdd]]:
@@ -133,7 +134,9 @@ class DiagramAlternatives(Diagrams):
 
     def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
-        return leading(self.encoding, goal, self.space.allowed)
+        if goal not in self._endings:
+            self._endings[goal] = leading(self.encoding, goal, self.space.allowed)
+        return self._endings[goal]
 
     def before(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None

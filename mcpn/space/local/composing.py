@@ -3,8 +3,9 @@
 Composition rests on two premises. *Idle at the exit*: a section hands on its exit, the state of the hardware
 and what has happened once, everything else is as it was; this is checked on each local net. *Confluence*:
 internal evolution after each event has one stable end, within a section and where one section leads to the
-next; this is proved on the local net of each type and on the net of each type of junction, and where the
-proof fails, the states in which it fails are looked for among those that the mission comes to.
+next; this is proved on the local net of each type, while its stable states are listed or else on a diagram of
+its markings, and on the net of each type of junction of a caller's own templates. Where the proof fails, the
+states in which it fails are looked for among those that the mission comes to.
 """
 
 from __future__ import annotations
@@ -20,15 +21,10 @@ from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts, part_of
 from mcpn.net.templates import TemplateSet
-from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.exploring import Explored, explore_and_prove, explore_local
 from mcpn.space.local.layout import Layout
-from mcpn.space.local.nonconfluent import (
-    Explored,
-    explored_and_proved,
-    refuse_nonconfluent,
-    refuse_open_junctions,
-)
+from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junctions
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
@@ -84,9 +80,11 @@ def composite_space(
         name: first.setdefault(part.type if templates is None else name, name) for name, part in parts.items()
     }
     named = mortal if may_die else lambda net: net
-    nets = {name: named(parts[name].net(templates)) for name in first.values()}
+    immortal = {name: parts[name].net(templates) for name in first.values()}
+    nets = {name: named(net) for name, net in immortal.items()}
     explored: dict[str, Explored] = {}
-    results = _explored([net.net for net in nets.values()], executor, proved=not may_die)
+    dying = [net.net if may_die else None for net in nets.values()]
+    results = _explored([net.net for net in immortal.values()], dying, executor)
     for number, name in enumerate(nets, 1):
         step(f"exploring section {name}" + (f" (type {number} of {len(nets)})" if len(nets) > 1 else ""))
         with in_section(name):
@@ -95,10 +93,10 @@ def composite_space(
             progress(number, len(nets))
     whole = WholeNet(named(mission_net), templates)
     layout = Layout(whole.mission_net, max(len(known.space.encoding.places) for known in explored.values()))
-    types = {name: SectionType(parts[name], net, explored[name].space, layout) for name, net in nets.items()}
+    types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
     for name, type_ in types.items():
         step(f"checking what section {name} hands on")
-        type_.check_premise(name, explored[name].space)
+        type_.check_premise(name, explored[name])
     step("joining the sections")
     stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
@@ -109,13 +107,16 @@ def composite_space(
     return composite
 
 
-def _explored(nets: Sequence[PetriNet], executor: Executor | None, *, proved: bool) -> Iterator[Explored]:
-    """The markings of some nets, in their order, wherever they are explored; proofs go with them."""
+def _explored(
+    nets: Sequence[PetriNet], dying: Sequence[PetriNet | None], executor: Executor | None
+) -> Iterator[Explored]:
+    """What is known of some nets, in their order, wherever they are explored; proofs go with them."""
+    both = list(zip(nets, dying, strict=True))
     if executor is None:
-        yield from map(Explored, map(reach, nets))
+        yield from (explore_local(*nets) for nets in both)
         return
     try:
-        futures = [executor.submit(explored_and_proved if proved else _alone, net) for net in nets]
+        futures = [executor.submit(explore_and_prove, *nets) for nets in both]
         for future in futures:
             yield future.result()
     except Exception as error:
@@ -129,10 +130,6 @@ def _explored(nets: Sequence[PetriNet], executor: Executor | None, *, proved: bo
             "a process that explored sections ended before its work was done: it was killed, as by a system "
             "that is out of memory; fewer of them (--jobs) need less at once"
         ) from error
-
-
-def _alone(net: PetriNet) -> Explored:
-    return Explored(reach(net))
 
 
 def local_graph(

@@ -9,18 +9,16 @@ looked for from which it has none.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NoReturn
 
 from mcpn._kernel import Zdd
 from mcpn.mission.flatten import Section
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import Marking
 from mcpn.net.sections import junction_part
 from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.evolution import behind, leading, passing
-from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
+from mcpn.space.local.exploring import Explored
 from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
@@ -28,39 +26,8 @@ from mcpn.space.stable.confluence import endless_runs, prove_confluent
 from mcpn.space.stable.joining import EndlessRun, parting_among
 from mcpn.space.stable.nearest import fault_by
 from mcpn.space.stable.patterns import without_one_end
-from mcpn.space.stable.ranks import open_conflicts
 from mcpn.space.stable.settling import fault_after
 from mcpn.steps import step
-
-
-@dataclass
-class Explored:
-    """The markings of a local net, and what of the proof of confluence needs nothing else.
-
-    What has been proved in one process is known in another to which this goes.
-
-    Args:
-        space: The markings.
-    """
-
-    space: SymbolicSpace
-
-    @cached_property
-    def conflicts(self) -> list[tuple[int, int]]:
-        """Pairs of internal transitions in conflict that some marking enables both."""
-        return list(open_conflicts(self.space.encoding, self.space.reachable))
-
-    @cached_property
-    def ends(self) -> bool:
-        """Whether internal evolution may end, whatever has happened."""
-        return not self.space.endless
-
-
-def explored_and_proved(net: PetriNet) -> Explored:
-    """The markings of a local net, with all that a worker can prove of them."""
-    found = Explored(reach(net))
-    _ = found.conflicts, found.ends  # asked for here, they are known where this goes
-    return found
 
 
 def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, Explored]) -> None:

@@ -7,8 +7,7 @@ the section's own slots are open in it. What is computed once for a set serves e
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,8 +18,8 @@ from mcpn.net.forgetful import Guard, forgetful
 from mcpn.net.sections import Element, LocalPart
 from mcpn.space.algebra import Edge
 from mcpn.space.diagrams.encoding import Encoding
-from mcpn.space.diagrams.spaces import DiagramAlternatives
-from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
+from mcpn.space.diagrams.symbolic import chained
+from mcpn.space.local.exploring import Explored
 from mcpn.space.local.layout import Layout, idle_places, remembered
 from mcpn.space.stable.settling import DEFAULT_MAX_STATES
 
@@ -59,7 +58,7 @@ class SectionType:
     Args:
         part: The section that stands for the type.
         net: Its local net.
-        explored: Its reachable markings, from every state of its hardware, on a store of their own.
+        explored: What is known of it, on a store of its own.
         layout: The store of the composite.
 
     Attributes:
@@ -70,30 +69,25 @@ class SectionType:
         inside: The states of the section itself.
     """
 
-    def __init__(self, part: LocalPart, net: MissionNet, explored: SymbolicSpace, layout: Layout) -> None:
+    def __init__(self, part: LocalPart, net: MissionNet, explored: Explored, layout: Layout) -> None:
         self.part = part
         self.net = net
         self.layout = layout
         self.carried = part.carried
-        self.encoding = Encoding(net.net, explored.places, explored.encoding.memory_limit, layout.store)
-        assert explored.stable is not None, "nets of missions have priorities"
-        self.size = self._forgetting(explored).count()
-        reachable, stable = (
-            layout.opened(layout.store.from_bytes(states.to_bytes()), layout.all_slots)
-            for states in (explored.reachable, explored.stable)
-        )
-        whole = replace(explored, encoding=self.encoding, reached=reachable, stable=stable)
-        self.graph = DiagramAlternatives(whole)
+        space = explored.space
+        self.encoding = Encoding(net.net, space.places, space.encoding.memory_limit, layout.store)
+        assert space.stable is not None, "nets of missions have priorities"
+        self.size = self._forgetting(space.encoding, space.stable).count()
+        self.graph = explored.on(self.encoding, partial(layout.opened, slots=layout.all_slots))
+        stable = self.graph.everything
         self.before = self.encoding.restricted(stable, [net.beginning])
         self.ended = {e: self.encoding.restricted(stable, [place]) for e, place in net.exits.items()}
         self.inside = stable - self.before
         for states in self.ended.values():
             self.inside -= states
 
-    def _forgetting(self, explored: SymbolicSpace) -> Zdd:
-        """The stable states as if what happens once had not happened yet."""
-        encoding, found = explored.encoding, explored.stable
-        assert found is not None, "nets of missions have priorities"
+    def _forgetting(self, encoding: Encoding, found: Zdd) -> Zdd:
+        """Stable states as if what happens once had not happened yet."""
         by_role = self.net.by_role
         for name in self.part.once:
             still, gone = (by_role[role, name][0] for role in ("open", "happened"))
@@ -115,16 +109,11 @@ class SectionType:
         return self.graph.after(states, *allowed.own)
 
     @remembered
-    def ending(self, goal: Zdd) -> Zdd:
-        """Markings from which internal evolution ends in a goal."""
-        return self.graph.ending(goal)
-
-    @remembered
     def before_step(self, goal: Zdd, allowed: Allowed) -> Zdd:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
-        return self.inside & self.graph.firing_into(self.ending(goal), *allowed.own)
+        return self.inside & self.graph.before(goal, *allowed.own)
 
     @remembered
     def crossing(
@@ -135,8 +124,7 @@ class SectionType:
         They are found by event of the local net, and by transition of the whole net, of hardware beside: of
         all but the section's own.
         """
-        ending, undoing = self.ending(goal), self.encoding.undoing
-        local = {t: ending.images([undoing[t]], within=among) for t in self.graph.waiting}
+        local = {t: self.graph.before(goal, [t]) & among for t in self.graph.waiting}
         beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
         return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
 
@@ -169,12 +157,12 @@ class SectionType:
     @remembered
     def entered(self, before: Zdd) -> Zdd:
         """First states inside after the section is entered in some states before it."""
-        return self.graph.settled(before.images([self.encoding.events[self.net.start]]))
+        return self.graph.after(before, [self.net.start])
 
     @remembered
     def entries(self, inside: Zdd) -> Zdd:
         """States before the section in which it is entered in some states inside."""
-        return self.graph.ending(inside).images([self.encoding.undoing[self.net.start]], within=self.before)
+        return self.graph.before(inside, [self.net.start]) & self.before
 
     @remembered
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
@@ -210,7 +198,7 @@ class SectionType:
             found[of, number][reverse == opposite].add(level)
         return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
 
-    def check_premise(self, section: str, explored: SymbolicSpace) -> None:
+    def check_premise(self, section: str, explored: Explored) -> None:
         """Checks on its local markings that a section hands on the status of its elements and nothing else.
 
         Raises:
@@ -224,7 +212,7 @@ class SectionType:
                 state = [level for level in found if level < self.layout.first_slot]
                 levels = {*state} ^ {*self._idle(exit_)}
                 levels = levels.difference(*chain(*self._changing)) or levels
-                space = DiagramAlternatives(explored)
+                space = explored.alternatives()
                 run = space.run(space.initial.pick() or (), space.single(state)) or []
                 events = [str(self.net.net.transitions[edge.transition].event) for edge in run]
                 first = min(self.encoding.places[level] for level in levels)

@@ -17,8 +17,8 @@ from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.sections import Element, LocalPart, Renaming, Used, exits_on
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
-from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.images import Bit
+from mcpn.space.local.exploring import explore_local
 from mcpn.space.local.layout import Layout, Toggle, remembered
 from mcpn.space.local.section_type import ALL, Allowed, Exit, SectionType
 
@@ -222,4 +222,11 @@ def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
     here = {BEGIN: mission_net.beginning, SUCCEED: mission_net.success, FAIL: mission_net.failure}[name]
     routes = {"success": mission_net.graph.entry} if name == BEGIN else {}
     places, transitions = [NOWHERE, here, NOWHERE, NOWHERE], [NOWHERE, mission_net.start][: 1 + len(routes)]
-    return Stage(name, SectionType(part, local, reach(net), layout), part, routes, places, transitions)
+    return Stage(
+        name,
+        SectionType(part, local, explore_local(net), layout),
+        part,
+        routes,
+        places,
+        transitions,
+    )

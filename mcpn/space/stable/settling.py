@@ -47,6 +47,7 @@ def settled(
     *,
     orders: Orders,
     max_states: int,
+    max_transient: int | None = None,
     progress: Progress | None = None,
 ) -> Exploration:
     """Runs events to completion, from stable marking to stable marking, in the kernel.
@@ -57,6 +58,8 @@ def settled(
         orders: In which orders internal transitions fire behind an event: in one; in enough of them to prove
             that all have one end; or in every one, which tests judge the former by.
         max_states: How many stable markings there may be.
+        max_transient: How many markings between them may be kept; by default a hundred times as many, and
+            100,000 at least.
         progress: Called now and then.
 
     Returns:
@@ -66,7 +69,7 @@ def settled(
         LimitError: A limit was hit.
     """
     begin = prepared.initial if marking is None else [p for p, tokens in enumerate(marking) if tokens]
-    most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT)
+    most = max(TRANSIENT_OF_A_STATE * max_states, LEAST_TRANSIENT) if max_transient is None else max_transient
     try:
         return prepared.kernel.settle(begin, orders, max_states, most, DEFAULT_MAX_MEMORY, progress)
     except (StateLimit, MemoryLimit) as error:
