@@ -222,7 +222,7 @@ def test_markings_in_rows_are_a_set() -> None:
                 row[bits[level] // 64] |= np.uint64(1 << bits[level] % 64)
         assert store.from_markings(rows, bits) == expected
         assert store.from_markings(rows[:0], bits) == store.empty()
-        for wrong in (bits[1:], [*bits[1:], rows.shape[1] * 64], [*bits[1:], -1]):
+        for wrong in (bits[1:], [*bits[1:], rows.shape[1] * 64], [*bits[1:], -2]):
             with pytest.raises(ValueError, match="bit"):
                 store.from_markings(rows, wrong)
 
