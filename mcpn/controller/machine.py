@@ -8,11 +8,13 @@ order (:mod:`mcpn.controller.actions`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
-from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.controller.actions import Action, Ordering
-from mcpn.controller.run import Runner
+from mcpn.controller.run import Passage, Runner
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.space.stable.alternatives import AlternativesGraph
@@ -72,23 +74,65 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
     Returns:
         One state for each stable marking, one edge for each event that it allows.
     """
-    markings = [alternatives.marking(state) for state in range(alternatives.states)]
-    packed = [sum(1 << place for place, tokens in enumerate(m) if tokens) for m in markings]
+    packed = [int.from_bytes(row.tobytes(), "little") for row in alternatives.markings]
     numbers = {marking: number for number, marking in enumerate(packed)}
-    states = tuple(situation(mission_net, marking) for marking in markings)
-    runner, ordering = Runner(mission_net), Ordering(mission_net.usage, mission_net.graph)
+    states = _situations(mission_net, packed)
+    runner, ordering = Runner(mission_net), _Ordered(mission_net, states)
+    offsets, targets = alternatives.offsets.tolist(), alternatives.targets.tolist()
+    labels, transitions = alternatives.labels.tolist(), alternatives.net.transitions
     edges = []
-    for source in range(alternatives.states):
-        for label, target in alternatives.successors(source):
-            event = alternatives.net.transitions[label].event
+    for source, marking in enumerate(packed):
+        for number in range(offsets[source], offsets[source + 1]):
+            label, target = labels[number], targets[number]
+            event = transitions[label].event
             assert event is not None
-            passage = runner.fire(packed[source], label)
+            passage = runner.fire(marking, label)
             # Only a section alone, listed without proof, may end elsewhere: in states that its mission never
             # enters, which are listed too, it need not be confluent.
             if passage.marking != packed[target]:
                 assert alternatives.proof is None, "every interleaving ends in the same stable marking"
                 target = numbers.get(passage.marking, target)
-            actions = tuple(ordering.actions(states[source], states[target], passage))
-            edges.append(Edge(source, event, label, target, actions))
-    waiting = frozenset(n for n, marking in enumerate(markings) if marking[mission_net.beginning])
+            edges.append(Edge(source, event, label, target, ordering.actions(source, target, passage)))
+    beginning = 1 << mission_net.beginning
+    waiting = frozenset(n for n, marking in enumerate(packed) if marking & beginning)
     return Machine(mission_net.mission.name, states, tuple(edges), waiting)
+
+
+def _situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situation, ...]:
+    """What some markings say, a bit for each place; those that say the same share it."""
+    speaking = sorted(mission_net.roles)
+    mask = sum(1 << place for place in speaking)
+
+    @cache
+    def said(marked: int) -> Situation:
+        return said_by(mission_net, [place for place in speaking if marked >> place & 1])
+
+    return tuple(said(marking & mask) for marking in packed)
+
+
+class _Ordered:
+    """The actions of events; those with the same reasons are put in order once.
+
+    Args:
+        mission_net: The net.
+        states: What each state is.
+    """
+
+    def __init__(self, mission_net: MissionNet, states: Sequence[Situation]) -> None:
+        self._ordering = Ordering(mission_net.usage, mission_net.graph)
+        self._states = states
+        numbers: dict[object, int] = {}
+        self._alike = [
+            numbers.setdefault((s.objectives, s.pending, s.done, tuple(s.mode.items())), len(numbers))
+            for s in states
+        ]
+        """By state, the number of all that actions depend on."""
+        self._known: dict[object, tuple[Action, ...]] = {}
+
+    def actions(self, source: int, target: int, passage: Passage) -> tuple[Action, ...]:
+        """The actions of an event between two states."""
+        key = self._alike[source], self._alike[target], passage.left, passage.idled
+        if key not in self._known:
+            before, after = self._states[source], self._states[target]
+            self._known[key] = tuple(self._ordering.actions(before, after, passage))
+        return self._known[key]

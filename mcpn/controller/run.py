@@ -12,7 +12,7 @@ machines made of either give the robot the same orders.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property, lru_cache, reduce
 from operator import or_
 
 from mcpn.errors import DivergenceError
@@ -50,6 +50,7 @@ class Runner:
     def __init__(self, mission_net: MissionNet) -> None:
         self.mission_net = mission_net
         self.masked = MaskedNet(mission_net.net)
+        self._covered = lru_cache(1)(self.masked.covered)  # a state's events are fired one after the other
 
     def stable(self) -> int:
         """The first stable marking."""
@@ -70,12 +71,12 @@ class Runner:
         Raises:
             DivergenceError: The internal run does not end.
         """
-        covered = self.masked.covered(marking)
+        covered = self._covered(marking)
         after, _ = self.masked.fire(marking, transition)
-        path = [(transition, marking, after)]
+        path = [(transition, after)]
         return self._complete(after, self.masked.covered_after(covered, after, transition), path)
 
-    def _complete(self, marking: int, covered: int, path: list[tuple[int, int, int]]) -> Passage:
+    def _complete(self, marking: int, covered: int, path: list[tuple[int, int]]) -> Passage:
         masked, turns = self.masked, self._turns
         fired: list[int] = []
         while enabled := masked.first(covered) & masked.internal:
@@ -83,20 +84,15 @@ class Runner:
             transition = (chosen & -chosen).bit_length() - 1
             after, _ = masked.fire(marking, transition)
             covered = masked.covered_after(covered, after, transition)
-            path.append((transition, marking, after))
+            path.append((transition, after))
             fired.append(transition)
             marking = after
             if len(fired) > MAX_FIRINGS:
                 raise DivergenceError(f"an internal run does not end within {MAX_FIRINGS} firings", [])
         left, idled = set[str](), set[str]()
-        for _, before, after in path:
-            gone = before & ~after & self._running
-            while gone:
-                lowest = gone & -gone
-                activity = self._activity[lowest.bit_length() - 1]
-                left.add(activity)
-                gone ^= lowest
-            for activity in left - idled:
+        for transition, after in path:
+            left.update(self._leaving[transition])
+            for activity in left - idled if left else ():
                 places, at_rest = self._control[activity]
                 if after & places == at_rest:
                     idled.add(activity)
@@ -110,8 +106,12 @@ class Runner:
         return {place: name.split(".", 1)[0] for place, name in self.mission_net.saying("active").items()}
 
     @cached_property
-    def _running(self) -> int:
-        return sum(1 << place for place in self._activity)
+    def _leaving(self) -> list[frozenset[str]]:
+        """By transition, the activities of which it leaves an alternative."""
+        return [
+            frozenset(self._activity[p] for p in t.consume if p in self._activity and p not in t.produce)
+            for t in self.mission_net.net.safe_transitions
+        ]
 
     @cached_property
     def _control(self) -> dict[str, tuple[int, int]]:
