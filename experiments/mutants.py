@@ -1,13 +1,16 @@
 """Changes mcpn at one place at a time and runs the tests of that place: which changes do they not notice?
 
 Usage: ``python experiments/mutants.py [--number N] [--seed S] [--folder F ...] [--since REVISION|DATE]
-[--seconds S] [--minutes M] [--list]``
+[--seconds S] [--minutes M] [--tests FILE ...] [--why] [--list]``
 
-Mutants are drawn so that each folder has its share of them. A mutant is run in a copy of the sources, with
-the profile ``smoke`` and the tests of its area (:data:`AREAS`); the environment's own mcpn is not touched.
-One line for each says ``killed``, ``timeout`` or ``survived``, the place and the change. A survivor may be
-equivalent to the original, or change a message or speed alone: somebody must look at it. With its defaults it
-takes up to half an hour; a mutant takes from seconds to two minutes.
+Mutants are drawn so that each folder has its share of them. Tests run in a copy of the sources, with the
+profile ``smoke``; the environment's own mcpn is not touched. First the tests of the areas of what is drawn
+(:data:`AREAS`) run without any change; if one fails, nothing else is done. It is noted which functions each
+test calls (``callers.py``), and a mutant is run with the tests that call what it changes, the shortest first,
+until one fails. One line for each says ``killed``, ``timeout``, ``survived`` or, where no test calls the
+function, ``not called``, with the place and the change. A survivor may be equivalent to the original, or
+change a message or speed alone: somebody must look at it. With its defaults it takes up to half an hour, and
+a few minutes before that; a mutant takes from seconds to two minutes.
 """
 
 from __future__ import annotations
@@ -16,6 +19,10 @@ import argparse
 import ast
 import contextlib
 import copy
+import importlib.util
+import json
+import math
+import multiprocessing
 import os
 import random
 import shutil
@@ -25,9 +32,14 @@ import sys
 import tempfile
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
+
+import hypothesis.strategies  # noqa: F401 # once, for the processes that run tests
+import lxml.etree  # noqa: F401
+import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("mcpn/space", "mcpn/check", "mcpn/controller", "mcpn/runtime", "mcpn/mission")
@@ -50,12 +62,18 @@ AREAS = {
     "mcpn/report": "tests/report tests/test_cli.py",
     "mcpn/cli": "tests/test_cli.py tests/test_cli_causes.py tests/test_cli_controllers.py",
 }
-"""The tests that should notice a change, by folder (the deepest that is listed), the likeliest first."""
+"""The tests that should notice a change, by folder (the deepest that is listed)."""
 
 ALONE = """import sys
 sys.meta_path[:] = [f for f in sys.meta_path if type(f).__name__ != "ScikitBuildRedirectingFinder"]
 """
 """For Python's start in the copy: an editable install would lead back to the checkout."""
+
+MOST_PAGES = 6 << 18
+"""Pages of memory of a run: what never ends may grow."""
+
+WHY = ("FAILED ", "ERROR ")
+"""How the lines begin that say which test noticed."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +87,7 @@ class Mutant:
         start: The first byte that is replaced.
         stop: The byte behind the last.
         text: What stands there then.
+        outside: Whether it is outside of functions.
     """
 
     path: str
@@ -77,6 +96,7 @@ class Mutant:
     start: int
     stop: int
     text: str
+    outside: bool = False
 
     def applied(self, source: bytes) -> bytes:
         """The file with the change."""
@@ -166,7 +186,7 @@ class _Sites(ast.NodeVisitor):
 
     def __init__(self, path: str, source: bytes) -> None:
         self.path, self.found, self.around = path, list[Mutant](), list[str]()
-        self.lines = [0]
+        self.lines, self.functions = [0], 0
         for line in source.splitlines(keepends=True):
             self.lines.append(self.lines[-1] + len(line))
 
@@ -179,6 +199,7 @@ class _Sites(ast.NodeVisitor):
             return
         named = isinstance(node, ast.FunctionDef | ast.ClassDef)
         self.around += [node.name] if named else []
+        self.functions += isinstance(node, ast.FunctionDef)
         for name, part in ast.iter_fields(node):
             if name in ("annotation", "returns", "decorator_list", "bases"):
                 continue
@@ -187,6 +208,7 @@ class _Sites(ast.NodeVisitor):
                     self.visit(child)
         if named:
             self.around.pop()
+            self.functions -= isinstance(node, ast.FunctionDef)
 
     def _messages(self, node: ast.AST) -> bool:
         match node:
@@ -207,7 +229,8 @@ class _Sites(ast.NodeVisitor):
             stop = self.lines[place.end_lineno - 1] + place.end_col_offset
             text = ast.unparse(new)
             text = f"({text})" if isinstance(place, ast.expr) and not isinstance(new, ast.Constant) else text
-            made = Mutant(self.path, place.lineno, ".".join(self.around) or "-", start, stop, text)
+            around, outside = ".".join(self.around) or "-", not self.functions
+            made = Mutant(self.path, place.lineno, around, start, stop, text, outside)
             if made not in self.found:
                 self.found.append(made)
 
@@ -263,65 +286,163 @@ def _log(since: str) -> list[str]:
 # --- the run of one --------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class Test:
+    """What a run of a test without any change showed.
+
+    Args:
+        name: As pytest calls it.
+        seconds: How long it took, its calls noted.
+        calls: By file, the functions of mcpn that it calls.
+    """
+
+    name: str
+    seconds: float
+    calls: Mapping[str, list[str]]
+
+
+def noticing(mutant: Mutant, tests: Iterable[Test], seconds: float = math.inf) -> list[str]:
+    """The tests that may notice a change: those that call what is changed.
+
+    What is outside of functions, or is called when its file is imported, concerns all that call some function
+    of the file.
+
+    Args:
+        mutant: The change.
+        tests: What each test calls; the one without a name is the import of all of them.
+        seconds: The shortest are taken until they took this long together; one at least.
+
+    Returns:
+        Their names, the files that take least first.
+    """
+    imported = any(not t.name and mutant.around in t.calls.get(mutant.path, ()) for t in tests)
+    concerned = [
+        test
+        for test in tests
+        if test.name
+        and mutant.path in test.calls
+        and (mutant.outside or imported or mutant.around in test.calls[mutant.path])
+    ]
+    files, spent = defaultdict[str, list[Test]](list), 0.0
+    for test in sorted(concerned, key=lambda test: test.seconds):
+        if spent and spent + test.seconds > seconds:
+            break
+        spent += test.seconds
+        files[test.name.partition("::")[0]].append(test)
+    ordered = sorted(files.values(), key=lambda some: sum(test.seconds for test in some))
+    return [test.name for some in ordered for test in some]
+
+
 def area(path: str, root: Path = ROOT) -> list[str]:
-    """The files of tests of a file; those that name its module come first."""
+    """The files of tests that should notice changes of a file."""
     folders = [str(parent) for parent in Path(path).parents]
     listed = next(AREAS[folder] for folder in folders if folder in AREAS).split()
-    each = [
-        [root / name] if name.endswith(".py") else sorted((root / name).rglob("test_*.py")) for name in listed
-    ]
-    files = dict.fromkeys(file for some in each for file in some if file.exists())
-    module = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
-    first = sorted(files, key=lambda file: f"{module} import" not in file.read_text())
-    return [str(file.relative_to(root)) for file in first]
+    each = [[root / name] if name.endswith(".py") else (root / name).rglob("test_*.py") for name in listed]
+    return sorted({str(file.relative_to(root)) for files in each for file in files if file.exists()})
 
 
-def copied(root: Path, to: Path) -> None:
-    """Copies what the tests need, with the kernel that is installed, to a folder."""
-    import mcpn._kernel
+class Copy:
+    """A copy of the sources with the kernel that is installed; tests run there, in processes of their own.
 
-    ignored = shutil.ignore_patterns("__pycache__", "*.so")
-    for name in COPIED:
-        if (root / name).is_dir():
-            shutil.copytree(root / name, to / name, ignore=ignored)
-        elif (root / name).exists():
-            shutil.copy(root / name, to / name)
-    kernel = Path(mcpn._kernel.__file__)
-    shutil.copy(kernel, to / "mcpn" / kernel.name)
-    (to / "sitecustomize.py").write_text(ALONE)
-    where = [sys.executable, "-c", "import mcpn._kernel; print(mcpn.__file__)"]
-    found = subprocess.run(where, cwd=to, env=_environment(to), capture_output=True, text=True, check=True)
-    if Path(found.stdout.strip()) != to / "mcpn" / "__init__.py":
-        raise SystemExit(f"not the copy is tested, but {found.stdout}")
+    Args:
+        folder: An empty folder for it.
+        root: The checkout.
 
+    Raises:
+        SystemExit: Python finds another mcpn there.
+    """
 
-def _environment(folder: Path) -> dict[str, str]:
-    changed = {"PYTHONPATH": str(folder), "HYPOTHESIS_PROFILE": "smoke", "PYTHONDONTWRITEBYTECODE": "1"}
-    # The folders of files that some tests need stand beside the checkout.
-    for variable, beside in (("MCPN_FAULTS", "faults"), ("MCPN_REFERENCE", "reference")):
-        if (found := ROOT.parent / "shared" / beside).is_dir():
-            changed[variable] = str(found)
-    return {**os.environ, **changed}
+    def __init__(self, folder: Path, root: Path = ROOT) -> None:
+        self.folder = folder
+        find = [sys.executable, "-c", "import mcpn._kernel; print(mcpn._kernel.__file__)"]
+        kernel = Path(subprocess.check_output(find, cwd=folder, text=True).strip())
+        ignored = shutil.ignore_patterns("__pycache__", "*.so")
+        for name in COPIED:
+            if (root / name).is_dir():
+                shutil.copytree(root / name, folder / name, ignore=ignored)
+            elif (root / name).exists():
+                shutil.copy(root / name, folder / name)
+        shutil.copy(kernel, folder / "mcpn" / kernel.name)
+        (folder / "sitecustomize.py").write_text(ALONE)
+        self.environment = {"PYTHONPATH": str(folder), "HYPOTHESIS_PROFILE": "smoke"}
+        # The folders of files that some tests need are beside the checkout.
+        for variable, beside in (("MCPN_FAULTS", "faults"), ("MCPN_REFERENCE", "reference")):
+            if (found := root.parent / "shared" / beside).is_dir():
+                self.environment[variable] = str(found)
+        told = subprocess.check_output(find, cwd=folder, env={**os.environ, **self.environment}, text=True)
+        if Path(told.strip()).parent != folder / "mcpn":
+            raise SystemExit(f"not the copy is tested, but {told}")
 
-
-def tested(folder: Path, tests: list[str], seconds: float) -> tuple[str, str]:
-    """Runs tests in a copy until one fails: how that ended, and the end of the output."""
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "--tb=line", "-p", "no:cacheprovider"]
-    command += ["-m", "not long and not slow", *tests]
-    with tempfile.TemporaryFile("w+") as out:
-        child = subprocess.Popen(
-            command, cwd=folder, env=_environment(folder), stdout=out, stderr=out, start_new_session=True
-        )
+    @contextlib.contextmanager
+    def changed(self, mutant: Mutant) -> Iterator[None]:
+        """The copy with a change. Bytecode goes: its time and size need not differ."""
+        path = self.folder / mutant.path
+        source, bytecode = path.read_bytes(), Path(importlib.util.cache_from_source(str(path)))
+        bytecode.unlink(missing_ok=True)
+        path.write_bytes(mutant.applied(source))
         try:
-            code = child.wait(seconds)
-        except subprocess.TimeoutExpired:
-            return "timeout", ""
+            yield
         finally:
+            path.write_bytes(source)
+            bytecode.unlink(missing_ok=True)
+
+    def tested(self, tests: Iterable[str], seconds: float, *more: str) -> tuple[str, str]:
+        """Runs tests until one fails.
+
+        Returns:
+            ``killed``, ``timeout`` or ``survived``, and the end of the output.
+        """
+        with tempfile.TemporaryFile("w+") as out:
+            child = multiprocessing.get_context("fork").Process(target=self._run, args=(out, [*more, *tests]))
+            child.start()
+            end, held = time.monotonic() + seconds, Path(f"/proc/{child.pid}/statm")
+            while child.is_alive() and time.monotonic() < end and _pages(held) <= MOST_PAGES:
+                child.join(0.5)
+            late = child.is_alive()
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(child.pid, signal.SIGKILL)
-            child.wait()
-        out.seek(0)
-        return ("survived" if code == 0 else "killed"), out.read()[-2000:]
+                os.killpg(child.pid or 0, signal.SIGKILL)
+            child.join()
+            out.seek(0)
+            said = "timeout" if late else "killed" if child.exitcode else "survived"
+            return said, out.read()[-2000:]
+
+    def _run(self, out: IO[str], arguments: list[str]) -> None:
+        """What the process does; pytest and hypothesis are imported already, mcpn is not."""
+        os.setsid()
+        os.dup2(out.fileno(), 1)
+        os.dup2(out.fileno(), 2)
+        os.chdir(self.folder)
+        os.environ |= self.environment
+        exec(ALONE, {})
+        sys.path[0] = str(self.folder)
+        fixed = [
+            "-q",
+            "-x",
+            "--tb=line",
+            "-p",
+            "no:warnings",
+            "-p",
+            "no:cacheprovider",
+            "-m",
+            "not long and not slow",
+        ]
+        sys.exit(pytest.main([*fixed, *arguments]))
+
+    def calls(self, tests: Iterable[str], seconds: float) -> list[Test] | str:
+        """Runs files of tests without any change: what each test calls; or how they fail."""
+        with tempfile.NamedTemporaryFile("r") as file:
+            sys.path.append(str(Path(__file__).parent))
+            said, output = self.tested(tests, seconds, "-p", "callers", "--callers", file.name)
+            if said != "survived":
+                return f"{output}\nwithout any change: {said}"
+            return [Test(*json.loads(line)) for line in file]
+
+
+def _pages(statm: Path) -> int:
+    """Pages in memory of a process, 0 where the system does not say."""
+    with contextlib.suppress(OSError):
+        return int(statm.read_text().split()[1])
+    return 0
 
 
 def main() -> int:
@@ -335,7 +456,8 @@ def main() -> int:
     parser.add_argument("--since", help="only files that changed since a revision of git, or a date")
     parser.add_argument("--seconds", type=float, default=120, help="for each mutant (default: 120)")
     parser.add_argument("--minutes", type=float, default=30, help="for all of them (default: 30)")
-    parser.add_argument("--tests", action="append", help="run these instead of those of the area")
+    parser.add_argument("--tests", action="append", help="files of tests, instead of those of the area")
+    parser.add_argument("--why", action="store_true", help="say which test noticed")
     parser.add_argument("--list", action="store_true", help="only say which mutants are drawn")
     asked = parser.parse_args()
     folders = [folder.rstrip("/") for folder in asked.folder or FOLDERS]
@@ -354,28 +476,28 @@ def main() -> int:
     if asked.list:
         print("\n".join(mutant.told(sources[mutant.path]) for mutant in chosen))
         return 0
-    end, counts, sound = time.monotonic() + 60 * asked.minutes, Counter[str](), set[str]()
+    counts = Counter[str]()
     with tempfile.TemporaryDirectory(prefix="mutants") as name:
-        folder = Path(name) / "source"
-        folder.mkdir()
-        copied(ROOT, folder)
+        copy_of, tests = Copy(Path(name)), asked.tests
+        files = tests or sorted({test for mutant in chosen for test in area(mutant.path)})
+        known = copy_of.calls(files, 60 * asked.minutes)
+        if isinstance(known, str):  # tests that fail anyway kill nothing
+            print(known, file=sys.stderr)
+            return 2
+        print(f"{len(known) - 1} tests without any change: passed", flush=True)
+        end = time.monotonic() + 60 * asked.minutes
         for mutant in chosen:
             if time.monotonic() > end:
                 break
-            tests = [*(asked.tests or area(mutant.path))]
-            if not sound.issuperset(tests):  # tests that fail anyway kill nothing
-                said, output = tested(folder, sorted(set(tests) - sound), 10 * asked.seconds)
-                if said != "survived":
-                    print(f"{output}\nwithout any change: {said}: {' '.join(tests)}", file=sys.stderr)
-                    return 2
-                sound |= set(tests)
-            source = sources[mutant.path]
-            (folder / mutant.path).write_bytes(mutant.applied(source))
-            said, _ = tested(folder, tests, asked.seconds)
-            (folder / mutant.path).write_bytes(source)
+            told, said = mutant.told(sources[mutant.path]), "not called"
+            if names := noticing(mutant, known, asked.seconds / 4):
+                with copy_of.changed(mutant):
+                    said, output = copy_of.tested(names, asked.seconds)
             counts[said] += 1
-            print(f"{said} {mutant.told(source)}", flush=True)
-    told = ", ".join(f"{counts[said]} {said}" for said in ("killed", "timeout", "survived"))
+            print(f"{said} {told}", flush=True)
+            if said == "killed" and asked.why:
+                print(*[line for line in output.splitlines() if line.startswith(WHY)], sep="\n", flush=True)
+    told = ", ".join(f"{counts[said]} {said}" for said in ("killed", "timeout", "survived", "not called"))
     print(f"{counts.total()} run: {told}")
     return 0
 

@@ -195,6 +195,33 @@ def confirm(asked: Asked) -> None:
             )
 
 
+@given(
+    missions(sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True)
+    | missions(max_objectives=2, max_sections=5, max_hardware=2, max_producers=1),
+    st.sampled_from(ENGINES),
+)
+def test_an_objective_is_entered_where_each_of_its_runs_begins(mission: Mission, engine: Engine) -> None:
+    found = small(mission, 400)
+    if found is None:
+        return
+    play, prospects = Play(found), Asked(found, engine).prospects
+    everything = play.reach([play.initial])
+    others = {str(t.event) for t in found.net.transitions} - {f"{h}_EV_OOS" for h in play.hardware}
+    for name, section in prospects.sections.items():
+        inside = [*prospects.places("objective", [name]), *prospects.places("pending", [name])]
+        begun = {
+            after
+            for before in everything
+            for happened, after in play.edges(before)
+            if any(after[p] for p in inside)
+            and (
+                not any(before[p] for p in inside)
+                or play.leaves(before, happened, after, f"OBJ_{name}")  # a try ends, or is interrupted
+            )
+        }
+        assert prospects.entered(section).count() == len(play.reach(begun, others))
+
+
 def pending(found: MissionNet, name: str) -> bool:
     return ("pending", name) in found.by_role
 
