@@ -1,19 +1,18 @@
-"""One event as the net does it: run to completion, all stopping before anything new is asked.
+"""One event as the net does it: run to completion.
 
 Where a net is confluent every interleaving of internal transitions ends in the same stable marking. What the
 controller must *do* depends on the way there: an activity that runs before and after the event may have gone
-on, or may have been stopped and started again. The run chosen here settles that: a transition that selects an
-alternative fires only where no other internal transition of its rank can. So all stops, releases and
-acknowledgements are over before anything new is asked of a resource, and an activity that passes through idle
-is *restarted*. This holds for the net of a mission and for that of one of its sections alike, so that
-machines made of either give the robot the same orders.
+on, or may have been stopped and started again; it is *restarted* where it passes through idle. The order in
+which internal transitions fire is that of their ranks, by which what is on its way comes first and suppliers
+come before their consumers; within a rank it makes no difference to what the robot is told (the tests draw it
+at random). This holds for the net of a mission and for that of one of its sections alike, so that machines
+made of either give the robot the same orders.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
-from operator import or_
+from functools import cached_property, lru_cache
 
 from mcpn.errors import DivergenceError
 from mcpn.net.compose import MissionNet
@@ -77,11 +76,10 @@ class Runner:
         return self._complete(after, self.masked.covered_after(covered, after, transition), path)
 
     def _complete(self, marking: int, covered: int, path: list[tuple[int, int]]) -> Passage:
-        masked, turns = self.masked, self._turns
+        masked = self.masked
         fired: list[int] = []
         while enabled := masked.first(covered) & masked.internal:
-            chosen = next(filter(None, (enabled & turn for turn in turns)))
-            transition = (chosen & -chosen).bit_length() - 1
+            transition = (enabled & -enabled).bit_length() - 1
             after, _ = masked.fire(marking, transition)
             covered = masked.covered_after(covered, after, transition)
             path.append((transition, after))
@@ -125,27 +123,3 @@ class Runner:
                     places, at_rest = found[name]
                     found[name] = places | 1 << number, at_rest | (place.initial and 1 << number)
         return found
-
-    @cached_property
-    def _turns(self) -> list[int]:
-        """The internal transitions, those first that fire before the others.
-
-        Last come those that select an alternative, which ask its resources or run it at once: suppliers
-        before their consumers.
-        """
-        selected = {**self.mission_net.saying("wait"), **self.mission_net.saying("active")}
-        usage = self.mission_net.usage
-        level: dict[str, int] = {}  # of each activity: how many suppliers stand one upon the other below it
-        for activity in usage.suppliers_first():
-            alternatives = range(len(usage.activities[activity].alternatives))
-            below = {supplier for i in alternatives for supplier in usage.suppliers(activity, i)}
-            level[activity] = 1 + max((level[supplier] for supplier in below), default=0)
-        asking: dict[int, int] = {}
-        for number, transition in enumerate(self.mission_net.net.safe_transitions):
-            begun = {selected[p] for p in transition.produce if p in selected}
-            carried = {selected[p] for p in transition.consume if p in selected}
-            for alternative in begun - carried:
-                turn = level[alternative.split(".", 1)[0]]
-                asking[turn] = asking.get(turn, 0) | 1 << number
-        others = self.masked.internal & ~reduce(or_, asking.values(), 0)
-        return [others, *(asking[turn] for turn in sorted(asking))]

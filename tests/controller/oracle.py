@@ -1,9 +1,7 @@
 """A controller without machine or tables: the net itself, fired by its plain definition.
 
-It shares no code with :mod:`mcpn.controller` but for the words of actions. Interleavings are drawn at random,
-but for one rule: transitions that select an alternative come last, and among them none of an activity while
-one that supplies it, directly or through others, has one. So it also shows that nothing else of the order
-matters.
+It shares no code with :mod:`mcpn.controller` but for the words of actions. Interleavings are drawn at random:
+so it also shows that their order, within a rank, makes no difference to what the robot is told.
 """
 
 from __future__ import annotations
@@ -13,7 +11,6 @@ import re
 
 from mcpn.net.compose import MissionNet
 
-SELECTS = re.compile(r"[_:]sel\d+$")
 BUSY = re.compile(r"[_:](Start|Stop|StartByRes|(eval|wait|active)\d+|error|refusing|running)$")
 
 
@@ -36,14 +33,6 @@ class NetRobot:
             of = place.provenance
             if of and of.kind in ("activity", "alternative") and BUSY.search(place.name):
                 self.own[of.name.split(".", 1)[0]].append(number)
-        makes = {k: a.name for a in mission_net.mission.activities for k in a.produces}
-        self.suppliers = {
-            a.name: {makes[k] for way in a.alternatives for k in way.consumes if k in makes}
-            for a in mission_net.mission.activities
-        }
-        for _ in self.suppliers:  # transitively
-            for below in self.suppliers.values():
-                below |= {s for activity in below for s in self.suppliers[activity]}
         self.complete()
 
     @property
@@ -110,17 +99,4 @@ class NetRobot:
             enabled = [t for t in self.net.enabled(self.marking) if self.net.transitions[t].internal]
             if not enabled:
                 return
-            self.fire(self.rng.choice(self.first(enabled)), left, idle)
-
-    def first(self, enabled: list[int]) -> list[int]:
-        """Those that may fire before the others, as the rule above says."""
-        selects = {t: activity for t in enabled if (activity := self.selecting(t))}
-        others = [t for t in enabled if t not in selects]
-        return others or [t for t, a in selects.items() if self.suppliers[a].isdisjoint(selects.values())]
-
-    def selecting(self, transition: int) -> str | None:
-        """The activity of which a transition selects an alternative."""
-        of = self.net.transitions[transition]
-        if of.provenance and of.provenance.kind in ("activity", "alternative") and SELECTS.search(of.name):
-            return of.provenance.name.split(".", 1)[0]
-        return None
+            self.fire(self.rng.choice(enabled), left, idle)
