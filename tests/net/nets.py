@@ -185,35 +185,41 @@ def cascades(draw: st.DrawFn) -> PetriNet:
     """Nets of ranks whose transitions bring about others, which compete; 1-safe, and what fires ends.
 
     An event marks starts and tokens to compete for. Transitions of later ranks each take a start and mark a
-    place of their own; others, mostly of the first rank, follow on these, and take or read what is competed
-    for, as some of the former do. So a conflict between two is open where others bring them about.
+    place of their own; others, mostly of the first rank, follow on these or on one another, and take or read
+    what is competed for, as some of the former do. So a conflict between two is open where others bring them
+    about, at once or by several steps.
     """
     builder = NetBuilder("cascades", priorities=True)
-    rivals = [f"c{i}" for i in range(draw(st.integers(1, 2)))]
-    starts = [f"s{i}" for i in range(draw(st.integers(2, 3)))]
+    rivals = [f"c{i}" for i in range(draw(st.sampled_from([1, 1, 2])))]
+    starts = [f"s{i}" for i in range(draw(st.sampled_from([2, 2, 3])))]
     builder.place("begin", initial=1)
     for name in (*rivals, *starts):
         builder.place(name)
     builder.transition("go", consume=["begin"], produce=[*rivals, *starts], event=Event.parse("GO"))
-    brought, wanted = list[str](), st.lists(st.sampled_from(rivals), max_size=1)
+    brought, taken, wanted = list[str](), set[str](), st.lists(st.sampled_from(rivals), max_size=1)
     for number, start in enumerate(starts):
         builder.place(f"q{number}")
         takes = [start, *(draw(wanted) if draw(st.integers(0, 2)) == 0 else ())]
         rank = draw(st.sampled_from([1, 1, 1, 2]))
         builder.transition(f"first{number}", consume=takes, produce=[f"q{number}"], rank=rank)
         brought.append(f"q{number}")
-    for number in range(draw(st.integers(1, 3))):
+    for number in range(draw(st.integers(2, 4))):
         builder.place(f"r{number}")
-        takes = draw(st.lists(st.sampled_from(brought), min_size=1, max_size=2, unique=True))
+        last = [place for place in brought if place not in taken] or brought
+        takes = [draw(st.sampled_from(last))]
+        if draw(st.integers(0, 4)) == 0:
+            takes = draw(st.lists(st.sampled_from(brought), min_size=1, max_size=2, unique=True))
+        taken.update(takes)
         asked = draw(wanted)
-        reads = draw(st.integers(0, 3)) == 0
+        reads = draw(st.integers(0, 5)) == 0
         builder.transition(
             f"then{number}",
             consume=[*takes, *(() if reads else asked)],
             read=asked if reads else [],
             produce=[f"r{number}"],
-            rank=draw(st.sampled_from([0, 0, 0, 1])),
+            rank=draw(st.sampled_from([0, 0, 0, 0, 1])),
         )
+        brought.append(f"r{number}")
     return builder.build()
 
 

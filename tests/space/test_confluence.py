@@ -142,6 +142,16 @@ def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -
     assert ends == [confluent] * len(ends)
 
 
+@settings(max_examples=max(settings().max_examples, 500))  # nets of a few dozen markings
+@given(cascades())
+def test_where_no_conflict_is_open_the_end_is_one(drawn: PetriNet) -> None:
+    """What follows several steps brings about conflicts that each step alone does not."""
+    space = reach(drawn)
+    if next(open_conflicts(space.encoding, space.reachable), None) is None:
+        event("nothing is open")
+        by_reduction(explore(drawn))
+
+
 @pytest.mark.parametrize(("endless", "forks"), [(True, False), (False, True), (True, True)])
 def test_runs_of_an_error_behind_events(endless: bool, forks: bool) -> None:
     builder = NetBuilder("behind", priorities=True)
