@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import reduce
+from operator import or_
 
 import numpy as np
 import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
+from mcpn._kernel import Zdd
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, SemanticsError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
-from mcpn.net.petri import NetBuilder, PetriNet
+from mcpn.net.petri import Marking, NetBuilder, PetriNet
+from mcpn.space.diagrams.evolution import leading
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
@@ -30,7 +34,7 @@ from mcpn.space.stable.nearest import fault_by, nearest_fault
 from mcpn.space.stable.ranks import open_conflicts
 from mcpn.space.stable.settling import fault_after
 from mcpn.testing import missions
-from tests.net.nets import cascades, conflicting_nets, nets, reachable, reordered
+from tests.net.nets import cascades, conflicting_nets, graph_of, nets, reachable, reordered
 from tests.shares import returns_early
 
 
@@ -140,6 +144,32 @@ def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -
             ends_differ(net, error)
             ends.append(False)
     assert ends == [confluent] * len(ends)
+
+
+@settings(max_examples=max(settings().max_examples, 200))  # nets of a few markings
+@given(nets(max_places=5, max_transitions=7, ranks=True) | conflicting_nets(ranks=3), st.integers(0, 2**32))
+def test_internal_runs_are_followed_back_by_rank(drawn: PetriNet, seed: int) -> None:
+    net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
+    graph = graph_of(net)
+    if graph is None or not reachable(net)[2]:
+        event("not 1-safe")
+        return
+    space, markings = reach(net), sorted(graph)
+    internal = {m: [a for t, a in after if net.transitions[t].internal] for m, after in graph.items()}
+    stable = {m for m in markings if not internal[m]}
+
+    def leading_to(goal: set[Marking]) -> set[Marking]:
+        while more := {m for m in markings if m not in goal and not goal.isdisjoint(internal[m])}:
+            goal = goal | more
+        return goal
+
+    def told(some: Iterable[Marking]) -> Zdd:
+        return reduce(or_, map(space.encoding.set_of, some), space.encoding.store.empty())
+
+    assert space.endless == told(set(markings) - leading_to(stable))
+    goal = {random.Random(seed).choice(markings)}
+    found = leading(space.encoding, told(goal), space.allowed)
+    assert found & space.reachable == told(leading_to(goal))
 
 
 @settings(max_examples=max(settings().max_examples, 500))  # nets of a few dozen markings

@@ -63,7 +63,7 @@ class _Patterns:
     def of(self, marking: Marking) -> tuple[list[int], list[int]]:
         """Places that are marked, and that are not, in all markings that evolve as this one does."""
         within, firing = self._may_be_marked(marking)
-        told = {p for t in firing for p in (*self.needs[t], *self.net.safe_transitions[t].produce)}
+        told = {p for t in firing for p in self.needs[t]}
         # Of the places that keep a transition from ever firing those that keep most of them are named.
         lacking = {t: [p for p in self.needs[t] if p not in within] for t in self.internal if t not in firing}
         common = Counter(p for places in lacking.values() for p in places)
