@@ -135,7 +135,6 @@ class Joining:
                 ahead.fire(alone)
             elif internal[0]:
                 behind.fire(internal[0])
-                ahead.fire(internal[0])
             else:
                 break
         one, other = (side.run for side in sides)
@@ -191,7 +190,7 @@ class Joining:
         needed = made = 0
         for t in run:
             needed |= masked.need[t] & ~made
-            made = made & ~masked.take[t] | masked.put[t]
+            made |= masked.put[t]  # what is taken again is asked for no more, since the run can fire
         return needed
 
     def parting_behind(self, marking: int, most: int) -> tuple[list[int], int, Parting | None]:
