@@ -414,7 +414,7 @@ class Copy:
         os.chdir(self.folder)
         os.environ |= self.environment
         exec(ALONE, {})
-        sys.path[0] = str(self.folder)
+        sys.path.insert(0, str(self.folder))
         fixed = [
             "-q",
             "-x",
