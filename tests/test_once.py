@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
 
 from mcpn.check.spaces import Choice, Engine, space_of
 from mcpn.check.verdicts.mission import check
@@ -17,7 +18,7 @@ from mcpn.controller.minimise import minimise
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.errors import McpnError
+from mcpn.errors import LimitError, McpnError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
@@ -32,6 +33,9 @@ from tests.controller.test_lockstep import walk
 from tests.controller.test_python import Generated
 from tests.controller.test_scxml import check as check_scxml
 from tests.controller.traces import Traced, random_events
+from tests.draws import composed
+from tests.judge.drawn import IN_ROUNDS
+from tests.shares import returns_early
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 
@@ -252,6 +256,29 @@ def test_machines_do_not_grow_by_what_has_happened(count: int, tmp_path: Path) -
     assert (controller.states, len(controller.types)) == (3, 1)
     # Two entries. While it runs h fails, it succeeds or fails; in error it fails, h comes back or goes.
     assert controller.moves == 2 + (3 + 2 + 2) + 3 * count
+
+
+@given(IN_ROUNDS, st.integers(0, 2**32))
+def test_programs_and_snapshots_know_what_has_happened(mission: Mission, seed: int) -> None:
+    found = composed(mission)
+    try:
+        controller = generate(found, max_states=2000)
+    except (LimitError, SemanticsError) as error:
+        returns_early(type(error).__name__)
+        return
+    traced = Traced(document(controller, found))
+    events = random_events(traced, random.Random(seed), 100)
+    traced.restart()
+    expected = traced.lines(events)
+    assert Generated(next(iter(files(controller, found, "python").values()))).lines(events) == expected
+    traced.restart()
+    again = list[str]()
+    for happened in events:
+        again += traced.lines([happened])
+        at = traced.controller.snapshot()
+        traced.restart()
+        traced.controller.restore(at)
+    assert again == expected
 
 
 @given(missions(max_events=2))

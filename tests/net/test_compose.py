@@ -35,8 +35,10 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.markings.graph import StateGraph
 from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.testing import Shape, missions
+from mcpn.testing.data import data_sharing_missions
 from tests.draws import fewer
 from tests.net.promises import check_promises
+from tests.shares import returns_early
 from tests.small import activity, hw, robot
 
 LIMIT = 40_000
@@ -218,6 +220,18 @@ def test_a_mission_in_which_nothing_contends_is_confluent(mission: Mission) -> N
         return
     check_promises(found, markings)
     by_reduction(markings)
+
+
+@settings(max_examples=max(settings().max_examples, 100))  # one mission in twenty tells an early stop
+@given(data_sharing_missions())
+def test_branches_that_share_data_are_confluent(mission: Mission) -> None:
+    """The theorem where producers go on, stop and change their alternatives beside one another."""
+    found = compose(mission)
+    assert found.usage.contentions == ()
+    try:
+        direct(found.net, max_states=1500)
+    except LimitError as error:
+        returns_early(type(error).__name__)
 
 
 @fewer(0.5)
