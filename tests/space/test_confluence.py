@@ -147,7 +147,7 @@ def test_conflicts_are_judged_alike_in_every_order(drawn: PetriNet, seed: int) -
 
 
 @settings(max_examples=max(settings().max_examples, 200))  # nets of a few markings
-@given(nets(max_places=5, max_transitions=7, ranks=True) | conflicting_nets(ranks=3), st.integers(0, 2**32))
+@given(nets(max_places=5, max_transitions=7) | conflicting_nets(ranks=3), st.integers(0, 2**32))
 def test_internal_runs_are_followed_back_by_rank(drawn: PetriNet, seed: int) -> None:
     net = PetriNet(drawn.name, drawn.places, drawn.transitions, priorities=True)
     graph = graph_of(net)
