@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
@@ -19,12 +20,14 @@ from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
 from mcpn.check.spaces import Engine
+from mcpn.check.verdicts.modes import situation
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import Activity, Alternative, Handler, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
-from mcpn.net.events import What
+from mcpn.net.events import Event, What
 from mcpn.net.mortal import mortal
+from mcpn.net.petri import Marking
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
@@ -220,6 +223,66 @@ def test_an_objective_is_entered_where_each_of_its_runs_begins(mission: Mission,
             )
         }
         assert prospects.entered(section).count() == len(play.reach(begun, others))
+
+
+@settings(max_examples=max(settings().max_examples, 60))  # of few the critical mode says something
+@given(
+    missions(max_objectives=2, max_sections=3, max_hardware=3, max_producers=1, max_activities=3)
+    | fragile_missions(max_objectives=2, max_sections=3, max_hardware=3),
+    st.sampled_from(ENGINES),
+    st.booleans(),
+)
+def test_critical_events_are_those_of_plain_search(mission: Mission, engine: Engine, repairs: bool) -> None:
+    found = small(mission, 200)
+    if found is None:
+        return
+    play, asked = Play(found), Asked(found, engine)
+    dead = frozenset[str]() if repairs else frozenset(play.hardware)
+    makers = {k: a for a in mission.activities for k in a.produces}
+
+    def under(resource: str) -> set[str]:
+        ways = makers[resource].alternatives if resource in makers else ()
+        return {resource}.union(*(under(k) for way in ways for k in way.consumes))
+
+    def concerned(of: Event) -> set[str]:
+        """Those whose alternatives differ in the hardware, or those of the objective that ends."""
+        if of.what in (What.SUCCESS, What.FAILURE):
+            return set(asked.prospects.sections[of.element].activities)
+        differing = set()
+        for name in found.usage.started:
+            (activity,) = (a for a in mission.activities if a.name == name)
+            ways = [set[str]().union(*map(under, way.consumes)) for way in activity.alternatives]
+            if len({of.element in way for way in ways}) == 2:
+                differing.add(name)
+        return differing if of.what in (What.OUT_OF_SERVICE, What.REPAIRED) else set()
+
+    def expected(name: str | None) -> Counter[tuple[str, frozenset[str], frozenset[tuple[str, str]]]]:
+        runs = play.marks(f"OBJ_{name}") if name else lambda m: not play.marks("MISSION_success")(m)
+        told = Counter[tuple[str, frozenset[str], frozenset[tuple[str, str]]]]()
+        survives: dict[Marking, bool] = {}
+        for before in play.reach([play.initial]):
+            for text, after in play.edges(before):
+                if not runs(before) or not runs(after) or (not repairs and text.endswith("_EV_RD")):
+                    continue
+                if name and play.leaves(before, text, after, f"OBJ_{name}"):
+                    continue
+                for m in (before, after):
+                    if m not in survives:
+                        survives[m] = (
+                            play.objective_survives(m, name, dead) if name else play.mission_survives(m, dead)
+                        )
+                if survives[before] and not survives[after]:
+                    said = situation(found, before)
+                    those = concerned(Event.parse(text))
+                    mode = frozenset((a, way) for a, way in said.mode.items() if a in those)
+                    told[text, frozenset(said.objectives), mode] += 1
+        return told
+
+    for name in (None, *asked.prospects.objectives):
+        told = asked.prospects.critical(asked.goal(name), repairs=repairs)
+        assert {
+            (str(c.event), frozenset(c.objectives), frozenset(c.mode.items())): c.edges for c in told
+        } == expected(name)
 
 
 def pending(found: MissionNet, name: str) -> bool:

@@ -126,7 +126,7 @@ def test_twins_are_merged_and_one_difference_keeps_them_apart(
 
 
 @given(machines(), st.data())
-def test_a_quotient_keeps_the_guards_and_actions(machine: SectionMachine, data: st.DataObject) -> None:
+def test_a_quotient_keeps_entries_guards_and_actions(machine: SectionMachine, data: st.DataObject) -> None:
     guards = st.sampled_from([Guard(), Guard(("handler",), ()), Guard((), ("handler",))])
     moves = tuple(replace(move, guard=data.draw(guards)) for move in machine.moves)
     machine = replace(machine, moves=moves)
@@ -143,6 +143,9 @@ def test_a_quotient_keeps_the_guards_and_actions(machine: SectionMachine, data: 
     own = list(range(len(small.states)))
     for state, of in enumerate(classes):
         assert said(machine, state, classes) == said(small, of, own)
+    for before, after in zip(machine.entries, small.entries, strict=True):
+        assert before is not None
+        assert after == replace(before, target=classes[before.target])
 
 
 def test_the_gain_on_ulysse(ulysse_net: MissionNet) -> None:
