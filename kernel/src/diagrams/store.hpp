@@ -92,8 +92,15 @@ class Store {
   bool possible(std::uint32_t suffix, const std::vector<bool>& support) const;  // no level wanted that none marks
   bool pick(Node a, std::vector<Level>& marking);
   std::vector<std::uint32_t> table(Node a);  // triples (level, lo, hi), children first; 0 and 1 are the terminals
-  Node from_rows(const std::uint64_t* rows, std::size_t count, std::size_t words, const std::vector<std::int64_t>& bits);
+  // Markings given as bit sets, by level; `bits` says by level which bit tells of it, -1 that it is unmarked. 64 levels
+  // are a word, the first in the highest bit.
+  std::vector<std::uint64_t> keys_of(const std::uint64_t* rows, std::size_t count, std::size_t words,
+                                     const std::vector<std::int64_t>& bits);
+  Node from_keys(const std::vector<std::uint64_t>& keys, const std::vector<std::uint32_t>& rows);  // of some; again, too
   Node from_table(const std::vector<std::uint32_t>& rows);  // the set of the last triple, the others being parts of it
+
+  static constexpr Level kAtATime = 64;
+  std::size_t chunks() const { return (std::size_t(levels) + kAtATime - 1) / kAtATime; }
 
   // --- life ---
   void keep(Node a) {

@@ -203,29 +203,37 @@ Node Store::beyond(Node a, Node from, const std::vector<std::uint32_t>& events) 
   return minus(a, made);
 }
 
-// The set of markings given as bit sets; `bits` says by level which bit tells of it, -1 that it is unmarked.
-// Rows may come again.
-//
-// Rows are sorted by their next 64 levels at a time, the first level in the highest bit. Then those that share a node
-// stand together, and where the first and the last of them differ first, the node branches.
-Node Store::from_rows(const std::uint64_t* rows, std::size_t count, std::size_t words,
-                      const std::vector<std::int64_t>& bits) {
-  struct Row { std::uint64_t key; std::uint32_t row; };
-  constexpr Level kAtATime = 64;
+std::vector<std::uint64_t> Store::keys_of(const std::uint64_t* rows, std::size_t count, std::size_t words,
+                                          const std::vector<std::int64_t>& bits) {
+  const std::size_t each = chunks();
   Scratch scratch(*this);
-  scratch.take(count * sizeof(Row));
-  std::vector<Row> sorted(count);
-  for (std::size_t i = 0; i < count; ++i) sorted[i].row = std::uint32_t(i);
+  scratch.take(count * each * sizeof(std::uint64_t));
+  std::vector<std::uint64_t> keys(count * each);
+  for (std::size_t row = 0; row < count; ++row) {
+    count_step();
+    for (Level at = 0; at < levels; ++at)
+      if (bits[at] >= 0 && rows[row * words + std::size_t(bits[at]) / 64] >> bits[at] % 64 & 1)
+        keys[row * each + at / kAtATime] |= std::uint64_t(1) << (kAtATime - 1 - at % kAtATime);
+  }
+  return keys;
+}
+
+// Rows are sorted by their next 64 levels at a time. Then those that share a node stand together, and where the first
+// and the last of them differ first, the node branches.
+Node Store::from_keys(const std::vector<std::uint64_t>& keys, const std::vector<std::uint32_t>& rows) {
+  struct Row { std::uint64_t key; std::uint32_t row; };
+  const std::size_t each = chunks();
+  Scratch scratch(*this);
+  scratch.take(rows.size() * sizeof(Row));
+  std::vector<Row> sorted(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) sorted[i].row = rows[i];
   const auto sort = [&](Row* first, Row* last, Level from) {
-    const Level to = std::min(levels, from + kAtATime);
-    for (Row* each = first; each != last; ++each) {
+    for (Row* at = first; at != last; ++at) {
       count_step();
-      const std::uint64_t* row = rows + each->row * words;
-      each->key = 0;
-      for (Level at = from; at < to; ++at)
-        if (bits[at] >= 0) each->key |= (row[std::size_t(bits[at]) / 64] >> bits[at] % 64 & 1) << (kAtATime - 1 - (at - from));
+      at->key = keys[at->row * each + from / kAtATime];
     }
-    std::sort(first, last, [](const Row& one, const Row& other) { return one.key < other.key; });
+    if (last - first > 1)
+      std::sort(first, last, [](const Row& one, const Row& other) { return one.key < other.key; });
   };
   // Levels from `from` on of rows that are sorted by them, all alike in the bits above `left`.
   auto build = [&](auto&& self, Row* first, Row* last, Level from, unsigned left) -> Node {
@@ -249,9 +257,10 @@ Node Store::from_rows(const std::uint64_t* rows, std::size_t count, std::size_t 
     for (; shared; shared &= shared - 1) node = make(from + kAtATime - 1 - Level(std::countr_zero(shared)), 0, node);
     return node;
   };
-  if (count == 0) return 0;
-  sort(sorted.data(), sorted.data() + count, 0);
-  return build(build, sorted.data(), sorted.data() + count, 0, kAtATime);
+  if (rows.empty()) return 0;
+  if (levels == 0) return 1;
+  sort(sorted.data(), sorted.data() + sorted.size(), 0);
+  return build(build, sorted.data(), sorted.data() + sorted.size(), 0, kAtATime);
 }
 
 }  // namespace mcpn

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "diagrams/store.hpp"
@@ -155,10 +156,17 @@ template <class F> Handle computed(const std::shared_ptr<PyStore>& owner, F body
   return {owner, result};
 }
 
+Handle from_rows(const std::shared_ptr<PyStore>& s, const std::uint64_t* rows, std::size_t count, std::size_t words,
+                 const std::vector<std::int64_t>& bits) {
+  std::vector<std::uint32_t> all(count);
+  std::iota(all.begin(), all.end(), 0u);
+  return computed(s, [&](Store& store) { return store.from_keys(store.keys_of(rows, count, words, bits), all); });
+}
+
 // An exploration whose markings Python has not taken.
 const Exploration& checked(const Exploration& found) {
-  if (found.markings.size() != found.states() * found.words) throw std::invalid_argument("the markings were taken");
-  return found;
+  if (found.markings.size() == found.states() * found.words) return found;
+  throw std::invalid_argument("the markings were taken");
 }
 
 using ToldChange = std::tuple<std::uint32_t, std::vector<std::uint32_t>, std::vector<std::uint32_t>, Handle>;
@@ -167,20 +175,16 @@ using ToldChange = std::tuple<std::uint32_t, std::vector<std::uint32_t>, std::ve
 std::optional<std::vector<ToldChange>> told_changes(const std::shared_ptr<PyStore>& s, const Exploration& found,
                                                     const std::vector<std::int64_t>& bits, std::size_t most) {
   s->check_bits(bits, found.words);
-  if (found.offsets.size() != found.states() + 1 || found.labels.size() != found.edges || found.targets.size() != found.edges)
-    throw std::invalid_argument("an exploration without its edges");
+  const bool edges = found.offsets.size() == found.states() + 1 && found.labels.size() == found.edges;
+  if (!edges || found.targets.size() != found.edges) throw std::invalid_argument("an exploration without its edges");
   auto all = changes(checked(found), most);
   if (!all) return std::nullopt;
+  std::vector<std::uint64_t> keys;
+  s->run([&] { s->store.begin(); keys = s->store.keys_of(found.markings.data(), found.states(), found.words, bits); });
   std::vector<ToldChange> told;
-  std::vector<Word> rows;
   for (Change& change : *all) {
-    rows.clear();
-    for (const State source : change.sources) {
-      const Word* row = found.markings.data() + std::uint64_t(source) * found.words;
-      rows.insert(rows.end(), row, row + found.words);
-    }
-    const auto build = [&](Store& store) { return store.from_rows(rows.data(), change.sources.size(), found.words, bits); };
-    told.emplace_back(change.label, std::move(change.lost), std::move(change.gained), computed(s, build));
+    Handle sources = computed(s, [&](Store& store) { return store.from_keys(keys, change.sources); });
+    told.emplace_back(change.label, std::move(change.lost), std::move(change.gained), sources);
   }
   return told;
 }
@@ -361,11 +365,11 @@ void bind_diagrams(nb::module_& module) {
         const std::size_t count = rows.shape(0), words = rows.shape(1);
         s->check_bits(bits, words);
         if (count > 0xFFFFFFFFu) throw std::invalid_argument("more markings than 32 bits can name");
-        return computed(s, [&](Store& store) { return store.from_rows(rows.data(), count, words, bits); });
+        return from_rows(s, rows.data(), count, words, bits);
       }, nb::arg("rows"), nb::arg("bits"))
       .def("from_exploration", [](const std::shared_ptr<PyStore>& s, const Exploration& found, const std::vector<std::int64_t>& bits) {
         s->check_bits(bits, found.words);
-        return computed(s, [&](Store& store) { return store.from_rows(checked(found).markings.data(), found.states(), found.words, bits); });
+        return from_rows(s, checked(found).markings.data(), found.states(), found.words, bits);
       }, nb::arg("exploration"), nb::arg("bits"))
       .def("changes", &told_changes, nb::arg("exploration"), nb::arg("bits"), nb::arg("most"))
       .def("event", [](PyStore& s, const Levels& consume, const Levels& produce, const Levels& read, const Levels& zero) {
