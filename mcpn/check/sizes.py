@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -68,9 +69,12 @@ def sizes(
         return SpaceSummary(*own, None, None, count, None, None, None, None, choice.engine, seconds)
 
     def soon(choice: Choice) -> SpaceSummary:
-        if choice.engine != "local":
+        if choice.engine == "symbolic":
             return markings(choice)
         try:
+            if choice.brief:
+                with suppress(LimitError):  # stable states alone are few
+                    return markings(replace(choice, max_states=choice.max_markings))
             return stable(choice)
         except (ConfluenceError, DivergenceError) as error:  # markings there are all the same
             raise LimitError(str(error)) from error

@@ -1,15 +1,14 @@
 """Who makes the space that a question is asked of: the one place where questions meet the engines.
 
-Where nobody names an engine, static facts choose first, then who gives an answer. A small markings graph is
-listed: that is quick, people see its size, and its runs are shortest. A larger one is held by sections; where
-composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all markings.
+Where nobody names an engine, static facts choose first, then who gives an answer. Stable states are listed
+with their proof where they are few: that is quick, and its runs are shortest. More are held by sections;
+where composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all markings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 from mcpn.errors import InputError, LimitError, PremiseError
@@ -35,11 +34,17 @@ Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
 Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
 """An engine by name, or ``auto``."""
 
-SMALL = 100_000
-"""Markings up to which a markings graph is listed without being asked for."""
+FEW = 100_000
+"""Stable states times sections up to which stable states are listed without being asked for.
 
-TRANSIENT = 40
-"""Markings to expect for each section and set of hardware; missions have 50 to 1,000."""
+What is asked of each section, as causes are, costs that product where states are listed.
+"""
+
+EXPECTED = 2
+"""Stable states to expect at least for each section and set of hardware; most missions have 2 to 10."""
+
+SMALL = 100_000
+"""Markings up to which they are listed, too, where their number is asked for or an event has two outcomes."""
 
 Found = TypeVar("Found")
 
@@ -52,12 +57,14 @@ class Choice:
         engine: The engine.
         why: Why this one; ``None`` where it was named.
         max_states: Its limit on states that are listed; ``None`` for its own.
-        brief: Whether it ends soon, whatever the mission is: it lists the markings, of which there are few.
+        max_markings: The same of markings that are listed beside stable states; ``None`` for no other.
+        brief: Whether it ends soon, whatever the mission is: it lists stable states, of which there are few.
     """
 
     engine: Engine
     why: str | None = None
     max_states: int | None = None
+    max_markings: int | None = None
     brief: bool = False
 
     def __str__(self) -> str:
@@ -129,19 +136,20 @@ def _choices(
         yield Choice("symbolic", "a diagram holds all markings, however many they are", max_states)
         yield Choice("explicit", max_states=max_states)
         return
-    limit = SMALL if max_states is None else min(SMALL, max_states)
     sections = len(mission_net.graph.sections)
-    many = _too_much_hardware(mission_net, limit) or _many_sections(mission_net)
+    most = FEW if max_states is None else max_states
+    limit = min(FEW // max(sections, 1), most)
+    many = _too_much_hardware(mission_net, limit) or _many_sections(mission_net, limit)
     if many is None:
-        yield Choice("explicit", "the markings graph is small", limit, brief=True)
-        many = f"there are more than {limit} markings"
+        yield Choice("explicit", "the stable states are few", limit, min(SMALL, most), brief=True)
+        many = f"there are more than {limit} stable states"
     own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
     yield Choice("local", f"{many}, so {own} explored on its own", max_states)
     yield Choice("symbolic", max_states=max_states)
 
 
 def expected_small(mission_net: MissionNet, max_states: int | None = None) -> bool:
-    """Whether a mission is listed marking by marking before anything else is tried."""
+    """Whether the stable states of a mission are listed before anything else is tried."""
     return next(_choices(mission_net, "auto", "alternatives", max_states)).brief
 
 
@@ -154,18 +162,16 @@ def _too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
     return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
 
 
-def _many_sections(mission_net: MissionNet) -> str | None:
-    """Why a mission is not expected to be small, where that is not worth finding out by listing.
+def _many_sections(mission_net: MissionNet, limit: int) -> str | None:
+    """Why a mission is expected to have more stable states than a limit, where listing need not find it out.
 
-    In each section that is entered any set of hardware may be out of service, each in a stable state of its
-    own, with transient markings on the ways to it.
+    In each section that is entered any set of hardware may be out of service, in stable states of their own.
     """
     faulty, sections = sum(h.faulty for h in mission_net.mission.hardware), len(mission_net.graph.sections)
-    if 2**faulty * sections * TRANSIENT <= SMALL:
+    if 2**faulty * sections * EXPECTED <= limit:
         return None
-    return (
-        f"{faulty} hardware resources that may fail in {sections} sections are expected to have many markings"
-    )
+    many = f"{faulty} hardware resources that may fail in {sections} sections are expected to have many"
+    return f"{many} stable states"
 
 
 def space_of(
@@ -182,8 +188,7 @@ def space_of(
 
     Args:
         of: The net, or the mission's.
-        by: The engine. Arrays of a mission go from one stable state to the next, and through all markings
-            where that is brief.
+        by: The engine.
         on: The graph; the alternatives graph is of nets with priorities.
         progress: Called now and then with states and edges, or with local spaces done and to do.
         tokens: Whether the places of a net without priorities may hold several tokens.
@@ -209,25 +214,38 @@ def space_of(
     from mcpn.space.stable.clash import in_mission_words
 
     with in_mission_words(mission_net):
-        if mission_net is None:
-            return alternatives_by(markings_by(net, by, progress), by.limit)[0]
         if by.engine == "local":
+            assert mission_net is not None, "asked of a mission"
             from mcpn.space.local.composing import composite_space
 
             return composite_space(mission_net, progress=progress, may_die=may_die, executor=executor)
+        if by.engine == "explicit" and not may_die:
+            return stable_states(of, by, progress)[0]
         if may_die:
+            assert mission_net is not None, "asked of a mission"
             from mcpn.net.mortal import mortal
 
             net = mortal(mission_net).net
-        if by.engine == "symbolic" or (by.brief and not may_die):
+        if by.engine == "symbolic":
             return alternatives_by(markings_by(net, by, progress), by.limit, proof=not may_die)[0]
-        if not may_die and (found := _too_much_hardware(mission_net, by.limit)):
-            raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
         from mcpn.space.arrays import ArraySpace
-        from mcpn.space.stable.alternatives import direct, direct_with_proof
+        from mcpn.space.stable.alternatives import direct
 
-        listed = partial(direct, proof=False) if may_die else direct_with_proof
-        return ArraySpace(listed(net, max_states=by.limit, progress=progress))
+        return ArraySpace(direct(net, proof=False, max_states=by.limit, progress=progress))
+
+
+def stable_states(
+    of: PetriNet | MissionNet, by: Choice, progress: Progress | None = None
+) -> tuple[ArraySpace, str]:
+    """The alternatives graph by listing, and the proof of confluence used; see :func:`space_of`."""
+    net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
+    if mission_net is not None and (found := _too_much_hardware(mission_net, by.limit)):
+        raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.stable.alternatives import direct_with_proof
+
+    graph = direct_with_proof(net, max_states=by.limit, progress=progress)
+    return ArraySpace(graph), graph.proof or ""
 
 
 def markings_by(

@@ -108,7 +108,7 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
         "mission": found.mission_net.mission.name,
         "places": len(net.places),
         "transitions": len(net.transitions),
-        "markings": dict(zip(("states", "edges"), found.marking_sizes or (None, None), strict=True)),
+        "markings": dict(zip(("states", "edges"), found.sizes_seen or (None, None), strict=True)),
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "undecided": found.undecided,

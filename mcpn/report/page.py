@@ -272,7 +272,7 @@ def _sizes(findings: Findings) -> Table:
     check = findings.check
     net = check.mission_net.net
     rows = [("places", str(len(net.places))), ("transitions", str(len(net.transitions)))]
-    for sizes, what in ((check.marking_sizes, ("markings", "edges")), (check.stable_sizes, _STABLE)):
+    for sizes, what in ((check.sizes_seen, ("markings", "edges")), (check.stable_sizes, _STABLE)):
         if sizes is not None:
             rows += [(name, str(size)) for name, size in zip(what, sizes, strict=True)]
     if findings.controller is not None:

@@ -187,8 +187,8 @@ def static_warnings(mission_net: MissionNet) -> list[str]:
 def _sizes(check: MissionCheck, seconds: float) -> str:
     net = check.mission_net.net
     sizes = [f"{len(net.places)} places", f"{len(net.transitions)} transitions"]
-    if check.marking_sizes is not None:
-        states, edges = check.marking_sizes
+    if check.sizes_seen is not None:
+        states, edges = check.sizes_seen
         sizes.append(f"{states} markings, {edges} edges")
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes

@@ -6,7 +6,7 @@ import pytest
 
 from mcpn.check.causes.find import find_causes
 from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import SMALL, Choice, Engine, On, answered
+from mcpn.check.spaces import FEW, Choice, Engine, On, answered
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import LimitError
 from mcpn.mission.model import Objective
@@ -64,14 +64,14 @@ def test_much_hardware_is_not_listed_to_find_out() -> None:
         asked.append(choice.engine)
         return 0
 
-    _, choice = answered(ask, with_hardware(SMALL.bit_length()), engine="auto", on="alternatives")
+    _, choice = answered(ask, with_hardware(FEW.bit_length()), engine="auto", on="alternatives")
     assert asked == ["local"]
     assert "17 hardware resources that may fail have 2^17 states" in str(choice)
 
 
 def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) -> None:
     formula = "EF (failure & oos(GPS_sensor))"
-    for limit, engine in ((None, "explicit"), (1000, "local")):
+    for limit, engine in ((None, "explicit"), (100, "local")):
         questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", max_states=limit)
         answer = questions.answer(formula)
         assert answer.holds
@@ -87,10 +87,10 @@ def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) ->
 def test_a_mission_that_composition_refuses_is_held_by_a_diagram() -> None:
     templates = Wearing()
     mission = read_mission(ROOT / "experiments" / "ulysse" / "mission.xml")
-    found = check(compose(mission, templates), templates=templates, max_states=1000)
+    found = check(compose(mission, templates), templates=templates, max_states=100)
     assert found.choice.engine == "symbolic"
     assert found.choice.why is not None
     assert found.choice.why.startswith("local gives no answer: section")
     assert found.verdicts["confluent"].holds
-    usual = check(compose(mission, PaperTemplates()), max_states=1000)
+    usual = check(compose(mission, PaperTemplates()), max_states=100)
     assert usual.choice.engine == "local"

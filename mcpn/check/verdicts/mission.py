@@ -8,13 +8,13 @@ errors, depends on the engine; every question is asked once, of :class:`mcpn.spa
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.spaces import Asked, Choice, Engine, alternatives_by, answered, markings_by
+from mcpn.check.spaces import Asked, Choice, alternatives_by, answered, markings_by, stable_states
 from mcpn.check.verdicts.modes import Mode, functioning_modes
-from mcpn.errors import ConfluenceError, DivergenceError, Problem, SemanticsError, UnsafeError
+from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.facts.warnings import in_order, never_entered, never_used, of_objectives
 from mcpn.mission.flatten import ObjectivesGraph
@@ -24,10 +24,9 @@ from mcpn.net.events import Event, What
 from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
-from mcpn.space.markings.explicit import Progress
+from mcpn.space.markings.explicit import Progress, count
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash import explained
-from mcpn.space.stable.nearest import nearest_fault
 from mcpn.steps import step
 
 if TYPE_CHECKING:
@@ -98,7 +97,7 @@ class MissionCheck(Told):
         mission_net: The mission's net.
         verdicts: By name, required ones first.
         choice: The engine that answered.
-        markings: The markings graph, where the engine makes it.
+        markings: The markings graph, where the check has made it.
         alternatives: The alternatives graph, where it exists.
         stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
@@ -120,7 +119,22 @@ class MissionCheck(Told):
 
     @cached_property
     def marking_sizes(self) -> tuple[int, int] | None:
-        """Reachable markings and firings between them, exact; ``None`` where they were not counted."""
+        """Reachable markings and firings between them, exact; ``None`` where they are not known.
+
+        Where the check has listed stable states alone they are counted when this is asked first, unless they
+        are more than may be listed; composition does not see them.
+        """
+        if self.markings is not None or self.choice.engine != "explicit":
+            return self.sizes_seen
+        try:
+            found = count(self.mission_net.net, max_states=self.choice.max_markings or self.choice.limit)
+        except (LimitError, UnsafeError):
+            return None
+        return found.states, found.edges
+
+    @cached_property
+    def sizes_seen(self) -> tuple[int, int] | None:
+        """The same as far as the check has made the markings graph, else ``None``."""
         if self.markings is None:
             return None
         firings = self.markings.firings(self.markings.everything)
@@ -177,25 +191,51 @@ def check(
                     mission_net, templates=templates, executor=executor, progress=progress
                 )
                 proof = "each type of section, and each way from one to the next, proved on its own net"
-            else:
-                told = None if choice.brief else progress
-                markings = graph = markings_by(mission_net.net, choice, told, tokens=False)
+            elif choice.engine == "symbolic":
+                markings = graph = markings_by(mission_net.net, choice, progress, tokens=False)
                 alternatives, proof = alternatives_by(graph, choice.limit)
+            else:
+                alternatives, proof = stable_states(mission_net, choice, None if choice.brief else progress)
             decided = Verdict("confluent", True, proof)
         except (UnsafeError, ConfluenceError, DivergenceError) as error:
-            decided = _broken(mission_net, error, choice.engine)
+            fault: SemanticsError = error
+            if choice.engine == "explicit":
+                markings, fault = _of_markings(mission_net, choice, error)
+            decided = _broken(mission_net, fault)
         return _verdicts(mission_net, choice, decided, markings, alternatives)
 
     return answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)[0]
 
 
-def _broken(mission_net: MissionNet, error: SemanticsError, engine: Engine) -> Verdict:
+def _of_markings(
+    mission_net: MissionNet, choice: Choice, error: SemanticsError
+) -> tuple[Space[Any] | None, SemanticsError]:
+    """What all markings say of a mission that is not safe, or has an event without one outcome.
+
+    Returns:
+        The markings graph, to be asked what needs no outcome of events; ``None`` where there is none. The
+        fault, an unsafe firing with a shortest run to it.
+
+    Raises:
+        LimitError: There are more markings than may be listed, and another engine may be asked.
+    """
+    listed = replace(choice, max_states=choice.max_markings or choice.max_states)
+    try:
+        markings = markings_by(mission_net.net, listed, tokens=False)
+    except UnsafeError as unsafe:
+        return None, unsafe
+    except LimitError:
+        if choice.why is not None:
+            raise
+        return None, error
+    return markings, error
+
+
+def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
     """The verdict that an error decides, with its runs, internal firings after the last event included."""
     name = "safe"
     if not isinstance(error, UnsafeError):
         name = "confluent"
-        if engine == "explicit":  # a nearer event without one outcome is looked for
-            error = nearest_fault(mission_net.net) or error
         step("explaining an event with two outcomes")
         if isinstance(error, ConfluenceError):
             error = explained(mission_net, error)

@@ -21,7 +21,7 @@ from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet, Progress
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
-from mcpn.space.stable.confluence import proof_by_diagram
+from mcpn.space.stable.nearest import nearest_fault
 from mcpn.space.stable.settling import (
     DEFAULT_MAX_STATES,
     PROOF_BY_MARKINGS,
@@ -168,26 +168,27 @@ def direct(
 def direct_with_proof(
     net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
 ) -> AlternativesGraph:
-    """Builds the alternatives graph directly, with the cheaper proof where it holds.
+    """Builds the alternatives graph directly and proves it; of faults the nearest is told that is soon found.
 
     Args:
         net: A net with priorities.
-        max_states: How many stable states it may have.
+        max_states: As of :func:`direct`.
         progress: Called now and then.
 
     Returns:
-        The graph, which says the proof used: the symbolic one, or else enough orders explored.
+        The graph, which says the proof used.
 
     Raises:
         ConfluenceError: Two interleavings end in different stable markings.
         DivergenceError: An internal run need not end.
-        UnsafeError: A firing would put a second token in a place.
-        LimitError: More stable states than allowed.
+        UnsafeError: A firing would put a second token in a place. Of a net with several faults any is told.
+        LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
-    proof = proof_by_diagram(net)
-    step("listing the stable states")
-    graph = direct(net, proof=proof is None, max_states=max_states, progress=progress)
-    return graph if proof is None else replace(graph, proof=proof)
+    step("listing the stable states, and proving that each event has one outcome")
+    try:
+        return direct(net, max_states=max_states, progress=progress)
+    except (ConfluenceError, DivergenceError) as error:
+        raise nearest_fault(net) or error from error
 
 
 def numbered(

@@ -15,7 +15,7 @@ that proves the same. With several ranks, what is left is explored (:mod:`mcpn.s
 from __future__ import annotations
 
 from mcpn._kernel import Zdd
-from mcpn.errors import LimitError, SemanticsError
+from mcpn.errors import SemanticsError
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.diagrams.evolution import passing
@@ -34,7 +34,6 @@ from mcpn.space.stable.settling import (
     fault_after,
     judged,
 )
-from mcpn.steps import step
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
 PROOF_BY_JOINING = (
@@ -43,33 +42,6 @@ PROOF_BY_JOINING = (
 PROOF_BY_PATTERNS = (
     "symbolic: behind each event every interleaving explored, once for markings that evolve alike"
 )
-PROOF = "symbolic: in no reachable marking do internal transitions conflict; each run followed has ended"
-
-
-def proof_by_diagram(net: PetriNet) -> str | None:
-    """Proves on a diagram of all markings that internal evolution is confluent.
-
-    Args:
-        net: A net with priorities.
-
-    Returns:
-        The proof in words: it says so of evolution that ends where runs are followed. ``None`` where the
-        diagram does not fit, or internal evolution may have no end.
-
-    Raises:
-        ConfluenceError: Two runs behind one event end in different stable markings.
-        UnsafeError: The net is not 1-safe.
-    """
-    step("proving confluence on a diagram of all markings")
-    try:
-        space = reach(net)
-    except LimitError:  # no diagram within memory: marking by marking may still do
-        return None
-    return (
-        PROOF
-        if next(open_conflicts(space.encoding, space.reachable), None) is None
-        else proof_of_conflicts(space)
-    )
 
 
 def prove_confluent(

@@ -7,14 +7,14 @@ ways. What is found so is a fact with two runs that show it. That nothing is fou
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from heapq import heappop, heappush
 
-from mcpn.errors import LimitError, SemanticsError
+from mcpn.errors import LimitError, SemanticsError, UnsafeError
 from mcpn.net.events import What
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.markings.firing import mask_of
+from mcpn.space.markings.firing import mask_of, unsafe_after
 from mcpn.space.stable.joining import EndlessRun, Joining, Parting
 from mcpn.space.stable.settling import Walk, confluence_error, divergence_error, settled
 
@@ -34,13 +34,27 @@ def nearest_fault(net: PetriNet, firings: int = FIRINGS) -> SemanticsError | Non
     """The error of an event after which internal evolution has two ends, or none, near the initial marking.
 
     Args:
-        net: A 1-safe net with priorities.
+        net: A net with priorities. Where a run that is found passes an unsafe firing, that is the error.
         firings: How many firings may be looked at.
 
     Returns:
         The error with whole runs; ``None`` where the search has found nothing, which proves nothing.
     """
-    return _Search(net, firings).nearest()
+    error = _Search(net, firings).nearest()
+    for run in () if error is None else error.runs:
+        if (unsafe := _unsafe_in(net, [net.transition_index[name] for name in run])) is not None:
+            return unsafe
+    return error
+
+
+def _unsafe_in(net: PetriNet, run: Sequence[int]) -> UnsafeError | None:
+    """The error of the first firing of a run that puts a second token in a place."""
+    marking = net.initial
+    for number, t in enumerate(run, 1):
+        marking = net.fire(marking, t)
+        if max(marking) > 1:
+            return unsafe_after(net, run[:number])
+    return None
 
 
 def fault_by(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
