@@ -3,7 +3,7 @@
 Usage: ``python experiments/composition.py [--sections N...] [--hardware N...] [-o FOLDER]``
 
 Ulysse first, every way in one process. Then the sweep: each run has a process, 20 s and 4 GiB of its own.
-Explicit builds the markings graph and reduces it, direct runs to completion with the symbolic proof, symbolic
+Explicit builds the markings graph and reduces it, direct runs to completion with its proof, symbolic
 reaches the markings as a diagram, local explores each type of section on its own; local gives every verdict
 and the exact sizes of the whole. An engine that has given up on a mission is not asked for a longer one.
 Sections of the last part use much hardware each, up to 24 resources, so that their interface states are

@@ -25,7 +25,7 @@ import mcpn
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.markings.explicit import explore
-from mcpn.space.stable.alternatives import by_reduction, direct, direct_with_proof
+from mcpn.space.stable.alternatives import by_reduction, direct
 
 MISSION = Path(__file__).parent / "ulysse" / "mission.xml"
 T = TypeVar("T")
@@ -56,12 +56,12 @@ def seconds(repeat: int) -> list[tuple[str, str, str]]:
     found, generation = timed(repeat, lambda: compose(read_mission(MISSION)))
     markings, exploring = timed(repeat, lambda: explore(found.net))
     _, reducing = timed(repeat, lambda: by_reduction(markings))
-    _, proved = timed(repeat, lambda: direct_with_proof(found.net))
+    _, proved = timed(repeat, lambda: direct(found.net))
     return [
         ("Petri net", "0.24", f"{generation:.3f}"),
         ("markings graph", "116", f"{exploring:.3f}"),
         ("alternatives graph by reduction of it", "191", f"{reducing:.3f}"),
-        ("alternatives graph directly, with the symbolic proof", "", f"{proved:.3f}"),
+        ("alternatives graph directly, with its proof", "", f"{proved:.3f}"),
     ]
 
 
@@ -88,8 +88,7 @@ def main() -> None:
     reduced, reducing = timed(repeat, lambda: by_reduction(markings))
     bare, unproved = timed(repeat, lambda: direct(found.net, proof=False))
     proved, with_proof = timed(repeat, lambda: direct(found.net, proof=True))
-    symbolic, with_symbolic_proof = timed(repeat, lambda: direct_with_proof(found.net))
-    for graph in (bare, proved, symbolic):
+    for graph in (bare, proved):
         same = all(
             numpy.array_equal(getattr(graph, part), getattr(reduced, part))
             for part in ("markings", "offsets", "targets", "labels")
@@ -117,12 +116,10 @@ def main() -> None:
     for label, seconds in (
         ("by reduction: markings graph, then its stable markings", reduction),
         ("directly, without proof", unproved),
-        ("directly, each transient marking proved once", with_proof),
-        ("directly, with the symbolic proof", with_symbolic_proof),
+        ("directly, with its proof", with_proof),
     ):
         ways.add_row(label, f"{seconds:.4f}", f"{reduction / seconds:.1f} x")
-    ways.add_row("the first proof alone", f"{with_proof - unproved:.4f}", "")
-    ways.add_row("the symbolic proof alone", f"{with_symbolic_proof - unproved:.4f}", "")
+    ways.add_row("the proof alone", f"{with_proof - unproved:.4f}", "")
     console.print(ways)
     console.print(WHY, highlight=False, soft_wrap=True)
     versions = f"mcpn {mcpn.__version__}, Python {platform.python_version()}, numpy {numpy.__version__}"

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from mcpn.check.spaces import Choice, On, answered, space_of
+from mcpn.check.spaces import SMALL, Choice, On, answered, space_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.space.summary import SpaceSummary, summarise
@@ -74,7 +74,7 @@ def sizes(
         try:
             if choice.brief:
                 with suppress(LimitError):  # stable states alone are few
-                    return markings(replace(choice, max_states=choice.max_markings))
+                    return markings(replace(choice, max_states=choice.beside(SMALL)))
             return stable(choice)
         except (ConfluenceError, DivergenceError) as error:  # markings there are all the same
             raise LimitError(str(error)) from error

@@ -44,7 +44,10 @@ EXPECTED = 2
 """Stable states to expect at least for each section and set of hardware; most missions have 2 to 10."""
 
 SMALL = 100_000
-"""Markings up to which they are listed, too, where their number is asked for or an event has two outcomes."""
+"""Markings listed beside few stable states, where their number is asked for or an event has two outcomes."""
+
+MORTAL = 1_000_000
+"""Stable states with hardware that may die that are listed beside few where it may not."""
 
 Found = TypeVar("Found")
 
@@ -57,14 +60,14 @@ class Choice:
         engine: The engine.
         why: Why this one; ``None`` where it was named.
         max_states: Its limit on states that are listed; ``None`` for its own.
-        max_markings: The same of markings that are listed beside stable states; ``None`` for no other.
+        allowed: The user's limit, of which the former is a part where states are few; ``None`` for none.
         brief: Whether it ends soon, whatever the mission is: it lists stable states, of which there are few.
     """
 
     engine: Engine
     why: str | None = None
     max_states: int | None = None
-    max_markings: int | None = None
+    allowed: int | None = None
     brief: bool = False
 
     def __str__(self) -> str:
@@ -74,6 +77,12 @@ class Choice:
     def limit(self) -> int:
         """The most states that it lists."""
         return DEFAULT_MAX_STATES if self.max_states is None else self.max_states
+
+    def beside(self, most: int) -> int:
+        """The most states of another graph that it lists: its limit, or another one where states are few."""
+        if not self.brief:
+            return self.limit
+        return most if self.allowed is None else min(most, self.allowed)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,11 +146,11 @@ def _choices(
         yield Choice("explicit", max_states=max_states)
         return
     sections = len(mission_net.graph.sections)
-    most = FEW if max_states is None else max_states
-    limit = min(FEW // max(sections, 1), most)
+    limit = FEW // max(sections, 1)
+    limit = limit if max_states is None else min(limit, max_states)
     many = _too_much_hardware(mission_net, limit) or _many_sections(mission_net, limit)
     if many is None:
-        yield Choice("explicit", "the stable states are few", limit, min(SMALL, most), brief=True)
+        yield Choice("explicit", "the stable states are few", limit, max_states, brief=True)
         many = f"there are more than {limit} stable states"
     own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
     yield Choice("local", f"{many}, so {own} explored on its own", max_states)
@@ -231,7 +240,7 @@ def space_of(
         from mcpn.space.arrays import ArraySpace
         from mcpn.space.stable.alternatives import direct
 
-        return ArraySpace(direct(net, proof=False, max_states=by.limit, progress=progress))
+        return ArraySpace(direct(net, proof=False, max_states=by.beside(MORTAL), progress=progress))
 
 
 def stable_states(

@@ -1,4 +1,4 @@
-"""The symbolic proof: where it says yes, every other way agrees; where it says no, nothing is lost."""
+"""Proofs of confluence: where one says yes, every other way agrees; where it says no, nothing is lost."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.spaces import Asked, Choice, alternatives_by, answered, markings_by, stable_states
+from mcpn.check.spaces import SMALL, Asked, Choice, alternatives_by, answered, markings_by, stable_states
 from mcpn.check.verdicts.modes import Mode, functioning_modes
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.facts.usage import Usage
@@ -127,7 +127,7 @@ class MissionCheck(Told):
         if self.markings is not None or self.choice.engine != "explicit":
             return self.sizes_seen
         try:
-            found = count(self.mission_net.net, max_states=self.choice.max_markings or self.choice.limit)
+            found = count(self.mission_net.net, max_states=self.choice.beside(SMALL))
         except (LimitError, UnsafeError):
             return None
         return found.states, found.edges
@@ -219,7 +219,7 @@ def _of_markings(
     Raises:
         LimitError: There are more markings than may be listed, and another engine may be asked.
     """
-    listed = replace(choice, max_states=choice.max_markings or choice.max_states)
+    listed = replace(choice, max_states=choice.beside(SMALL))
     try:
         markings = markings_by(mission_net.net, listed, tokens=False)
     except UnsafeError as unsafe:
