@@ -138,7 +138,7 @@ def test_the_engine_is_chosen_and_told() -> None:
         found = output(name, ULYSSE, *rest)
         assert (found[0] if isinstance(found, list) else found)["engine"] == "symbolic"
         assert "a diagram holds all markings" in mcpn(name, ULYSSE, *rest).stdout
-    limited = output("check", ULYSSE, "--max-states", 1000)
+    limited = output("check", ULYSSE, "--max-states", 100)
     assert (limited["engine"], limited["markings"]) == ("local", {"states": None, "edges": None})
     assert limited["why"].startswith("there are more than 1000 markings")
     assert limited["alternatives"] == {"states": 260, "edges": 1332}
