@@ -46,7 +46,7 @@ EXPECTED = 2
 SMALL = 100_000
 """Markings listed beside few stable states, where their number is asked for or an event has two outcomes."""
 
-MORTAL = 1_000_000
+MORTAL = 2_000_000
 """Stable states with hardware that may die that are listed beside few where it may not."""
 
 Found = TypeVar("Found")

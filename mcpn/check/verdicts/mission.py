@@ -191,9 +191,10 @@ def check(
                     mission_net, templates=templates, executor=executor, progress=progress
                 )
                 proof = "each type of section, and each way from one to the next, proved on its own net"
-            elif choice.engine == "symbolic":
-                markings = graph = markings_by(mission_net.net, choice, progress, tokens=False)
-                alternatives, proof = alternatives_by(graph, choice.limit)
+            elif choice.engine == "symbolic" or not mission_net.net.priorities:  # without, none is stable
+                every = replace(choice, max_states=choice.beside(SMALL))
+                markings = graph = markings_by(mission_net.net, every, progress, tokens=False)
+                alternatives, proof = alternatives_by(graph, every.limit)
             else:
                 alternatives, proof = stable_states(mission_net, choice, None if choice.brief else progress)
             decided = Verdict("confluent", True, proof)
