@@ -140,7 +140,7 @@ def test_the_engine_is_chosen_and_told() -> None:
         assert "a diagram holds all markings" in mcpn(name, ULYSSE, *rest).stdout
     limited = output("check", ULYSSE, "--max-states", 100)
     assert (limited["engine"], limited["markings"]) == ("local", {"states": None, "edges": None})
-    assert limited["why"].startswith("there are more than 1000 markings")
+    assert limited["why"].startswith("there are more than 100 stable states")
     assert limited["alternatives"] == {"states": 260, "edges": 1332}
     assert output("check", ULYSSE, "--engine", "local")["why"] is None
     for options in (["--engine", "local", "--method", "direct"], ["--engine", "symbolic", "--no-proof"]):

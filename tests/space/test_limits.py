@@ -224,7 +224,7 @@ def test_stable_and_transient_markings_share_the_memory() -> None:
     ("arguments", "size"),
     [
         ("states {} --engine explicit", 44_299),
-        ("check {} --engine explicit", 44_299),
+        ("check {} --engine explicit", 260),
         ("alternatives {} --method reduction", 44_299),
         ("alternatives {} --method direct", 260),
         ("controller {} --flat -o {out}", 260),
