@@ -34,7 +34,7 @@ Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
 Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
 """An engine by name, or ``auto``."""
 
-FEW = 100_000
+FEW = 50_000
 """Stable states times sections up to which stable states are listed without being asked for.
 
 What is asked of each section, as causes are, costs that product where states are listed.
@@ -46,7 +46,7 @@ EXPECTED = 2
 SMALL = 100_000
 """Markings listed beside few stable states, where their number is asked for or an event has two outcomes."""
 
-MORTAL = 2_000_000
+MORTAL = 500_000
 """Stable states with hardware that may die that are listed beside few where it may not."""
 
 Found = TypeVar("Found")

@@ -66,7 +66,7 @@ def test_much_hardware_is_not_listed_to_find_out() -> None:
 
     _, choice = answered(ask, with_hardware(FEW.bit_length()), engine="auto", on="alternatives")
     assert asked == ["local"]
-    assert "17 hardware resources that may fail have 2^17 states" in str(choice)
+    assert "16 hardware resources that may fail have 2^16 states" in str(choice)
 
 
 def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) -> None:
