@@ -11,7 +11,7 @@ namespace {
 
 std::vector<std::uint32_t> members(const Word* bits, std::size_t words) {
   std::vector<std::uint32_t> found;
-  for (std::uint32_t bit = 0; (bit = next_bit(bits, words, bit)) != kNone; ++bit) found.push_back(bit);
+  for (std::uint32_t bit = 0; (bit = next_bit(bits, words, bit)) != kNoBit; ++bit) found.push_back(bit);
   return found;
 }
 

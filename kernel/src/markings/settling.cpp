@@ -38,7 +38,7 @@ Exploration Settling::run() {
     const auto here = [&] { return found_.markings.data() + std::uint64_t(state) * found_.words; };
     std::fill(events.begin(), events.end(), 0);
     net_.collect(here(), net_.events_, events);
-    for (std::uint32_t t = 0; (t = next_bit(events.data(), events.size(), t)) != kNone; ++t) {
+    for (std::uint32_t t = 0; (t = next_bit(events.data(), events.size(), t)) != kNoBit; ++t) {
       std::copy_n(here(), found_.words, marking_.data());
       std::fill(enabled_.begin(), enabled_.end(), 0);
       if (!fire(t)) {
@@ -84,7 +84,7 @@ std::optional<State> Settling::settled(State from, std::uint32_t event) {
 }
 
 std::optional<State> Settling::one_way(State from, std::uint32_t event) {
-  for (std::uint32_t t; (t = next_bit(enabled_.data(), enabled_.size(), 0)) != kNone;) {  // of the first rank
+  for (std::uint32_t t; (t = next_bit(enabled_.data(), enabled_.size(), 0)) != kNoBit;) {  // of the first rank
     firings_.push_back(t);
     const bool safe = fire(t);
     if (!safe || firings_.size() > kMostSteps) {
@@ -142,22 +142,23 @@ std::optional<State> Settling::all_ways(State from, std::uint32_t event) {
 std::optional<State> Settling::enter(State from, std::uint32_t event) {
   for (;;) {
     const std::uint32_t first = next_bit(enabled_.data(), enabled_.size(), 0);
-    if (first == kNone) return stable_.number(marking_.data(), from, event);
-    const std::optional<std::uint32_t> alone = stubborn_ ? stubborn_->alone(marking_.data(), enabled_, first) : std::nullopt;
-    if (!alone || firings_.size() > kUnkept) {
+    if (first == kNoBit) return stable_.number(marking_.data(), from, event);
+    const std::uint32_t alone = stubborn_ ? stubborn_->alone(marking_.data(), enabled_, first).value_or(kNoBit) : kNoBit;
+    const bool several = alone == kNoBit;
+    if (several || firings_.size() > kUnkept) {
       const State known = State(passed_.states()), number = transient_.number(marking_.data(), 0, 0);
       if (number < known) return passed_.targets[number];
       transient_.grow(passed_.targets, 1);
       transient_.grow(path_, 1);
       transient_.grow(ways_, enabled_.size());
       passed_.targets.push_back(kOpen);
-      path_.push_back({number, kOpen, alone.value_or(0), alone ? *alone + 1 : net_.rank_end_[first], firings_.size()});
+      path_.push_back({number, kOpen, several ? 0 : alone, several ? net_.rank_end_[first] : alone + 1, firings_.size()});
       ways_.insert(ways_.end(), enabled_.begin(), enabled_.end());
-      if (!alone) ++found_.parted;
+      if (several) ++found_.parted;
       return kEntered;
     }
-    firings_.push_back(*alone);
-    if (!fire(*alone)) {
+    firings_.push_back(alone);
+    if (!fire(alone)) {
       stop(from, "unsafe");
       return std::nullopt;
     }

@@ -105,7 +105,7 @@ void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& 
   net_.collect(marking, net_.internal_, may);
   for (std::size_t w = end / 64; w < may.size(); ++w) may[w] &= w == end / 64 ? (Word(1) << end % 64) - 1 : 0;
   queue_.clear();
-  for (std::uint32_t t = 0; (t = next_bit(may.data(), may.size(), t)) != kNone; ++t) queue_.push_back(t);
+  for (std::uint32_t t = 0; (t = next_bit(may.data(), may.size(), t)) != kNoBit; ++t) queue_.push_back(t);
   while (!queue_.empty()) {
     const std::uint32_t t = queue_.back();
     queue_.pop_back();

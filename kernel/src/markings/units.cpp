@@ -37,7 +37,7 @@ class Growth {
     bool found = false;
     std::uint32_t place = seed;
     for (Numbers failed;;) {
-      if (place != kNone) {
+      if (place != kNoBit) {
         add(place);
         made.push_back({place, std::move(failed)});
         failed = {};
@@ -72,20 +72,20 @@ class Growth {
  private:
   struct Choice { std::uint32_t place; Numbers failed; };
 
-  // The place to go on with, for the firing in excess that leaves the least choice; kNone where one leaves none.
+  // The place to go on with, for the firing in excess that leaves the least choice; kNoBit where one leaves none.
   std::uint32_t choose() const {
-    std::uint32_t best = kNone;
+    std::uint32_t best = kNoBit;
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     for (const std::uint32_t t : over_) {
       std::size_t count = 0, least = std::numeric_limits<std::size_t>::max();
-      std::uint32_t first = kNone;
+      std::uint32_t first = kNoBit;
       for (const std::uint32_t p : firings_[t].take) {
         if (in_[p] || barred_[p] || (marked_[p] && tokens_ > 0)) continue;
         ++count;
         const std::size_t made = worsened(p) * 2 + covered_[p];
         if (made < least) least = made, first = p;
       }
-      if (count == 0) return kNone;
+      if (count == 0) return kNoBit;
       if (count < fewest) fewest = count, best = first;
     }
     return best;
