@@ -35,7 +35,7 @@ _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_t
 for _name, _examples, _fixed in (
     ("smoke", 10, True),
     ("dev", 100, False),
-    ("ci", 200, True),
+    ("ci", 150, True),
     ("fresh", 20, False),
     ("nightly", 5000, False),
 ):

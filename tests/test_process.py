@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.space.stable.settling import LISTING
 from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
 
@@ -50,11 +51,11 @@ def test_a_signal_ends_an_exploration_cleanly(number: signal.Signals, big: Path)
 INTERRUPTED = """
 import os, sys
 import mcpn.space.local.composing as composing
-reach = composing.reach
-def interrupted(net):
+explore = composing.explore_local
+def interrupted(*nets):
     os.kill(os.getpid(), {number})
-    return reach(net)
-composing.reach = interrupted
+    return explore(*nets)
+composing.explore_local = interrupted
 sys.argv = ["mcpn", *{arguments!r}]
 from mcpn.cli import main
 main()
@@ -123,8 +124,8 @@ main()
     )
     code, said = ENDS[number]
     assert (run.returncode, run.stdout) == (code, "")
-    # Arrays are loaded by the step that lists markings in them, which is told then.
-    step = r"\nwhile listing the markings \(\d+ s of \d+ s\)\nanother engine may be quicker: .*"
+    # Arrays are loaded by the step that lists states in them, which is told then.
+    step = rf"\nwhile {LISTING} \(\d+ s of \d+ s\)\nanother engine may be quicker: .*"
     assert re.fullmatch(said + (step if module == "numpy" else ""), run.stderr.strip())
 
 

@@ -154,7 +154,7 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_the_command_line_says_so_too(tmp_path: Path) -> None:
     for command in COMMANDS:
-        with patch("mcpn.space.local.composing.explored_and_proved", die):
+        with patch("mcpn.space.local.composing.explore_and_prove", die):
             run = mcpn(*asking(command, tmp_path), "--jobs", 2)
         assert run.returncode == 2, run.stderr
         assert "error: a process that explored sections ended before its work was done" in run.stderr

@@ -18,6 +18,7 @@ from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.space.stable.settling import LISTING
 from mcpn.steps import step
 
 if TYPE_CHECKING:
@@ -250,6 +251,7 @@ def stable_states(
     net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
     if mission_net is not None and (found := _too_much_hardware(mission_net, by.limit)):
         raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
+    step(LISTING)  # before arrays are loaded, which takes its time
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import direct_with_proof
 

@@ -13,6 +13,8 @@ from mcpn.space.local.section_type import SectionType
 from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.settling import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.stable.settling import LISTING
+from mcpn.steps import step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -60,6 +62,7 @@ def generate(
                 f"{faulty} hardware resources that may fail have 2^{faulty} states and a flat controller has "
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
+        step(LISTING)
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)

@@ -19,7 +19,7 @@ def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:
     names = ((block, name) for block, name in _copies(blocks) if name != block.name)
     for block, name in islice(names, MAX_OBJECTIVES):  # with more, flattening hits its limit
         other = named.setdefault(name, block)
-        if other is not block:
+        if other.name != block.name:  # else it is the same, or declared twice
             where = f" ({other.source})" if other.source else ""
             message = f"{name}, a round or a try of {block.name}, would have the name of another block"
             yield Problem(block.source, f"{message}: {other.name}{where}")

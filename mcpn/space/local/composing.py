@@ -30,7 +30,7 @@ from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.nearest import nearest_fault
-from mcpn.space.stable.settling import DEFAULT_MAX_STATES
+from mcpn.space.stable.settling import DEFAULT_MAX_STATES, LISTING
 from mcpn.steps import step
 
 if TYPE_CHECKING:
@@ -148,6 +148,7 @@ def local_graph(
 
     local, _ = forgetful(part_of(mission_net, name).net())
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    step(LISTING)
     with in_section(name), in_mission_words(local):
         return local, direct_with_proof(local.net, max_states=limit)
 

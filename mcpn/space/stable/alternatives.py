@@ -30,7 +30,6 @@ from mcpn.space.stable.settling import (
     judged,
     settled,
 )
-from mcpn.steps import step
 
 State = TypeVar("State", bound=Hashable)
 
@@ -184,7 +183,6 @@ def direct_with_proof(
         UnsafeError: A firing would put a second token in a place. Of a net with several faults any is told.
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
     """
-    step("listing the stable states, and proving that each event has one outcome")
     try:
         return direct(net, max_states=max_states, progress=progress)
     except (ConfluenceError, DivergenceError) as error:
