@@ -122,9 +122,11 @@ def _explored(
     except Exception as error:
         from concurrent.futures import BrokenExecutor
 
-        # A pool that breaks while it starts a process closes what that one is to be given.
+        # A pool that breaks while it starts a process closes what that one is to be given: then it is an error
+        # of files, closed, or numbered anew.
         closed = isinstance(error, OSError) and error.errno is None
-        if not isinstance(error, BrokenExecutor) and not closed:
+        renumbered = isinstance(error, ValueError) and "fds_to_keep" in str(error)
+        if not isinstance(error, BrokenExecutor) and not closed and not renumbered:
             raise
         raise WorkersError(
             "a process that explored sections ended before its work was done: it was killed, as by a system "
