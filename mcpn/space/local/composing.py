@@ -122,8 +122,8 @@ def _explored(
     except Exception as error:
         from concurrent.futures import BrokenExecutor
 
-        # A pool that breaks while it starts a process closes what that one is to be given: then it is an error
-        # of files, closed, or numbered anew.
+        # A pool that breaks while it starts a process closes what that one is to be given: then the error is
+        # of files, closed or numbered anew.
         closed = isinstance(error, OSError) and error.errno is None
         renumbered = isinstance(error, ValueError) and "fds_to_keep" in str(error)
         if not isinstance(error, BrokenExecutor) and not closed and not renumbered:
