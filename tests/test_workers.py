@@ -151,15 +151,6 @@ def test_a_killed_process_is_an_error_that_says_so(ulysse_net: MissionNet) -> No
             composite_space(ulysse_net, executor=executor)
 
 
-@pytest.mark.parametrize("error", [OSError("handle is closed"), ValueError("bad value(s) in fds_to_keep")])
-def test_a_pool_that_breaks_as_it_starts_a_process_is_told_alike(
-    error: Exception, ulysse_net: MissionNet
-) -> None:
-    with executor_of(2) as executor, patch.object(type(executor), "submit", side_effect=error):
-        with pytest.raises(WorkersError, match="a process that explored sections ended before its work"):
-            composite_space(ulysse_net, executor=executor)
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_the_command_line_says_so_too(tmp_path: Path) -> None:
     for command in COMMANDS:
