@@ -120,18 +120,28 @@ def _explored(
         for future in futures:
             yield future.result()
     except Exception as error:
-        from concurrent.futures import BrokenExecutor
-
-        # A pool that breaks while it starts a process closes what that one is to be given: then the error is
-        # of files, closed or numbered anew.
-        closed = isinstance(error, OSError) and error.errno is None
-        renumbered = isinstance(error, ValueError) and "fds_to_keep" in str(error)
-        if not isinstance(error, BrokenExecutor) and not closed and not renumbered:
+        if not _broke(executor, error):
             raise
         raise WorkersError(
             "a process that explored sections ended before its work was done: it was killed, as by a system "
             "that is out of memory; fewer of them (--jobs) need less at once"
         ) from error
+
+
+def _broke(executor: Executor, error: Exception) -> bool:
+    """Whether an error is that of processes which are no longer there.
+
+    A pool that breaks while it starts a process closes what that one is to be given, and the error is then of
+    files, closed or numbered anew: the pool itself says whether it is broken.
+    """
+    from concurrent.futures import BrokenExecutor
+
+    if isinstance(error, OSError | ValueError):
+        try:
+            executor.submit(int)
+        except RuntimeError as refused:
+            return isinstance(refused, BrokenExecutor)
+    return isinstance(error, BrokenExecutor)
 
 
 def local_graph(
