@@ -67,7 +67,7 @@ class SafeNet {
   // Every reachable marking. The initial one is given by its marked places.
   Exploration explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const;
 
-  // Sets of places that together hold one token at most from a marking on: see units.hpp.
+  // Sets of places that together hold one token at most from a marking on: see units.cpp.
   std::vector<std::vector<std::uint32_t>> units(const std::vector<std::uint32_t>& initial) const;
 
   // The transitions on the edges of some markings, given as rows of words, in the order in which exploration lists them.

@@ -9,7 +9,7 @@ saturation by internal transitions alternates with steps of events, element by e
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import TypeAlias
 
 from mcpn._kernel import Zdd
@@ -20,6 +20,9 @@ from mcpn.space.diagrams.symbolic import SymbolicSpace, chained
 from mcpn.space.run import Completion
 
 Step: TypeAlias = Callable[[Zdd], Zdd]
+
+MOST_ENDINGS = 64
+"""Goals for which the markings that end in them are kept: one is asked of many transitions in a row."""
 
 
 class DiagramMarkings(Diagrams):
@@ -121,7 +124,7 @@ class DiagramAlternatives(Diagrams):
         assert space.stable is not None, "the alternatives graph is of nets with priorities"
         super().__init__(space, space.stable, behind(space.encoding, space.encoding.initial())[1])
         self._completion = Completion(self.net)
-        self._endings: dict[Zdd, Zdd] = {}
+        self._endings = lru_cache(MOST_ENDINGS)(lambda goal: leading(self.encoding, goal, space.allowed))
 
     @cached_property
     def groups(self) -> list[tuple[list[int], Zdd]]:
@@ -134,9 +137,7 @@ class DiagramAlternatives(Diagrams):
 
     def ending(self, goal: Zdd) -> Zdd:
         """Markings from which internal evolution ends in a goal."""
-        if goal not in self._endings:
-            self._endings[goal] = leading(self.encoding, goal, self.space.allowed)
-        return self._endings[goal]
+        return self._endings(goal)
 
     def before(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None

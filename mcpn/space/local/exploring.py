@@ -8,10 +8,10 @@ all markings are reached as a diagram, and the proof is asked of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from mcpn._kernel import Exploration, Zdd
 from mcpn.errors import LimitError
@@ -43,6 +43,10 @@ class Change(NamedTuple):
     """Places that gain one."""
     sources: Zdd
     """The states in which it does so."""
+
+
+Steps: TypeAlias = dict[int, list[tuple[int, Zdd]]]
+"""By transition, events of the store, each with the states before it."""
 
 
 @dataclass
@@ -124,11 +128,11 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
     """
+    of = net if dying is None else dying
     found = _listed(net, proved=dying is None)
     if found is None:
-        return Explored(reach(net if dying is None else dying))
+        return Explored(reach(of))
     prepared, listing = found
-    of = net if dying is None else dying
     name, places = next(iter(candidates(of)))
     encoding = Encoding(of, places, DEFAULT_MEMORY)
     bits = [place if place < len(net.places) else -1 for place in encoding.places]
@@ -204,8 +208,8 @@ class BigSteps(DiagramAlternatives):
 
     def __init__(self, space: SymbolicSpace, changes: Sequence[Change]) -> None:
         super().__init__(space)
-        self._ahead: dict[int, list[tuple[int, Zdd]]] = {}
-        self._back: dict[int, list[tuple[int, Zdd]]] = {}
+        self._ahead: Steps = {}
+        self._back: Steps = {}
         event, levels = self.encoding.store.event, self.encoding.levels
         for t, lost, gained, sources in changes:
             down, up = levels(lost), levels(gained)
@@ -216,53 +220,52 @@ class BigSteps(DiagramAlternatives):
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
         """States that an edge leads to from some states."""
-        return self._stepped(states, self.waiting, transitions, guards)
+        found = self.nothing
+        for event, where in _asked(self._ahead, transitions, guards):
+            found |= (states & where).images([event])
+        return found
 
     def before(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
         """States with an edge into some states."""
-        return self._undone(states, self.waiting, transitions, guards)
+        found = self.nothing
+        for event, where in _asked(self._back, transitions, guards):
+            found |= states.images([event], within=where)
+        return found
 
     def ahead(
         self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> list[Step]:
         """One step on along a set, for each element of the mission."""
-
-        def ahead(states: Zdd, group: Sequence[int]) -> Zdd:
-            return self._stepped(states, group, transitions, guards) & along
-
-        return [partial(ahead, group=group) for group in elements(self.encoding)]
+        return self._by_element(self.after, along, transitions, guards)
 
     def back(
         self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> list[Step]:
         """One step back along a set, for each element of the mission."""
+        return self._by_element(self.before, along, transitions, guards)
 
-        def back(states: Zdd, group: Sequence[int]) -> Zdd:
-            return self._undone(states, group, transitions, guards) & along
+    def _by_element(
+        self,
+        stepped: Callable[[Zdd, Collection[int], Guards[Zdd]], Zdd],
+        along: Zdd,
+        transitions: Collection[int] | None,
+        guards: Guards[Zdd],
+    ) -> list[Step]:
+        def step(states: Zdd, group: Collection[int]) -> Zdd:
+            return stepped(states, group, guards) & along
 
-        return [partial(back, group=group) for group in elements(self.encoding)]
+        asked = (
+            [t for t in group if transitions is None or t in transitions] for group in elements(self.encoding)
+        )
+        return [partial(step, group=group) for group in asked if group]
 
-    def _stepped(
-        self, states: Zdd, group: Sequence[int], asked: Collection[int] | None, guards: Guards[Zdd]
-    ) -> Zdd:
-        found = self.nothing
-        for t in group:
-            if asked is None or t in asked:
-                begin = states & guards[t] if guards and t in guards else states
-                for event, sources in self._ahead.get(t, ()):
-                    found |= (begin & sources).images([event])
-        return found
 
-    def _undone(
-        self, states: Zdd, group: Sequence[int], asked: Collection[int] | None, guards: Guards[Zdd]
-    ) -> Zdd:
-        found = self.nothing
-        for t in group:
-            if asked is None or t in asked:
-                before = self.nothing
-                for event, sources in self._back.get(t, ()):
-                    before |= states.images([event], within=sources)
-                found |= before & guards[t] if guards and t in guards else before
-        return found
+def _asked(
+    steps: Steps, transitions: Collection[int] | None, guards: Guards[Zdd]
+) -> Iterator[tuple[int, Zdd]]:
+    """Events of the store for the transitions that are asked for, each with the states before it."""
+    for t in steps if transitions is None else transitions:
+        for event, sources in steps.get(t, ()):
+            yield event, sources & guards[t] if guards and t in guards else sources
