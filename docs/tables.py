@@ -1,91 +1,46 @@
-"""Writes tables of docs: of language.md from the schema of missions, of formats.md from JSON Schemas.
+"""Writes what follows from declarations: the schema of missions, the tables of language.md and formats.md.
 
-``python docs/tables.py`` renews them; a test says whether they are up to date.
+The model of missions declares their language, JSON Schemas declare formats. ``python docs/tables.py`` renews
+what follows; a test says whether it is up to date.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from lxml import etree
+from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language
+from mcpn.mission.language.grammar import relax_ng
+from mcpn.mission.model import BlockElement, Described, Element
+from mcpn.mission.schema import SCHEMA
 
-RNG = "{http://relaxng.org/ns/structure/1.0}"
-NOTE = "{http://relaxng.org/ns/compatibility/annotations/1.0}documentation"
-SHARED = ("common", "routing", "description")
-"""Attributes that several elements have stand in tables of their own."""
-VALUES = {
-    "name": "name",
-    "names": "names",
-    "values": "values",
-    "number": "number",
-    "count": "whole number",
-    "boolean": "true or false",
-}
+SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
+"""Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
 PAGES = [Path(__file__).with_name(name) for name in ("language.md", "formats.md")]
 
 
-def schema() -> dict[str, etree._Element]:
-    """The definitions of the schema by name."""
-    with resources.files("mcpn.mission").joinpath("schema.rng").open("rb") as file:
-        root = etree.parse(file).getroot()
-    return {define.get("name", ""): define for define in root.iter(f"{RNG}define")}
-
-
-def note(element: etree._Element) -> str:
-    """The documentation of an element or attribute, on one line."""
-    found = element.find(NOTE)
-    return " ".join((found.text or "").split()) if found is not None else ""
-
-
-def attributes(node: etree._Element, optional: bool = False) -> Iterator[tuple[str, bool, str, str]]:
-    """Name, whether it may be left out, kind of value and meaning of each attribute written in a node."""
-    for child in node:
-        if child.tag == f"{RNG}attribute":
-            reference = child.find(f"{RNG}ref")
-            value = VALUES[reference.get("name", "")] if reference is not None else "text"
-            yield child.get("name", ""), optional, value, note(child)
-        elif child.tag in (f"{RNG}optional", f"{RNG}choice"):
-            yield from attributes(child, True)
-        elif isinstance(child.tag, str) and child.tag != f"{RNG}element":
-            yield from attributes(child, optional)
-
-
-def children(node: etree._Element, defines: dict[str, etree._Element]) -> Iterator[str]:
-    """Names of the elements that may stand in one."""
-    for reference in node.iter(f"{RNG}ref"):
-        define = defines[reference.get("name", "")]
-        if define.find(f"{RNG}element") is not None:
-            yield reference.get("name", "")
-        elif define.get("name") not in (*SHARED, *VALUES):
-            yield from children(define, defines)
+def rows(attributes: Iterable[Field], required: Collection[str]) -> list[str]:
+    """The table of some attributes, with its head."""
+    needed = {True: "required", False: "optional"}
+    lines = [
+        f"| `{a.tag}` | {needed[a.tag in required]} | {a.datatype.words} | {a.meaning} |" for a in attributes
+    ]
+    return ["| attribute | | value | meaning |", "|---|---|---|---|", *lines] if lines else []
 
 
 def table(name: str) -> str:
-    """The table of an element, or of attributes that several elements share."""
-    defines = schema()
-    define = defines[name]
-    element = define.find(f"{RNG}element")
-    lines = []
-    if element is not None:
-        lines += [note(element), ""]
-    rows = list(attributes(define if element is None else element))
-    if name == "common":
-        rows += attributes(defines["description"])
-    if rows:
-        lines += ["| attribute | | value | meaning |", "|---|---|---|---|"]
-        lines += [
-            f"| `{attribute}` | {'optional' if optional else 'required'} | {value} | {meaning} |"
-            for attribute, optional, value, meaning in rows
-        ]
-    if element is not None:
-        inside = ", ".join(f"`<{child}>`" for child in dict.fromkeys(children(element, defines)))
-        lines += [""] * bool(rows) + [f"Inside: {inside}." if inside else "Inside: nothing."]
-    return "\n".join(lines)
+    """The table of an element, or of attributes that several elements have."""
+    if owners := SHARED.get(name):
+        shared = [a for a in form_of(owners[0]).attributes if a.owner in owners]
+        return "\n".join(rows(shared, [a.tag for a in shared if a.required]))
+    tag = language()[name]
+    own = rows((a for a in tag.attributes.values() if a.owner not in GROUPS), tag.required)
+    children = ", ".join(dict.fromkeys(f"`<{child.TAG}>`" for of in tag.forms for child in inside(of)))
+    return "\n".join([tag.words, "", *own, *[""] * bool(own), f"Inside: {children or 'nothing'}."])
 
 
 def formats() -> dict[str, dict[str, Any]]:
@@ -144,5 +99,6 @@ def renewed(page: str) -> str:
 
 
 if __name__ == "__main__":
+    SCHEMA.write_text(relax_ng())
     for path in PAGES:
         path.write_text(renewed(path.read_text()))

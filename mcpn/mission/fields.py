@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from functools import cache
-from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from types import NoneType
+from typing import Any
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.model import Element, Handler, Mission
+from mcpn.mission.language.forms import Field, form_of
+from mcpn.mission.model import Described, Mission
 
 _WORDS = {
     str: "a text",
@@ -21,45 +20,13 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class _Field:
-    """What a field of an element may hold.
-
-    Args:
-        name: Its name.
-        classes: Those of its value, or of the members of the tuple that its value is.
-        several: Whether it is a tuple.
-    """
-
-    name: str
-    classes: tuple[type, ...]
-    several: bool
-
-    def fits(self, value: object) -> bool:
-        """Whether a value, or a member of one, is of the classes."""
-        if isinstance(value, bool):
-            return bool in self.classes
-        if isinstance(value, int) and float in self.classes:
-            return abs(value).bit_length() <= 1000  # so that there is such a float
-        return isinstance(value, self.classes)
-
-    @property
-    def expected(self) -> str:
-        """What may stand there, in words."""
-        words = [_WORDS.get(of) or f"{of.__name__} objects" for of in self.classes]
-        return " or ".join(words) if not self.several else f"a tuple of {' or '.join(words)}"
-
-
-@cache
-def _fields(element: type) -> tuple[_Field, ...]:
-    hints = get_type_hints(element)
-    found = []
-    for name in (f.name for f in fields(element) if f.init):
-        hint, several = hints[name], get_origin(hints[name]) is tuple
-        of = get_args(hint)[0] if several else hint
-        classes = get_args(of) if get_origin(of) in (UnionType, Union) else (of,)
-        found.append(_Field(name, classes, several))
-    return tuple(found)
+def _fits(value: object, classes: tuple[type, ...]) -> bool:
+    """Whether a value, or a member of one, is of some classes."""
+    if isinstance(value, bool):
+        return bool in classes
+    if isinstance(value, int) and float in classes:
+        return abs(value).bit_length() <= 1000  # so that there is such a float
+    return isinstance(value, classes)
 
 
 def find_misfits(mission: Mission) -> Iterator[Problem]:
@@ -75,23 +42,25 @@ def find_misfits(mission: Mission) -> Iterator[Problem]:
     stack: list[Any] = [mission]
     while stack:
         element = stack.pop()
-        for of in _fields(element.__class__):
+        for of in form_of(element.__class__).fields:
             value = getattr(element, of.name)
             if of.several and not isinstance(value, tuple):
                 yield _misfit(element, of, f"is {_shown(value)}")
                 continue
             for member in value if of.several else (value,):
-                if not of.fits(member):
+                if not _fits(member, of.classes):
                     yield _misfit(element, of, f"{'holds' if of.several else 'is'} {_shown(member)}")
-                elif isinstance(member, Element | Handler):
+                elif isinstance(member, Described):
                     stack.append(member)
 
 
-def _misfit(element: Any, of: _Field, found: str) -> Problem:
+def _misfit(element: Any, of: Field, found: str) -> Problem:
     source = element.source if isinstance(element.source, Source) else None
     name = getattr(element, "name", None) or getattr(element, "event", None)
     owner = type(element).__name__ + (f" {name}" if isinstance(name, str) else "")
-    return Problem(source, f"{of.name} of {owner} {found}, expected {of.expected}")
+    words = " or ".join(_WORDS.get(kind) or f"{kind.__name__} objects" for kind in of.classes)
+    expected = f"a tuple of {words}" if of.several else words
+    return Problem(source, f"{of.name} of {owner} {found}, expected {expected}")
 
 
 def _shown(value: object) -> str:

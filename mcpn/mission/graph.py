@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
@@ -188,12 +188,14 @@ class ObjectivesGraph(Drawn):
 
     def targets(self, section: Section) -> list[Section]:
         """Sections that a section's success and failure lead to; the graph's exits give none."""
-        routes = (section.success, section.failure)
-        return [self._by_name[route] for route in routes if route in self._by_name]
+        return self._led([section.success, section.failure])
 
-    def interrupted(self, section: Section) -> list[Section]:
-        """Sections that interruptions of a section lead to; the graph's exits give none."""
-        routes = dict.fromkeys(interruption.target for interruption in section.interruptions)
+    def interrupted(self, section: Section, event: str | None = None) -> list[Section]:
+        """Sections that interruptions of a section lead to, those by one event or by any; exits give none."""
+        routes = (i.target for i in section.interruptions if event is None or i.event == event)
+        return self._led(dict.fromkeys(routes))
+
+    def _led(self, routes: Iterable[str]) -> list[Section]:
         return [self._by_name[route] for route in routes if route in self._by_name]
 
     def walk(self) -> Iterator[ElementarySection]:

@@ -4,6 +4,13 @@ The model keeps the mission as it was written (uses of protocols are not expande
 :mod:`mcpn.mission.flatten` turns it into the objectives graph. Two missions are equal when they say the
 same, wherever they were written: sources take no part in comparisons.
 
+The model is also the declaration of the language of mission files (:mod:`mcpn.mission.language`): the
+reader, the writer, the schema, the tables of the language page and the renaming follow from it. ``TAG`` is
+the name of an element in files, its docstring says what it means there, ``NAMED`` is the kind of names
+among which its own is unique. A field is an attribute, or it holds elements inside; one without a default
+is required. Beside its type stands what it means, and what else :mod:`mcpn.mission.language.datatypes`
+knows to say.
+
 Source: the paper, section 4 (objective, parallel block, activity, alternative, resource).
 """
 
@@ -11,9 +18,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 from mcpn.errors import Source
+from mcpn.mission.language.datatypes import (
+    NAME,
+    ROUTE,
+    Activities,
+    Called,
+    Children,
+    EventName,
+    Hours,
+    Name,
+    Probability,
+    ProtocolName,
+    Rate,
+    Resources,
+    Rounds,
+    Route,
+    Tries,
+    Values,
+)
 from mcpn.notebook import Drawn
 
 SUCCEED = "succeed"
@@ -23,239 +48,222 @@ FAIL = "fail"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Element:
+class Described:
     """What every element of a mission file carries.
 
     Args:
-        name: Unique in its kind.
-        description: Shown in reports.
         source: File and line; ``None`` for missions built in Python.
     """
 
-    name: str
-    description: str | None = None
+    TAG = "description"
+    description: Annotated[str | None, "Shown in reports."] = None
     source: Source | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameter(Element):
-    """A value for the control laws; it travels untouched to the controller.
+class Element(Described):
+    """What has a name."""
 
-    Args:
-        value: The text as written.
-        unit: The unit as written, if any.
+    TAG = "common"
+    NAMED = ""
+    """The kind of names among which its own is unique, where others refer to it."""
+    name: Annotated[Name, "Letters, digits and _, no digit first; unique in its kind."]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter(Element):
+    """A value for the control laws.
+
+    It travels to the controller untouched and changes nothing in the verification.
     """
 
-    value: str
-    unit: str | None = None
+    TAG = "parameter"
+    value: Annotated[str, "The text as the control laws read it."]
+    unit: Annotated[str | None, "The unit, as text."] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hardware(Element):
-    """A hardware resource: a sensor or an actuator (paper, 4.3).
+    """A sensor or an actuator. It may go out of service and come back at any moment."""  # paper, 4.3
 
-    Args:
-        faulty: Whether it can go out of service.
-        failure_rate: Failures per hour of service, for numbers of risk; ``None`` where not known.
-        repair_rate: Repairs per hour out of service; ``None`` where nobody repairs it.
-        shared: Whether several activities may use it at a time (a sensor that many read).
-    """
-
-    faulty: bool = True
-    failure_rate: float | None = None
-    repair_rate: float | None = None
-    shared: bool = False
+    TAG = "hardware"
+    NAMED = "resource"
+    faulty: Annotated[bool, "false: it never goes out of service."] = True
+    shared: Annotated[bool, "true: several activities may use it at a time, as a sensor that many read."] = (
+        False
+    )
+    failure_rate: Annotated[Rate, "Failures per hour of service, for numbers of risk."] = None
+    repair_rate: Annotated[Rate, "Repairs per hour out of service; without it nobody repairs."] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Software(Element):
-    """A software resource: a data carrier that exactly one activity produces (paper, 4.3).
+    """Data that one activity produces and others consume, any number at a time unless it is exclusive."""
 
-    Args:
-        exclusive: Whether one activity at a time reserves it, as in the paper; else any number may use it.
-    """
+    TAG = "software"
+    NAMED = "resource"
+    exclusive: Annotated[bool, "true: one activity at a time reserves it."] = False
 
-    exclusive: bool = False
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredEvent(Element):
+    """Something that may happen at any moment and that blocks may handle: a leak, a call back."""
+
+    TAG = "event"
+    NAMED = "event"
+    rate: Annotated[
+        Rate, "How often it happens per hour, for numbers of risk; without it, it never happens in them."
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alternative(Element):
-    """One way to perform an activity (paper, 4.3).
+    """One way to perform the activity; the first in the document that is possible runs."""  # paper, 4.3
 
-    Args:
-        consumes: Names of the resources that it needs, all at once; may be empty.
-        parameters: For the control law.
-    """
-
-    consumes: tuple[str, ...] = ()
+    TAG = "alternative"
+    NAMED = "alternative"
+    consumes: Annotated[Resources, "Resources that it needs, all at once; none: it is always possible."] = ()
     parameters: tuple[Parameter, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Activity(Element):
-    """A basic robotic task with its alternatives in priority order (paper, 4.3).
+    """A basic task of the robot.
 
-    Args:
-        alternatives: At least one; the first is preferred. The short form ``<activity consumes="…">`` is
-            one alternative that bears the activity's name.
-        produces: Names of the software resources that it produces; may be empty.
-        parameters: For the control law, whatever the alternative.
-        switch_back: Whether it evaluates its alternatives again when one of higher priority than the running
-            one becomes possible; else it keeps the one that runs (paper, 6.2).
-    """
+    It is started by the objectives that name it, or, if it produces, by whoever needs what it produces.
+    """  # paper, 4.3; switch_back: 6.2
 
-    alternatives: tuple[Alternative, ...]
-    produces: tuple[str, ...] = ()
+    TAG = "activity"
+    NAMED = "activity"
+    produces: Annotated[Resources, "Software resources, each produced by one activity."] = ()
+    switch_back: Annotated[
+        bool, "true: it evaluates its alternatives again when a better one is possible again."
+    ] = False
     parameters: tuple[Parameter, ...] = ()
-    switch_back: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DeclaredEvent(Element):
-    """Something that may happen at any moment and interrupt what the robot does: a leak, a call back.
-
-    Args:
-        rate: How often it happens per hour, for numbers of risk; in them it never does where ``None``.
-    """
-
-    rate: float | None = None
+    alternatives: Annotated[
+        tuple[Alternative, ...],
+        Children(short="consumes", words="Short for one alternative of the activity's own name."),
+    ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Robot(Element):
-    """What the robot's engineer declares: resources, activities and events.
+    """What the robot's engineer declares: resources, activities and events."""
 
-    Args:
-        hardware: In document order.
-        software: In document order.
-        activities: In document order.
-        events: In document order.
-    """
-
+    TAG = "robot"
     hardware: tuple[Hardware, ...] = ()
     software: tuple[Software, ...] = ()
-    activities: tuple[Activity, ...] = ()
     events: tuple[DeclaredEvent, ...] = ()
+    activities: tuple[Activity, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Handler:
-    """What a block does when an event happens while it runs: it is stopped and left at once.
+class Handler(Described):
+    """What the block around it does when an event happens while it runs.
 
-    Of the handlers of one event the innermost that stands around what runs counts.
-
-    Args:
-        event: The declared event.
-        goto: Where it leads: a sibling of the block, ``succeed`` or ``fail``; from the mission itself, one of
-            its own blocks, ``succeed`` or ``fail``.
-        once: Whether it happens at most once in the whole mission, whichever copy of it (value, use, round,
-            try, branch) it happens in; then the next handler outwards counts, if there is one.
-        description: Shown in reports.
-        source: File and line.
+    Everything in it stops, and it is left. The innermost handler counts; in a parallel block those of its
+    branches do first.
     """
 
-    event: str
-    goto: str
-    once: bool = False
-    description: str | None = None
-    source: Source | None = field(default=None, compare=False)
+    TAG = "on"
+    event: Annotated[EventName, "A declared event."]
+    goto: Annotated[
+        str,
+        ROUTE,
+        "Where it leads: a sibling of the block, succeed or fail. From the mission: one of its own "
+        "blocks, succeed or fail. From a child of a parallel block: succeed or fail.",
+    ]
+    once: Annotated[
+        bool,
+        "true: a handler written once happens at most once in the whole mission, whichever copy of it "
+        "(value, use, round, try, branch) it happens in; then the next handler outwards counts.",
+    ] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockElement(Element):
-    """What every block carries, whatever its kind.
+    """What every block carries, whatever its kind."""
 
-    Args:
-        success: Where success leads: a sibling's name, ``succeed``, ``fail``, or ``None`` for the default
-            (the next sibling, or ``succeed`` from the last).
-        failure: Where failure leads; ``None`` for the default, ``fail``.
-        mandatory: Counts in the outcome of the parallel block that holds it; of no effect elsewhere.
-        retries: How many times it is tried again when it fails; it fails when the last try does.
-        repeat: How many times it is done, one round after the other; ``None`` for once, without rounds. The
-            first round that fails ends it in failure. Each round has its own retries.
-        handlers: What it does on events, rounds and tries included; at most one for each event.
-    """
-
-    success: str | None = None
-    failure: str | None = None
-    mandatory: bool = True
-    retries: int = 0
-    repeat: int | None = None
+    TAG = "routing"
+    NAMED = "block"
+    success: Annotated[
+        Route,
+        "Where success leads: a sibling, succeed or fail. Default: the next sibling; from the last, succeed.",
+    ] = None
+    failure: Annotated[Route, "Where failure leads: a sibling, succeed or fail. Default: fail."] = None
+    mandatory: Annotated[
+        bool, "On a child of a parallel block: false if the block may succeed without it."
+    ] = True
+    retries: Annotated[
+        Tries, "How many times it is tried again when it fails. Tries are named visit_try1, visit_try2."
+    ] = 0
+    repeat: Annotated[
+        Rounds,
+        "How many times it is done, one round after the other, up to the first that fails; each round has "
+        "its own retries. Rounds are named visit_1, visit_2, and have the parameter round.",
+    ] = None
     handlers: tuple[Handler, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Objective(BlockElement):
-    """An elementary objective: the activities that it runs together (paper, 4.1).
+    """With activities it is elementary: the activities run together until it succeeds or fails."""  # 4.1
 
-    Args:
-        activities: At least one name.
-        parameters: For the control laws of its activities.
-        duration: Its mean duration in hours, for numbers of risk; ``None`` where not known.
-        failure_probability: How probable it is that it ends in failure though it could succeed; 0 if not
-            given.
-    """
-
-    activities: tuple[str, ...]
+    TAG = "objective"
+    activities: Annotated[Activities, "Activities that run together; none of them produces."]
+    duration: Annotated[Hours, "Mean duration in hours, for numbers of risk."] = None
+    failure_probability: Annotated[
+        Probability, "From 0 to 1: how probable it is that it fails though it could succeed."
+    ] = None
     parameters: tuple[Parameter, ...] = ()
-    duration: float | None = None
-    failure_probability: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recursive(BlockElement):
-    """A recursive objective: blocks of a lower level, entered at the first (paper, 4.1).
+    """With blocks it is recursive: the blocks run one after the other."""  # paper, 4.1
 
-    Args:
-        blocks: At least one.
-        parameters: For the control laws of the activities inside.
-    """
-
-    blocks: tuple[Block, ...]
+    TAG = "objective"
     parameters: tuple[Parameter, ...] = ()
+    blocks: tuple[Block, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parallel(BlockElement):
-    """A parallel block: its children run at the same time (paper, 4.2).
+    """Blocks that run at the same time. When all have ended it succeeds if every mandatory one did."""  # 4.2
 
-    Args:
-        blocks: Objectives, elementary or recursive, or uses; at least one of them mandatory.
-    """
-
-    blocks: tuple[Block, ...]
+    TAG = "parallel"
+    blocks: Annotated[tuple[Block, ...], Children(without=("parallel",))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Use(BlockElement):
-    """One use of a protocol; names inside it are qualified by the use's own name.
+    """A protocol in this place.
 
-    Args:
-        protocol: The protocol's name.
-        parameters: Of names that the protocol declares: they count in it, but where its blocks say otherwise.
+    Names inside it are qualified: objective travel of use visit is visit.travel.
     """
 
-    protocol: str
+    TAG = "use"
+    protocol: Annotated[ProtocolName, "The protocol's name."]
     parameters: tuple[Parameter, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Each(BlockElement):
-    """Blocks that are done once for each of some values, one round after the other.
+    """Blocks done once for each value, one round after the other.
 
-    A round that succeeds leads to the round of the next value; the first that fails ends all in failure. A
-    block inside is named with the value appended (``visit_12``), which qualifies what it holds
-    (``visit_12.travel``).
-
-    Args:
-        values: At least one, in order.
-        blocks: At least one; each round is entered at the first.
-        parameter: The parameter that has the value in each round; by default it has the block's own name.
+    A block inside is named with the value, visit_12, which qualifies what it holds, visit_12.travel. A round
+    that succeeds leads to the next; one that fails fails the whole.
     """
 
-    values: tuple[str, ...]
+    TAG = "each"
+    values: Annotated[Values, Called("in"), "The values: letters, digits and _, separated by spaces."]
+    parameter: Annotated[
+        str | None,
+        NAME,
+        "The parameter that has the value inside, also in protocols used there. Default: the name of the "
+        "each.",
+    ] = None
     blocks: tuple[Block, ...]
-    parameter: str | None = None
 
     @property
     def bound(self) -> str:
@@ -273,33 +281,43 @@ ROUND = "round"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Protocol(Element):
-    """A reusable series of blocks, entered at the first.
+    """A reusable series of blocks, entered at the first."""
 
-    Args:
-        blocks: At least one.
-        parameters: Defaults for the control laws inside: they count where no block says the name, neither one
-            inside, nor a use of the protocol, nor one around that.
-    """
-
-    blocks: tuple[Block, ...]
+    TAG = "protocol"
+    NAMED = "protocol"
     parameters: tuple[Parameter, ...] = ()
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Import(Described):
+    """Another file, a robot or protocols. It is read once, wherever it is imported."""
+
+    TAG = "import"
+    href: Annotated[str, "The file, relative to this one and inside the directory of the mission."]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Protocols(Described):
+    """What the protocols' author writes: reusable series of blocks."""
+
+    TAG = "protocols"
+    name: Annotated[str | None, NAME, "For the reader; nothing refers to it."] = None
+    protocols: tuple[Protocol, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mission(Drawn, Element):
-    """A whole mission, imports merged.
+    """The mission itself: what the person on the field assembles.
 
-    Args:
-        blocks: The blocks of the mission itself, entered at the first.
-        robots: The robots' declarations; names are unique across them.
-        protocols: Every protocol known to the mission.
-        handlers: What the whole mission does on events; they lead to its own blocks.
+    Its blocks run one after the other; its exits are mission success and mission failure.
     """
 
-    blocks: tuple[Block, ...]
+    TAG = "mission"
     robots: tuple[Robot, ...] = ()
-    protocols: tuple[Protocol, ...] = ()
+    protocols: Annotated[tuple[Protocol, ...], Children(inside=Protocols)] = ()
     handlers: tuple[Handler, ...] = ()
+    blocks: tuple[Block, ...]
     # Whether it has been found valid: who asks again need not look again.
     checked: bool = field(default=False, init=False, repr=False, compare=False)
 

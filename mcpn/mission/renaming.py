@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
-from mcpn.mission.model import FAIL, SUCCEED, Activity, Alternative, Block, Handler, Mission, Objective, Use
+from mcpn.mission.language.forms import form_of
+from mcpn.mission.model import FAIL, SUCCEED, Alternative, Element, Mission
 
 
 def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
@@ -18,50 +20,25 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
             is given that of the activity.
     """
 
-    def alternative(a: Alternative, activity: str) -> Alternative:
-        name = rename("activity", activity) if a.name == activity else rename("alternative", a.name)
-        return replace(a, name=name, consumes=tuple(rename("resource", k) for k in a.consumes))
+    def other(kind: str, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(rename(kind, name) for name in value)
+        exits = (None, SUCCEED, FAIL) if kind == "block" else (None,)
+        return value if value in exits else rename(kind, value)
 
-    def activity(a: Activity) -> Activity:
-        return replace(
-            a,
-            name=rename("activity", a.name),
-            produces=tuple(rename("resource", s) for s in a.produces),
-            alternatives=tuple(alternative(way, a.name) for way in a.alternatives),
-        )
+    def changed(element: Any, around: Any) -> Any:
+        form = form_of(type(element))
+        made = {
+            a.name: other(a.datatype.refers, getattr(element, a.name))
+            for a in form.attributes
+            if a.datatype.refers
+        }
+        if isinstance(element, Element) and element.NAMED:
+            as_around = isinstance(element, Alternative) and element.name == around.name
+            made["name"] = rename(around.NAMED if as_around else element.NAMED, element.name)
+        for content in form.contents:
+            made[content.name] = tuple(changed(member, element) for member in getattr(element, content.name))
+        return replace(element, **made)
 
-    def route(target: str | None) -> str | None:
-        return target if target in (None, SUCCEED, FAIL) else rename("block", target)
-
-    def handler(h: Handler) -> Handler:
-        return replace(h, event=rename("event", h.event), goto=route(h.goto) or h.goto)
-
-    def block(b: Block) -> Block:
-        b = replace(b, name=rename("block", b.name), success=route(b.success), failure=route(b.failure))
-        b = replace(b, handlers=tuple(map(handler, b.handlers)))
-        match b:
-            case Objective():
-                return replace(b, activities=tuple(rename("activity", a) for a in b.activities))
-            case Use():
-                return replace(b, protocol=rename("protocol", b.protocol))
-        return replace(b, blocks=tuple(map(block, b.blocks)))
-
-    robots = (
-        replace(
-            robot,
-            hardware=tuple(replace(h, name=rename("resource", h.name)) for h in robot.hardware),
-            software=tuple(replace(s, name=rename("resource", s.name)) for s in robot.software),
-            activities=tuple(map(activity, robot.activities)),
-            events=tuple(replace(e, name=rename("event", e.name)) for e in robot.events),
-        )
-        for robot in mission.robots
-    )
-    protocols = (
-        replace(p, name=rename("protocol", p.name), blocks=tuple(map(block, p.blocks)))
-        for p in mission.protocols
-    )
-    blocks = tuple(map(block, mission.blocks))
-    handlers = tuple(map(handler, mission.handlers))
-    return replace(
-        mission, blocks=blocks, robots=tuple(robots), protocols=tuple(protocols), handlers=handlers
-    )
+    whole: Mission = changed(mission, None)
+    return whole

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.expansion.clashes import MAX_ROUNDS, clashes
+from mcpn.mission.expansion.clashes import clashes
 from mcpn.mission.fields import find_misfits
+from mcpn.mission.language.datatypes import NAME
+from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import (
     FAIL,
     SUCCEED,
@@ -22,6 +24,7 @@ from mcpn.mission.model import (
     Mission,
     Objective,
     Parallel,
+    Parameter,
     Protocol,
     Recursive,
     Use,
@@ -30,7 +33,6 @@ from mcpn.mission.model import (
 from mcpn.mission.near import Hints
 
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
 
 def find_errors(mission: Mission) -> list[Problem]:
@@ -87,11 +89,7 @@ class _Checks:
     def errors(self) -> Iterator[Problem]:
         mission = self.mission
         for element in _elements(mission):
-            if not _NAME.fullmatch(element.name):
-                expected = "letters, digits and _, no digit first, at most 255 characters"
-                yield Problem(
-                    element.source, f"the name {element.name!r} is not allowed, expected {expected}"
-                )
+            yield from self.attributes(element)
         yield from _duplicates("robot", mission.robots)
         yield from _duplicates("resource", (*mission.hardware, *mission.software))
         yield from _duplicates("activity", mission.activities)
@@ -118,14 +116,31 @@ class _Checks:
 
     # --- resources and activities ----------------------------------------------------------------------
 
+    def attributes(self, element: Element) -> Iterator[Problem]:
+        """What one element says, by itself."""
+        if not NAME.matches(element.name):
+            found = f"the name {element.name!r} is not allowed"
+            yield Problem(element.source, f"{found}, expected {NAME.expected}")
+        form = form_of(type(element))
+        for attribute in form.attributes:
+            value, holds = getattr(element, attribute.name), attribute.datatype
+            if value is attribute.default:
+                continue
+            if attribute.several:
+                yield from _repeats(element, attribute.tag, value)
+            elif value is not None and not holds.allows(value):
+                shown = f"{value:g}" if isinstance(value, float) else value
+                message = f"{attribute.tag} of {element.name} is {shown}, expected {holds.allowed}"
+                yield Problem(element.source, message)
+        for content in form.contents:
+            if content.classes == (Parameter,):
+                yield from _duplicates("parameter", getattr(element, content.name))
+
     def rates(self) -> Iterator[Problem]:
         for h in self.mission.hardware:
             for name, rate in (("failure_rate", h.failure_rate), ("repair_rate", h.repair_rate)):
-                yield from _rate(name, rate, h)
                 if rate and not h.faulty:
                     yield Problem(h.source, f"{h.name} has a {name}, though it cannot fail (faulty is false)")
-        for event in self.mission.events:
-            yield from _rate("rate", event.rate, event)
 
     def products(self) -> Iterator[Problem]:
         for software in self.mission.software:
@@ -140,9 +155,7 @@ class _Checks:
                 yield Problem(software.source, f"{needed}, found {found}: {remedy}")
 
     def activity(self, activity: Activity) -> Iterator[Problem]:
-        yield from _duplicates("parameter", activity.parameters)
         yield from _duplicates("alternative", activity.alternatives)
-        yield from _repeats(activity, "produces", activity.produces)
         if not activity.alternatives:
             yield Problem(activity.source, f"activity {activity.name} has no alternative")
         if activity.switch_back and len(activity.alternatives) == 1:
@@ -157,8 +170,6 @@ class _Checks:
                     activity.source, f"activity {activity.name} produces", resource, self.software
                 )
         for alternative in activity.alternatives:
-            yield from _duplicates("parameter", alternative.parameters)
-            yield from _repeats(alternative, "consumes", alternative.consumes)
             for resource in dict.fromkeys(alternative.consumes):
                 if resource not in self.resources:
                     who = f"alternative {alternative.name} of activity {activity.name} consumes"
@@ -199,8 +210,6 @@ class _Checks:
         if not blocks:
             yield Problem(owner.source, f"{owner.name} has no blocks")
         yield from _duplicates("block", all_blocks)
-        if isinstance(owner, Protocol):
-            yield from _duplicates("parameter", owner.parameters)
         yield from clashes(blocks)
         for siblings in _families(blocks):
             yield from self.routing(siblings)
@@ -209,17 +218,16 @@ class _Checks:
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
-            yield from self.rounds(block)
             if block.name in (SUCCEED, FAIL):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
-            if not isinstance(block, Parallel | Each):
-                yield from _duplicates("parameter", block.parameters)
             if isinstance(block, Objective):
                 yield from self.objective(block)
             elif isinstance(block, Use):
                 yield from self.use(block)
             elif isinstance(block, Parallel):
                 yield from self.parallel(block)
+            elif isinstance(block, Each):
+                yield from self.each(block)
 
     def routing(self, siblings: tuple[Block, ...]) -> Iterator[Problem]:
         names = {block.name: None for block in siblings}
@@ -256,32 +264,19 @@ class _Checks:
                 handler.source, f"the event {handler.event} of {owner}", handler.goto, names
             )
 
-    def rounds(self, block: Block) -> Iterator[Problem]:
-        for attribute, number, least in (("repeat", block.repeat, 1), ("retries", block.retries, 0)):
-            if number is not None and not least <= number <= MAX_ROUNDS:
-                expected = f"expected a whole number from {least} to {MAX_ROUNDS}"
-                yield Problem(block.source, f"{attribute} of {block.name} is {number}, {expected}")
-        if isinstance(block, Each):
-            if not block.values:
-                yield Problem(block.source, f"each {block.name} names no value")
-            if not _NAME.fullmatch(block.bound):
-                yield Problem(block.source, f"the parameter of {block.name}, {block.bound!r}, is no name")
-            yield from _repeats(block, "in", block.values)
-            for value in block.values:
-                if not _VALUE.fullmatch(value):
-                    expected = "expected letters, digits and _, at most 64 characters"
-                    yield Problem(block.source, f"each {block.name} names the value {value!r}, {expected}")
+    def each(self, block: Each) -> Iterator[Problem]:
+        if not block.values:
+            yield Problem(block.source, f"each {block.name} names no value")
+        if not NAME.matches(block.bound):
+            yield Problem(block.source, f"the parameter of {block.name}, {block.bound!r}, is no name")
+        for value in block.values:
+            if not _VALUE.fullmatch(value):
+                expected = "expected letters, digits and _, at most 64 characters"
+                yield Problem(block.source, f"each {block.name} names the value {value!r}, {expected}")
 
     def objective(self, block: Objective) -> Iterator[Problem]:
         if not block.activities:
             yield Problem(block.source, f"objective {block.name} names no activity")
-        yield from _repeats(block, "activities", block.activities)
-        if block.duration is not None and not 0 < block.duration < math.inf:
-            expected = "expected a finite number of hours above 0"
-            yield Problem(block.source, f"duration of {block.name} is {block.duration:g}, {expected}")
-        if block.failure_probability is not None and not 0 <= block.failure_probability <= 1:
-            found = f"failure_probability of {block.name} is {block.failure_probability:g}"
-            yield Problem(block.source, f"{found}, expected a number from 0 to 1")
         for name in dict.fromkeys(block.activities):
             if name not in self.activities:
                 yield self.unknown(block.source, f"objective {block.name} runs", name, self.activities)
@@ -336,26 +331,14 @@ def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
 
 
 def _elements(mission: Mission) -> Iterator[Element]:
-    """Every named element of a mission."""
-    yield mission
-    yield from (*mission.robots, *mission.hardware, *mission.software, *mission.events)
-    for activity in mission.activities:
-        yield from (activity, *activity.parameters, *activity.alternatives)
-        for alternative in activity.alternatives:
-            yield from alternative.parameters
-    for protocol in mission.protocols:
-        yield from (protocol, *protocol.parameters)
-    for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
-        for block in walk(blocks):
-            yield block
-            if not isinstance(block, Parallel | Each):
-                yield from block.parameters
-
-
-def _rate(attribute: str, rate: float | None, of: Element) -> Iterator[Problem]:
-    if rate is not None and not 0 <= rate < math.inf:
-        expected = "expected a finite number per hour, at least 0"
-        yield Problem(of.source, f"{attribute} of {of.name} is {rate:g}, {expected}")
+    """Every named element of a mission, itself first, in document order."""
+    stack: list[Any] = [mission]
+    while stack:
+        element = stack.pop()
+        if isinstance(element, Element):
+            yield element
+        for content in reversed(form_of(type(element)).contents):
+            stack.extend(reversed(getattr(element, content.name)))
 
 
 def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:

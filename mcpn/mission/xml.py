@@ -6,31 +6,16 @@ root is given. All problems of all files are collected and raised in one go.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    DeclaredEvent,
-    Each,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Parameter,
-    Protocol,
-    Recursive,
-    Robot,
-    Software,
-    Use,
-)
+from mcpn.mission.language.forms import Field, form_of, language
+from mcpn.mission.model import Import, Mission, Parallel, Protocol, Robot
 from mcpn.mission.schema import find_misfits
 from mcpn.mission.validate import find_errors
 from mcpn.xmlio import parse_xml
@@ -57,8 +42,8 @@ def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> 
     """
     main = Path(path)
     root = Path(import_root) if import_root is not None else main.parent
-    reader = _Reader(root.resolve())
-    mission = reader.mission(main)
+    reader = _Reader(main, root.resolve())
+    mission = reader.mission()
     problems = reader.problems
     if mission is not None and reader.complete:
         problems = [*problems, *find_errors(mission)]
@@ -72,266 +57,146 @@ def _by_place(problem: Problem) -> tuple[str, int, str]:
     return source.file, source.line or 0, problem.message
 
 
-@dataclass
-class _Contents:
-    """What a file and its imports declare."""
-
-    robots: list[Robot] = field(default_factory=list)
-    protocols: list[Protocol] = field(default_factory=list)
-
-
 class _Reader:
-    def __init__(self, root: Path) -> None:
+    def __init__(self, main: Path, root: Path) -> None:
         self.root = root
         self.problems: list[Problem] = []
         self.complete = True
         self.elements = 0
+        self.path = main  # the file that is read
+        self.chain: list[Path] = []  # it and the files that import it, the main one first
         self.seen: set[Path] = set()
+        self.robots: list[Robot] = []
+        self.protocols: list[Protocol] = []
 
-    def mission(self, path: Path) -> Mission | None:
-        element = self.load(path)
-        if element is None:
+    def mission(self) -> Mission | None:
+        root = self.load()
+        if root is None:
             return None
-        if _tag(element) != "mission":
-            self.wrong(path, element, f"expected a mission, found <{_tag(element)}>")
+        if _tag(root) != Mission.TAG:
+            self.wrong(root, f"expected a mission, found <{_tag(root)}>")
             self.complete = False
             return None
-        self.seen.add(path.resolve())
-        found = _Contents()
-        blocks = []
-        for child in element:
-            if _tag(child) in ("import", "robot", "protocols"):
-                self.declarations(child, path, [path.resolve()], found)
-            elif _tag(child) != "on":
-                blocks.append(self.block(child, path))
-        return Mission(
-            **self.common(element, path),
-            blocks=tuple(blocks),
-            robots=tuple(found.robots),
-            protocols=tuple(found.protocols),
-            handlers=self.handlers(element, path),
-        )
+        self.chain.append(self.path.resolve())
+        self.seen.update(self.chain)
+        mission: Mission = self.element(root)
+        return replace(mission, robots=tuple(self.robots), protocols=tuple(self.protocols))
 
-    def load(self, path: Path) -> etree._Element | None:
-        """The root of a file that fits the schema, or ``None`` after noting why it does not."""
+    def element(self, element: etree._Element) -> Any:
+        """What an element of a file that fits the schema says; the robots and protocols are kept aside."""
+        texts = {str(name): str(text) for name, text in element.attrib.items()}
+        of = language()[_tag(element)].form(texts)
+        form = form_of(of)
+        values = _said(texts, form.attributes) | {"source": self.source(element)}
+        if "mandatory" in texts:
+            self.mandatory(element, values)
+        members = [self.element(child) for child in element]
+        for content in form.contents if members else ():
+            values[content.name] = tuple(member for member in members if isinstance(member, content.classes))
+        for content in form.contents:
+            if (brief := content.short) and not values.get(content.name):
+                single = {"name": values["name"], "source": values["source"]} | _said(texts, (brief,))
+                values[content.name] = (content.classes[0](**single),)
+        made = of(**values)
+        match made:
+            case Import():
+                self.imported(element, made.href)
+            case Robot():
+                self.robots.append(made)
+            case Protocol():
+                self.protocols.append(made)
+        return made
+
+    def mandatory(self, element: etree._Element, values: dict[str, Any]) -> None:
+        # Where it is false the validator of missions says so, of files and of those built in Python.
+        parent = element.getparent()
+        if values["mandatory"] and (parent is None or _tag(parent) != Parallel.TAG):
+            self.wrong(element, "mandatory is for children of a parallel block, expected none here")
+
+    def load(self) -> etree._Element | None:
+        """The root of the file if that fits the schema, or ``None`` after noting why it does not."""
         try:
-            element = parse_xml(path, MAX_FILE_BYTES)
+            element = parse_xml(self.path, MAX_FILE_BYTES)
         except InputError as error:
             self.problems.extend(error.problems)
             self.complete = False
             return None
-        if not self.bounded(element, path):
+        if not self.bounded(element):
             self.complete = False
             return None
         misfits = find_misfits(element)
-        self.problems.extend(Problem(Source(str(path), line), message) for line, message in misfits)
+        self.problems.extend(Problem(Source(str(self.path), line), message) for line, message in misfits)
         if misfits:
             self.complete = False
             return None
         return element
 
-    def bounded(self, root: etree._Element, path: Path) -> bool:
+    def bounded(self, root: etree._Element) -> bool:
         depth = 0
         for event, element in etree.iterwalk(root, events=("start", "end")):
             depth += 1 if event == "start" else -1
             self.elements += event == "start"
             if depth > MAX_DEPTH:
-                self.wrong(path, element, f"nested more than {MAX_DEPTH} deep, the limit on nesting")
+                self.wrong(element, f"nested more than {MAX_DEPTH} deep, the limit on nesting")
                 return False
             if self.elements > MAX_ELEMENTS:
-                self.wrong(
-                    path, element, f"more than {MAX_ELEMENTS} elements in all files, the limit on them"
-                )
+                self.wrong(element, f"more than {MAX_ELEMENTS} elements in all files, the limit on them")
                 return False
         return True
 
-    def wrong(self, path: Path, element: etree._Element, message: str) -> None:
-        self.problems.append(Problem(_source(element, path), message))
+    def wrong(self, element: etree._Element, message: str) -> None:
+        self.problems.append(Problem(self.source(element), message))
 
-    # --- imports, robots and protocols -----------------------------------------------------------------
+    def source(self, element: etree._Element) -> Source:
+        line = element.sourceline
+        return Source(str(self.path), line if isinstance(line, int) else None)
 
-    def declarations(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> None:
-        if _tag(element) == "import":
-            self.imported(element, path, chain, found)
-        elif _tag(element) == "robot":
-            found.robots.append(self.robot(element, path, chain, found))
-        else:
-            for child in element:
-                if _tag(child) == "import":
-                    self.imported(child, path, chain, found)
-                else:
-                    found.protocols.append(self.protocol(child, path))
-
-    def imported(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> None:
-        href = element.get("href", "")
+    def imported(self, element: etree._Element, href: str) -> None:
         try:
-            target = path.parent / href
+            target = self.path.parent / href
             real = target.resolve()
             inside = real.is_relative_to(self.root)
             kind = "a file" if target.is_file() else "a directory" if target.is_dir() else "no such file"
         except (OSError, ValueError, RuntimeError) as error:
             what = getattr(error, "strerror", None) or error
-            self.not_imported(path, element, f"{href[:80]!r}: {what}")
+            self.not_imported(element, f"{href[:80]!r}: {what}")
             return
         if not inside or ":" in href.split("/")[0]:
-            self.not_imported(path, element, f"{href} leaves the mission's directory")
-        elif real in chain:
-            self.not_imported(path, element, f"{href} closes a cycle of imports")
+            self.not_imported(element, f"{href} leaves the mission's directory")
+        elif real in self.chain:
+            self.not_imported(element, f"{href} closes a cycle of imports")
         elif real not in self.seen:
             self.seen.add(real)
             if len(self.seen) > MAX_IMPORTS:
-                self.not_imported(
-                    path, element, f"{href}: more than {MAX_IMPORTS} files, the limit on imports"
-                )
-            elif len(chain) > MAX_DEPTH:
-                self.not_imported(
-                    path, element, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports"
-                )
+                self.not_imported(element, f"{href}: more than {MAX_IMPORTS} files, the limit on imports")
+            elif len(self.chain) > MAX_DEPTH:
+                self.not_imported(element, f"{href}: more than {MAX_DEPTH} files deep, the limit on imports")
             elif kind != "a file":
-                self.not_imported(path, element, f"{href}: {kind}")
-            else:
-                root = self.load(target)
-                if root is not None and _tag(root) == "mission":
-                    self.not_imported(
-                        path, element, f"{href}: expected <robot> or <protocols>, found <mission>"
-                    )
-                elif root is not None:
-                    self.declarations(root, target, [*chain, real], found)
+                self.not_imported(element, f"{href}: {kind}")
+            elif not self.file(target, real):
+                self.not_imported(element, f"{href}: expected <robot> or <protocols>, found <mission>")
 
-    def not_imported(self, path: Path, element: etree._Element, why: str) -> None:
+    def file(self, path: Path, real: Path) -> bool:
+        """Reads an imported file; whether it is none that holds a mission."""
+        importing, self.path = self.path, path
+        self.chain.append(real)
+        root = self.load()
+        fits = root is None or _tag(root) != Mission.TAG
+        if root is not None and fits:
+            self.element(root)
+        self.chain.pop()
+        self.path = importing
+        return fits
+
+    def not_imported(self, element: etree._Element, why: str) -> None:
         self.complete = False
-        self.wrong(path, element, f"import of {why}")
-
-    def robot(self, element: etree._Element, path: Path, chain: list[Path], found: _Contents) -> Robot:
-        hardware, software, activities, events = [], [], [], []
-        for child in element:
-            tag, common = _tag(child), self.common(child, path)
-            if tag == "import":
-                self.imported(child, path, chain, found)
-            elif tag == "hardware":
-                common |= _numbers(child, "failure_rate", "repair_rate")
-                faulty, shared = _truth(child, "faulty"), _truth(child, "shared", "false")
-                hardware.append(Hardware(**common, faulty=faulty, shared=shared))
-            elif tag == "software":
-                software.append(Software(**common, exclusive=_truth(child, "exclusive", "false")))
-            elif tag == "event":
-                common |= _numbers(child, "rate")
-                events.append(DeclaredEvent(**common))
-            else:
-                activities.append(self.activity(child, path))
-        return Robot(
-            **self.common(element, path),
-            hardware=tuple(hardware),
-            software=tuple(software),
-            activities=tuple(activities),
-            events=tuple(events),
-        )
-
-    def activity(self, element: etree._Element, path: Path) -> Activity:
-        common = self.common(element, path)
-        alternatives = tuple(
-            Alternative(
-                **self.common(child, path),
-                consumes=_names(child, "consumes"),
-                parameters=self.parameters(child, path),
-            )
-            for child in element
-            if _tag(child) == "alternative"
-        )
-        short = Alternative(
-            name=common["name"], consumes=_names(element, "consumes"), source=common["source"]
-        )
-        return Activity(
-            **common,
-            produces=_names(element, "produces"),
-            switch_back=_truth(element, "switch_back", "false"),
-            alternatives=alternatives or (short,),
-            parameters=self.parameters(element, path),
-        )
-
-    def protocol(self, element: etree._Element, path: Path) -> Protocol:
-        return Protocol(
-            **self.common(element, path),
-            blocks=self.blocks(element, path),
-            parameters=self.parameters(element, path),
-        )
-
-    # --- blocks ----------------------------------------------------------------------------------------
-
-    def blocks(self, element: etree._Element, path: Path) -> tuple[Block, ...]:
-        return tuple(self.block(child, path) for child in element if _tag(child) not in ("parameter", "on"))
-
-    def block(self, element: etree._Element, path: Path) -> Block:
-        # Where it is false the validator of missions says so, of files and of those built in Python.
-        within_parallel = (parent := element.getparent()) is not None and _tag(parent) == "parallel"
-        if not within_parallel and "mandatory" in element.attrib and _truth(element, "mandatory"):
-            self.wrong(path, element, "mandatory is for children of a parallel block, expected none here")
-        common: dict[str, Any] = self.common(element, path) | {
-            "success": element.get("success"),
-            "failure": element.get("failure"),
-            "mandatory": _truth(element, "mandatory"),
-            "retries": int(element.get("retries", "0")),
-            "repeat": int(element.get("repeat", "1")) if "repeat" in element.attrib else None,
-            "handlers": self.handlers(element, path),
-        }
-        tag = _tag(element)
-        if tag == "parallel":
-            return Parallel(**common, blocks=self.blocks(element, path))
-        if tag == "each":
-            common |= {"values": _names(element, "in"), "parameter": element.get("parameter")}
-            return Each(**common, blocks=self.blocks(element, path))
-        parameters = self.parameters(element, path)
-        if tag == "use":
-            return Use(**common, protocol=element.get("protocol", ""), parameters=parameters)
-        if "activities" in element.attrib:
-            common |= _numbers(element, "duration", "failure_probability")
-            return Objective(**common, activities=_names(element, "activities"), parameters=parameters)
-        return Recursive(**common, blocks=self.blocks(element, path), parameters=parameters)
-
-    def handlers(self, element: etree._Element, path: Path) -> tuple[Handler, ...]:
-        return tuple(
-            Handler(
-                event=child.get("event", ""),
-                goto=child.get("goto", ""),
-                once=_truth(child, "once", "false"),
-                description=child.get("description"),
-                source=_source(child, path),
-            )
-            for child in element
-            if _tag(child) == "on"
-        )
-
-    def parameters(self, element: etree._Element, path: Path) -> tuple[Parameter, ...]:
-        return tuple(
-            Parameter(**self.common(child, path), value=child.get("value", ""), unit=child.get("unit"))
-            for child in element
-            if _tag(child) == "parameter"
-        )
-
-    def common(self, element: etree._Element, path: Path) -> dict[str, Any]:
-        return {
-            "name": element.get("name", ""),
-            "description": element.get("description"),
-            "source": _source(element, path),
-        }
+        self.wrong(element, f"import of {why}")
 
 
 def _tag(element: etree._Element) -> str:
     return etree.QName(element).localname
 
 
-def _source(element: etree._Element, path: Path) -> Source:
-    line = element.sourceline
-    return Source(str(path), line if isinstance(line, int) else None)
-
-
-def _names(element: etree._Element, attribute: str) -> tuple[str, ...]:
-    return tuple(element.get(attribute, "").split())
-
-
-def _truth(element: etree._Element, attribute: str, default: str = "true") -> bool:
-    return element.get(attribute, default).strip() in ("true", "1")
-
-
-def _numbers(element: etree._Element, *attributes: str) -> dict[str, float]:
-    return {a: float(text) for a in attributes if (text := element.get(a)) is not None}
+def _said(texts: Mapping[str, str], attributes: Iterable[Field]) -> dict[str, Any]:
+    """The values of the attributes that an element has, by field."""
+    return {a.name: a.datatype.read(texts[a.tag]) for a in attributes if a.tag in texts}

@@ -7,10 +7,8 @@ from itertools import islice, product
 
 from mcpn.errors import Problem
 from mcpn.mission.expansion.scope import MAX_OBJECTIVES
+from mcpn.mission.language.datatypes import MAX_ROUNDS
 from mcpn.mission.model import Block, Each, Holder, walk
-
-MAX_ROUNDS = 100_000
-"""The largest number of rounds or tries that a block may ask for."""
 
 
 def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:

@@ -11,11 +11,12 @@ again at once, its start waits until it is idle. The argument stands in ``papers
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from itertools import chain
+from typing import TYPE_CHECKING, TypeAlias
 
-from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import FAIL, SUCCEED
 
 if TYPE_CHECKING:
@@ -40,23 +41,19 @@ class Handover:
         protocol used twice in a row), and where two branches of a parallel block start the same one.
         """
         found = set[str]()
-        for graph in self.usage.graphs():
-            for section in graph.sections:
-                for ending, target in _onward(graph, section):
-                    found |= ending & {a for first in entries(target) for a in first.activities}
+        for ending, target in _onward(self.usage.graph, {}):
+            found |= ending & _activities(entries(target))
         return frozenset(found).union(activity for *_, activity in self.usage.started_twice())
 
     @cached_property
     def gated(self) -> frozenset[str]:
         """The sections, at any depth, that begin only when what stops before them has stopped."""
         found = set[str]()
-        for graph in self.usage.graphs():
-            for section in graph.sections:
-                for ending, target in _onward(graph, section):
-                    before = self._reached(ending)
-                    after = self._reached({a for first in entries(target) for a in first.activities})
-                    if self._may_compete(before, after):
-                        found.add(target.name)
+        for ending, target in _onward(self.usage.graph, {}):
+            before = self._reached(ending)
+            after = self._reached(_activities(entries(target)))
+            if self._may_compete(before, after):
+                found.add(target.name)
         return frozenset(found)
 
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
@@ -80,15 +77,46 @@ def entries(section: Section) -> tuple[ElementarySection, ...]:
     )
 
 
-def _onward(graph: ObjectivesGraph, section: Section) -> Iterator[tuple[frozenset[str], Section]]:
-    """Sections that one leads to, each with the activities that may be stopped as it is entered.
+Running: TypeAlias = Mapping[str, frozenset[str]]
+"""By declared event, activities that it stops beside a graph."""
 
-    The end of a section stops its last objectives, an interruption all that run.
+
+def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset[str], Section]]:
+    """Sections that others lead to, at any depth, each with activities that may be stopped as it is entered.
+
+    The end of a section stops its last objectives. An interruption stops all that run, and beside them, told
+    apart, what the same event interrupts in other branches.
     """
-    ending = frozenset(a for last in _endings(section) for a in last.activities)
-    running = frozenset(a for inner in section.walk() for a in inner.activities)
-    yield from ((ending, target) for target in graph.targets(section))
-    yield from ((running, target) for target in graph.interrupted(section))
+    for section in graph.sections:
+        ending = _activities(_endings(section))
+        running = _activities(section.walk())
+        yield from ((ending, target) for target in graph.targets(section))
+        yield from ((running, target) for target in graph.interrupted(section))
+        for event, stopped in beside.items():
+            yield from ((stopped, target) for target in graph.interrupted(section, event))
+        branches = section.branches if isinstance(section, ParallelSection) else ()
+        for branch in branches:
+            others = (_interrupted(other.graph) for other in branches if other is not branch)
+            yield from _onward(branch.graph, _joined(beside, *others))
+
+
+def _interrupted(graph: ObjectivesGraph) -> Running:
+    """By declared event, the activities of a graph that it may stop, by any handler at any depth."""
+    found: Running = {}
+    for section in graph.sections:
+        running = _activities(section.walk())
+        found = _joined(found, dict.fromkeys((i.event for i in section.interruptions), running))
+        for branch in section.branches if isinstance(section, ParallelSection) else ():
+            found = _joined(found, _interrupted(branch.graph))
+    return found
+
+
+def _joined(*all_: Running) -> Running:
+    return {event: frozenset().union(*(of.get(event, ()) for of in all_)) for event in chain(*all_)}
+
+
+def _activities(sections: Iterable[ElementarySection]) -> frozenset[str]:
+    return frozenset(activity for section in sections for activity in section.activities)
 
 
 def _endings(section: Section) -> tuple[ElementarySection, ...]:

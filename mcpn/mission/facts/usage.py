@@ -149,19 +149,15 @@ class Usage:
             for alternative in self.activities[activity].alternatives
         )
 
-    def fail_together(self, activity: str, alternative: int) -> list[tuple[str, ...]]:
-        """Sets of consumed resources that one hardware failure may put in error in one internal run.
+    def fail_together(self, activity: str, alternative: int) -> frozenset[tuple[str, ...]]:
+        """Consumed resources that one hardware failure may put in error in one internal run, in order.
 
-        Returns:
-            Every non-empty set, in order of size, then of consumption.
+        Any of them may be in error, and not all need be.
         """
         consumed = self.activities[activity].alternatives[alternative].consumes
-        groups = {
-            tuple(k for k in consumed if h in self.hardware_under(k))
-            for h in frozenset[str]().union(*(self.hardware_under(k) for k in consumed))
-        }
-        sets = {e for group in groups for size in range(1, len(group) + 1) for e in combinations(group, size)}
-        return sorted(sets, key=lambda e: (len(e), [consumed.index(k) for k in e]))
+        under = [(k, self.hardware_under(k)) for k in consumed]
+        hardware = frozenset[str]().union(*(below for _, below in under))
+        return frozenset(tuple(k for k, below in under if h in below) for h in hardware)
 
     def released_unasked(self, resource: str) -> bool:
         """Whether the resource may be released while its producer, evaluating, still brings or takes it.

@@ -1,0 +1,150 @@
+"""What attributes of missions hold: the texts of files, their values, and which of these count."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+MAX_ROUNDS = 100_000
+"""The largest number of rounds or tries that a block may ask for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Datatype:
+    """What an attribute holds.
+
+    Args:
+        name: Its name in the schema.
+        words: Its name for people.
+        pattern: What its texts match, a regular expression of Python and of XML Schema; ``None`` for any.
+        expected: What an error expects in the place of another text.
+        read: From a text that matches to the value.
+        write: From a value to its text.
+        allows: Whether a value is one that counts.
+        allowed: What an error expects in the place of a value that does not.
+        refers: The kind of what it names: ``resource``, ``activity``, ``block``, ``protocol``, ``event``.
+    """
+
+    name: str
+    words: str
+    pattern: str | None = None
+    expected: str = ""
+    read: Callable[[str], Any] = str
+    write: Callable[[Any], str] = str
+    allows: Callable[[Any], bool] = lambda value: True
+    allowed: str = ""
+    refers: str = ""
+
+    def matches(self, text: str) -> bool:
+        """Whether a text is one of a value."""
+        return self.pattern is None or re.fullmatch(self.pattern, text, re.ASCII) is not None
+
+    def to(self, kind: str) -> Datatype:
+        """The names of things of one kind."""
+        return replace(self, refers=kind)
+
+    def within(self, allowed: str, allows: Callable[[Any], bool]) -> Datatype:
+        """Some of the values alone, in words and for a program."""
+        return replace(self, allowed=allowed, allows=allows)
+
+
+def _split(text: str) -> tuple[str, ...]:
+    return tuple(text.split())
+
+
+_LETTER, _CHARACTER = "[A-Za-z_]", "[A-Za-z0-9_]"
+
+TEXT = Datatype("text", "text")
+NAME = Datatype(
+    "name",
+    "name",
+    f"{_LETTER}{_CHARACTER}{{0,254}}",
+    "letters, digits and _, no digit first, at most 255 characters",
+)
+NAMES = Datatype(
+    "names",
+    "names",
+    rf"\s*({_LETTER}{_CHARACTER}*(\s+{_LETTER}{_CHARACTER}*)*)?\s*",
+    "names of letters, digits and _, separated by spaces",
+    _split,
+    " ".join,
+)
+VALUES = Datatype(
+    "values",
+    "values",
+    rf"\s*{_CHARACTER}+(\s+{_CHARACTER}+)*\s*",
+    "values of letters, digits and _, separated by spaces",
+    _split,
+    " ".join,
+)
+"""Values of rounds: they become parts of names."""
+BOOLEAN = Datatype(
+    "boolean",
+    "true or false",
+    r"\s*(true|false|1|0)\s*",
+    "true or false",
+    lambda text: text.strip() in ("true", "1"),
+    lambda value: "true" if value else "false",
+)
+NUMBER = Datatype(
+    "number",
+    "number",
+    r"\s*[0-9]+(\.[0-9]+)?([eE][+\-]?[0-9]+)?\s*",
+    "a decimal number of at least 0, for example 12 or 2.5e-4",
+    float,
+)
+RATE = NUMBER.within("a finite number per hour, at least 0", lambda rate: 0 <= rate < math.inf)
+HOURS = NUMBER.within("a finite number of hours above 0", lambda hours: 0 < hours < math.inf)
+PROBABILITY = NUMBER.within("a number from 0 to 1", lambda share: 0 <= share <= 1)
+COUNT = Datatype("count", "whole number", r"\s*[0-9]{1,6}\s*", "a whole number of at most 6 digits", int)
+TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <= tries <= MAX_ROUNDS)
+ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
+ROUTE = NAME.to("block")
+
+Name = Annotated[str, NAME]
+EventName = Annotated[str, NAME.to("event")]
+ProtocolName = Annotated[str, NAME.to("protocol")]
+Route = Annotated[str | None, ROUTE]
+Resources = Annotated[tuple[str, ...], NAMES.to("resource")]
+Activities = Annotated[tuple[str, ...], NAMES.to("activity")]
+Values = Annotated[tuple[str, ...], VALUES]
+Rate = Annotated[float | None, RATE]
+Hours = Annotated[float | None, HOURS]
+Probability = Annotated[float | None, PROBABILITY]
+Tries = Annotated[int, TRIES]
+Rounds = Annotated[int | None, ROUNDS]
+
+BY_CLASS = {str: TEXT, bool: BOOLEAN}
+"""What an attribute holds whose type does not say more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Called:
+    """Says that an attribute has another name in files than its field.
+
+    Args:
+        name: The name in files.
+    """
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Children:
+    """What the annotation of a field says of the elements that hold it in a file, if there is more to say.
+
+    Args:
+        inside: The class of an element around them, with a field of the same name.
+        without: Names in files of elements that a file does not allow here.
+        short: A field of theirs whose attribute may stand on the element around for a single one, without
+            more, that has its name.
+        words: What the attribute means there.
+    """
+
+    inside: type | None = None
+    without: tuple[str, ...] = ()
+    short: str = ""
+    words: str = ""
