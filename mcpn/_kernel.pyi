@@ -226,18 +226,6 @@ class Store:
         ``bits`` says by level which bit tells of it, -1 that it is unmarked.
         """
 
-    def from_exploration(self, exploration: Exploration, bits: Sequence[int]) -> Zdd:
-        """The set of the markings of an exploration whose arrays have not been taken."""
-
-    def changes(
-        self, exploration: Exploration, bits: Sequence[int], most: int
-    ) -> list[tuple[int, list[int], list[int], Zdd]] | None:
-        """The edges of an exploration from stable to stable marking, by what they change.
-
-        For each label and each change: the places that lose a token, those that gain one, and the markings in
-        which it happens. ``None`` where there are more than so many.
-        """
-
     def singleton(self, marked: Sequence[int]) -> Zdd: ...
     def event(
         self,
@@ -327,6 +315,14 @@ class Exploration:
         """Transient markings that it left in all ways."""
 
     @property
+    def decided(self) -> list[int]:
+        """Edges by what it took to know that one order is enough behind them.
+
+        No two transitions could fire at a time; their arcs do not conflict; units exclude those that do; what
+        may fire behind the event does not conflict; or the transient markings were left in all ways.
+        """
+
+    @property
     def bounds(self) -> list[int]:
         """Most tokens by place, of a :class:`CountedNet`."""
 
@@ -379,6 +375,52 @@ class Explorer:
     def edges(self) -> int: ...
     @property
     def bytes(self) -> int: ...
+
+class BigSteps:
+    """The big steps of the events of a net: what they make of stable markings, proved to be the one outcome.
+
+    Each is of every stable marking that marks some places and leaves some others empty; several that fit one
+    marking make the same of it. They stand in bytes, as 32-bit numbers: how many levels of a store it
+    touches, and for each, in their order, the level times 4 with what happens to it: 0 it goes from marked to
+    unmarked, 1 back, 2 it stays marked, 3 unmarked.
+
+    Args:
+        net: The net, with priorities.
+        initial: Its initially marked places.
+        places: By level of the store, the place that it says is marked; -1 where it speaks of none.
+        partners: Places without a level, each with the level that says that it is not marked.
+        max_bytes: Bytes that markings may take.
+        max_transient: Transient markings that may be kept behind one event.
+    """
+
+    def __init__(
+        self,
+        net: SafeNet,
+        initial: Sequence[int],
+        places: Sequence[int],
+        partners: Sequence[tuple[int, int]],
+        max_bytes: int,
+        max_transient: int,
+    ) -> None: ...
+    def start(self, store: Store) -> Zdd | None:
+        """The stable marking behind the initial one; ``None`` where it is not one, or a firing is unsafe."""
+
+    def cover(self, markings: Zdd, event: int, most: int) -> tuple[bytes, int] | None:
+        """Big steps of an event that fit some stable markings, which enable it, and how many they are.
+
+        ``None`` where it has no outcome, or may have two, or a firing is unsafe, or where they are more than
+        ``most``.
+        """
+
+def choices(store: Store, ways: bytes, as_: str, marked: Sequence[int]) -> list[int]:
+    """Events of the store that together do what some big steps do, as few as that is quick.
+
+    Args:
+        store: The store.
+        ways: The big steps; where several fit a marking they make the same of it.
+        as_: "ahead"; "back": events undo them; "where": they are conditions, that one of them fits.
+        marked: Levels that must be marked, too.
+    """
 
 class SafeNet:
     """A net as it acts on 1-safe markings.

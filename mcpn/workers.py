@@ -46,9 +46,8 @@ def executor_of(jobs: int = 1, scheduler: str | None = None) -> Iterator[Executo
             before = set(active_children())
             try:
                 yield pool
-            except BaseException:  # leaving waits for work under way, which nobody needs any more
+            finally:  # leaving waits for work that nobody needs any more, or for ever if the pool is broken
                 for process in set(active_children()) - before:
                     process.terminate()
-                raise
     else:
         yield None

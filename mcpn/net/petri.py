@@ -309,13 +309,14 @@ class NetBuilder:
         index = {name: number for number, name in enumerate(self._places)}
 
         def resolve(weights: Mapping[str, int], user: str, provenance: Provenance | None) -> Arcs:
-            for place in weights:
-                if place not in index:
-                    raise InputError.at(
-                        provenance.source if provenance else None,
-                        f"{user} names the place {place}, which is not declared",
-                    )
-            return tuple(sorted((index[place], weight) for place, weight in weights.items() if weight))
+            try:
+                arcs = [(index[place], weight) for place, weight in weights.items()]
+            except KeyError as missing:
+                raise InputError.at(
+                    provenance.source if provenance else None,
+                    f"{user} names the place {missing.args[0]}, which is not declared",
+                ) from None
+            return tuple(sorted(arc for arc in arcs if arc[1]))
 
         ranks = sorted({bare.rank for bare, _ in self._transitions.values() if bare.internal})
         number = {rank: i for i, rank in enumerate(ranks)}

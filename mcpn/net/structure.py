@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from heapq import heapify, heappop, heappush
 from itertools import combinations, islice
-from math import gcd
+from math import gcd, inf
 from typing import TypeAlias
 
 from mcpn.net.petri import Marking, PetriNet
@@ -323,3 +323,35 @@ def conflicts(net: PetriNet, transitions: Iterable[int]) -> tuple[tuple[int, int
         found.update(combinations(consuming, 2))
         found.update((min(t, u), max(t, u)) for t in consuming for u in readers.get(place, ()))
     return tuple(sorted(found))
+
+
+def place_bounds(net: PetriNet) -> list[float]:
+    """Most tokens that a place can hold in a reachable marking, by the invariants; else infinity."""
+    found = [inf] * len(net.places)
+    for vector in invariants(net):
+        if min(vector.values()) > 0:
+            total = sum(weight * net.initial[place] for place, weight in vector.items())
+            for place, weight in vector.items():
+                found[place] = min(found[place], total // weight)
+    for unit in state_machine_units(net):
+        for place in unit:
+            found[place] = min(found[place], 1)
+    return found
+
+
+def needs(net: PetriNet, transition: int) -> dict[int, int]:
+    """Tokens that a transition needs, by place."""
+    arcs = net.transitions[transition]
+    found = dict(arcs.consume)
+    for place, weight in arcs.read:
+        found[place] = max(found.get(place, 0), weight)
+    return found
+
+
+def changes(net: PetriNet, transition: int) -> dict[int, int]:
+    """Tokens that a firing of a transition adds, or takes, by place that it changes."""
+    arcs = net.transitions[transition]
+    found = dict(arcs.produce)
+    for place, weight in arcs.consume:
+        found[place] = found.get(place, 0) - weight
+    return {place: by for place, by in found.items() if by}

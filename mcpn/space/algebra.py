@@ -10,7 +10,7 @@ whole net, by index, so that a question is the same for every space.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, Self, TypeAlias, TypeVar
 
@@ -72,6 +72,33 @@ class Piece(Generic[S]):
     states: S
     kind: Hashable = None
     names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Without(Set[int]):
+    """All of some transitions but a few: many such collections share the large set.
+
+    Args:
+        many: The transitions.
+        few: Those that are left out.
+    """
+
+    many: frozenset[int]
+    few: frozenset[int]
+
+    def __contains__(self, transition: object) -> bool:
+        return transition in self.many and transition not in self.few
+
+    def __iter__(self) -> Iterator[int]:
+        return (t for t in self.many if t not in self.few)
+
+    def __len__(self) -> int:
+        return len(self.many) - len(self.many & self.few)
+
+    @classmethod
+    def _from_iterable(cls, transitions: Iterable[Any]) -> frozenset[Any]:
+        """What becomes of it in unions and other operations on sets."""
+        return frozenset(transitions)
 
 
 class Alike(Generic[Known]):

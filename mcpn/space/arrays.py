@@ -13,10 +13,10 @@ import numpy as np
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.structure import needs
 from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.images import ImageStore
 from mcpn.space.markings.graph import Mask, StateGraph, rows
-from mcpn.space.search.goal import needs
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 AT_ONCE = 1 << 20

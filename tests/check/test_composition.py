@@ -70,7 +70,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
 def test_verdicts_are_those_of_the_whole(mission: Mission) -> None:
     mission_net = compose(mission)
     try:
-        whole = check(mission_net, max_states=50_000)
+        whole = check(mission_net, max_states=5_000)
     except LimitError:
         reject()
     local = check(mission_net, engine="local")

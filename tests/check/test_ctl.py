@@ -144,7 +144,7 @@ def test_spaces_agree_on_both_graphs_of_missions(mission: Mission, data: st.Data
     mission_net = compose(mission)
     net = mission_net.net
     try:
-        markings = explore(net, max_states=3000)
+        markings = explore(net, max_states=500)
     except LimitError:
         reject()
     space = reach(net)

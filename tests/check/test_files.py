@@ -85,6 +85,15 @@ def test_all_are_answered_as_the_definitions_say_on_one_space(
     assert sum(space is not None for space in made) == 1
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+@given(SAFE | token_nets())
+def test_a_space_that_is_there_says_whether_its_net_is_1_safe(engine: Asked, net: PetriNet) -> None:
+    assume(_small(net))
+    questions = Questions(net, engine=engine)
+    assert questions.space.everything.count() == len(edges_of(net))
+    assert questions.one_safe() == all(max(marking) <= 1 for marking in edges_of(net))
+
+
 def _small(net: PetriNet) -> bool:
     found, _, safe = reachable(net)
     if safe:

@@ -95,6 +95,14 @@ def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:
         assert success(play.after(play.initial, replayed(robust)))
         failures = [e for e in events(robust) if e.endswith("_EV_OOS")]
         assert len(failures) == max(len(play.out(m)) for m in ends)
+    for survival in asked.all.survival:
+        # From the start or the entry of a section: what may be lost there at most may also fail on the way.
+        run = survival.run
+        assert (run is None) == (survival.at_most is None)
+        if run is not None and survival.at_most is not None:
+            end = play.after(play.initial, replayed(run))
+            assert success(end)
+            assert len(play.out(end)) >= survival.at_most
     start = asked.all.survival[0]
     survived = [d for d in play.subsets() if play.mission_survives(dead_from_the_start(play, d), d)]
     assert start.at_most == max(map(len, survived), default=None)

@@ -13,9 +13,9 @@ from mcpn.check.logic.simplify import simplified
 from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import Source
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
+from mcpn.net.structure import place_bounds
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.markings.explicit import explore
-from mcpn.space.search.equation import place_bounds
 from mcpn.space.search.goal import FALSE, TRUE, And, Deadlock, Not, Or
 from tests.check.formulas import Written, edges_of, formulas, read, satisfying
 from tests.draws import fewer

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from typing import Any, Literal, Protocol, TypeVar
 
 from mcpn.check.spaces import Engine, space_of
 from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
 from mcpn.controller.minimise import minimise
+from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets.json import document
+from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
 from mcpn.runtime import Controller as Runtime
@@ -24,6 +26,7 @@ from tests.judge.interpreter import Happening, Seen
 
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 FORMS: tuple[Literal["flat", "hierarchical"], ...] = ("flat", "hierarchical")
+MODULAR = "modular controller"
 
 Order = tuple[str | None, str, str, Mapping[str, str]]
 """An alternative that is selected: its objective, its activity, its name, the parameters that it is given."""
@@ -133,7 +136,7 @@ class OfSimulator:
 class OfController:
     """A controller in the runtime, put back by its snapshots."""
 
-    def __init__(self, mission_net: MissionNet, controller: Controller) -> None:
+    def __init__(self, mission_net: MissionNet, controller: AnyController) -> None:
         self.runtime = Runtime.from_document(document(controller, mission_net), log=1)
         self.start = self.here()
 
@@ -172,9 +175,11 @@ def graphs(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Play
 
 
 def controllers(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Player[Any]]]:
-    """The simulator, and every form of controller, minimised and not."""
+    """The simulator, and every form of controller, minimised and not; the modular one if there is one."""
     yield "simulator", OfSimulator(mission_net)
     for form in FORMS:
         controller = generate(mission_net, form, max_states=max_states)
         yield f"{form} controller", OfController(mission_net, controller)
         yield f"{form} controller, minimised", OfController(mission_net, minimise(controller))
+    with suppress(LimitError):
+        yield MODULAR, OfController(mission_net, generate(mission_net, "modular"))

@@ -8,19 +8,21 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
-from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive
 from mcpn.net.compose import compose
 from tests.draws import composed, fewer
 from tests.judge import drawn
 from tests.judge.interpreter import Seen
 from tests.judge.lockstep import Disagreement, Judge
-from tests.judge.players import OfGraph
+from tests.judge.players import MODULAR, OfGraph
 from tests.small import activity, hw, mission, robot
 
 
 def check(of: Mission) -> None:
     """All that play a mission agree with the interpreter."""
-    event(Judge(of).judge(composed(of)).kind)
+    verdict = Judge(of).judge(composed(of))
+    event(verdict.kind)
+    event(f"{verdict.kind}, modular controller: {MODULAR in verdict.pairs}")
 
 
 @fewer(0.25)
@@ -94,7 +96,7 @@ def test_every_state_of_every_player_is_compared() -> None:
     verdict = Judge(CHAIN).judge()
     assert verdict.kind == "agree"
     assert set(verdict.pairs.values()) == {verdict.states}
-    assert len(verdict.pairs) == 8
+    assert len(verdict.pairs) == 9
     assert verdict.pairs["explicit"] == OfGraph(compose(CHAIN), "explicit", 1000).graph.states
 
 
@@ -105,6 +107,33 @@ def test_branches_of_a_repeated_block_have_their_own_names() -> None:
         robot((), activity("a", ()), activity("b", ())), Parallel(name="p", blocks=inner, retries=1)
     )
     assert Judge(twice).judge().kind == "agree"
+
+
+def test_one_event_in_two_branches_lets_a_producer_return() -> None:
+    """A leak stops what one branch consumes, and lets the other begin: the producer stops between the two.
+
+    Drawn missions show it (``experiments/judge.py --missions 150 --jobs 1 --seed 11``, before it was mended).
+    """
+    leak = (Handler(event="leak", goto="fail"),)
+    here = Recursive(
+        name="here", blocks=(Objective(name="look", activities=("look",), handlers=leak),), retries=1
+    )
+    first = Objective(name="shoot", activities=("shoot",), failure="succeed")
+    there = Recursive(
+        name="there", blocks=(first, Objective(name="wait", activities=("wait",), handlers=leak)), retries=1
+    )
+    of = mission(
+        robot(
+            hw("sonar", "lamp"),
+            activity("locate", ("sonar",), ("lamp",), produces=("place",)),
+            activity("look", ("place",)),
+            activity("shoot", ("place",)),
+            activity("wait", ()),
+            events=("leak",),
+        ),
+        Parallel(name="both", blocks=(here, there)),
+    )
+    assert Judge(of).judge().kind == "agree"
 
 
 class _Wrong(OfGraph):

@@ -53,7 +53,7 @@ def test_places_out_of_range_are_refused(place: int) -> None:
     with pytest.raises(ValueError, match="no such place"):
         net.explore([0, place], True, 10, 1 << 30)
     with pytest.raises(ValueError, match="no such place"):
-        net.settle([0, place], "every", 10, 10, 1 << 30)
+        SafeNet(3, [([0], [0], [1], False, False)], True).settle([0, place], "every", 10, 10, 1 << 30)
     with pytest.raises(ValueError, match="no such place"):
         SafeNet(3, [([place], [], [], False, False)], False)
     assert net.explore([0], False, 10, 1 << 30).states == 2

@@ -279,8 +279,8 @@ def test_a_budget_stops_an_operation_and_leaves_the_store_usable() -> None:
 
 
 def test_the_memory_limit_is_an_error_and_leaves_the_store_usable() -> None:
-    store, start, events = permutations(14, memory_limit=8 << 20)
-    with pytest.raises(MemoryLimit, match="memory limit of 8388608 bytes"):
+    store, start, events = permutations(14, memory_limit=4 << 20)
+    with pytest.raises(MemoryLimit, match="memory limit of 4194304 bytes"):
         start.saturate(events)
     with pytest.raises(MemoryError):
         start.saturate(events)

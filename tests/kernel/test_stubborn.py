@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from dataclasses import replace
 from itertools import pairwise
 from typing import Literal
 
@@ -49,6 +52,8 @@ def judged_alike(net: PetriNet) -> str:
         assert enough.trouble is None
         assert every.trouble is None
         assert enough.transient <= every.transient
+        assert sum(enough.decided) == sum(every.decided) == enough.edges
+        assert enough.parted or not enough.decided[-1]
         one, other = prepared.arrays(enough), prepared.arrays(every)
         assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
         return "confluent"
@@ -163,6 +168,34 @@ def test_no_order_of_what_does_not_conflict_is_tried_twice() -> None:
     assert (enough.transient, enough.parted) == (0, 0)
     assert every.transient == every.parted == 5**6 - 1
     assert (enough.states, enough.edges) == (2, 1)
+    assert enough.decided == [0, 1, 0, 0, 0]
+    assert every.decided == [0, 0, 0, 0, 1]
+
+
+MEANS = {
+    "one at a time": ["p -> q", "q ->"],
+    "no arcs conflict": ["p -> q", "x ->"],
+    "units exclude": ["p -> q", "x ->", "p q ->"],
+    "out of reach": ["p -> q", "x ->", "p x never ->"],
+    "every way": ["p -> q", "p -> r", "q -> end", "r -> end"],
+}
+"""By what decides an edge, what may fire behind it, where p is marked, and x if there is one."""
+
+
+@pytest.mark.parametrize("means", MEANS)
+def test_what_decides_an_edge_is_counted(means: str) -> None:
+    builder = NetBuilder("means", priorities=True)
+    arcs = [[side.split() for side in line.split("->")] for line in MEANS[means]]
+    used = {place for sides in arcs for side in sides for place in side}
+    for name in sorted({"begin"} | used):
+        builder.place(name, initial=int(name == "begin"))
+    begun = [place for place in ("p", "x") if place in used]
+    builder.transition("go", consume=["begin"], produce=begun, event=Event.parse("GO"))
+    for line, (taken, put) in zip(MEANS[means], arcs, strict=True):
+        builder.transition(line, consume=taken, produce=put)
+    net = builder.build()
+    assert judged_alike(net) == "confluent"
+    assert both(net)[0].decided == [int(each == means) for each in MEANS]
 
 
 @pytest.mark.parametrize("length", [1, 50, 6_000])
@@ -200,3 +233,26 @@ def test_no_orders_by_another_name() -> None:
     prepared = KernelNet(side_by_side(1))
     with pytest.raises(ValueError, match="one, enough or every"):
         prepared.kernel.settle([0], "all", 10, 10, 1 << 30)  # type: ignore[arg-type]
+
+
+def test_only_nets_with_priorities_are_settled() -> None:
+    prepared = KernelNet(replace(side_by_side(1), priorities=False))
+    with pytest.raises(ValueError, match="a net with priorities"):
+        settled(prepared, orders="enough", max_states=10)
+
+
+CROWD = """
+import resource
+from mcpn._kernel import SafeNet
+net = SafeNet(2, [([0], [0], [1], 0, False)] * 30_000, False)
+found = net.explore([0], False, 10, 1 << 30)
+print(found.states, found.edges, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10)
+"""
+
+
+def test_many_transitions_that_share_a_place_take_memory_in_proportion() -> None:
+    """All pairs of them would be 900 million numbers, twice."""
+    ran = subprocess.run([sys.executable, "-c", CROWD], capture_output=True, text=True, check=False)
+    states, edges, megabytes = map(int, ran.stdout.split())
+    assert (states, edges) == (2, 30_000)
+    assert megabytes < 2_000

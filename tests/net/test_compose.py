@@ -444,15 +444,6 @@ def test_a_caller_s_templates_replace_the_paper_s() -> None:
         compose(mission, Forgetful())
 
 
-def test_too_many_resources_at_once_hit_a_limit() -> None:
-    names = tuple(f"H{i}" for i in range(13))
-    mission = Mission(
-        name="m", robots=robots(hw(*names), activity("a", names)), blocks=(objective("x", "a"),)
-    )
-    with pytest.raises(LimitError, match="13 resources consumed"):
-        compose(mission)
-
-
 def test_unused_hardware_stays_and_unstarted_activities_go() -> None:
     mission = Mission(
         name="m",

@@ -35,6 +35,7 @@ from tests.check.test_ctl import names, satisfy
 from tests.draws import fewer
 from tests.net.nets import graph_of, nets, token_nets
 from tests.shares import returns_early
+from tests.space.members import members
 from tests.space.test_tokens import check_pump, producer_consumer, replay
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens", "max_tokens_in_place")
@@ -193,17 +194,8 @@ def test_behaviour_and_runs_by_their_definitions(net: PetriNet) -> None:
         # Each transition, forward and back.
         for t in range(len(net.transitions)):
             edges = {m: after for m in graph for u, after in graph[m] if u == t}
-            assert listed(space, space.after(space.everything, [t])) == set(edges.values())
-            assert listed(space, space.before(space.everything, [t])) == set(edges)
-
-
-def listed(space: Space[Any], states: Any) -> set[tuple[int, ...]]:
-    found = set()
-    while states:
-        state = states.pick()
-        found.add(space.marking(state))
-        states = states - space.single(state)
-    return found
+            assert members(space, space.after(space.everything, [t])) == set(edges.values())
+            assert members(space, space.before(space.everything, [t])) == set(edges)
 
 
 @fewer(0.5)

@@ -17,6 +17,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -47,6 +48,13 @@ struct Suffix {
   Touch touch;
   std::uint32_t next;  // 0: nothing more
   std::uint32_t more;  // 0: no other way
+};
+
+// What an event does to one level, and what it asks of it before.
+struct Touched {
+  Level level;
+  Touch touch;
+  Touch asked() const { return touch == Touch::consume ? Touch::read : touch == Touch::produce ? Touch::zero : touch; }
 };
 
 // Some events by their first level, in the order in which they were given; alternatives there stand side by side.
@@ -80,6 +88,9 @@ class Store {
   std::uint32_t suffix(Level level, Touch touch, std::uint32_t next, std::uint32_t more = 0);
   Level first_level(std::uint32_t suffix) const { return suffixes_[suffix].level; }
   bool is_condition(std::uint32_t suffix) const { return is_condition_[suffix]; }  // nothing but read and zero
+  // An event that does what any of some ways does, of which several that fit one marking make the same of it; nothing
+  // where it has too many branches.
+  std::optional<std::uint32_t> choice(std::span<const std::vector<Touched>> ways, std::size_t most);
   void declare(const std::vector<std::uint32_t>& events);  // what saturate() closes under
   Node saturate(Node a, Node within = kAnything);          // firings that leave `within` do not happen
 
@@ -96,7 +107,7 @@ class Store {
   // are a word, the first in the highest bit.
   std::vector<std::uint64_t> keys_of(const std::uint64_t* rows, std::size_t count, std::size_t words,
                                      const std::vector<std::int64_t>& bits);
-  Node from_keys(const std::vector<std::uint64_t>& keys, const std::vector<std::uint32_t>& rows);  // of some; again, too
+  Node from_keys(const std::vector<std::uint64_t>& keys, std::size_t count);
   Node from_table(const std::vector<std::uint32_t>& rows);  // the set of the last triple, the others being parts of it
 
   static constexpr Level kAtATime = 64;

@@ -220,13 +220,13 @@ std::vector<std::uint64_t> Store::keys_of(const std::uint64_t* rows, std::size_t
 
 // Rows are sorted by their next 64 levels at a time. Then those that share a node stand together, and where the first
 // and the last of them differ first, the node branches.
-Node Store::from_keys(const std::vector<std::uint64_t>& keys, const std::vector<std::uint32_t>& rows) {
+Node Store::from_keys(const std::vector<std::uint64_t>& keys, std::size_t count) {
   struct Row { std::uint64_t key; std::uint32_t row; };
   const std::size_t each = chunks();
   Scratch scratch(*this);
-  scratch.take(rows.size() * sizeof(Row));
-  std::vector<Row> sorted(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) sorted[i].row = rows[i];
+  scratch.take(count * sizeof(Row));
+  std::vector<Row> sorted(count);
+  for (std::size_t i = 0; i < count; ++i) sorted[i].row = std::uint32_t(i);
   const auto sort = [&](Row* first, Row* last, Level from) {
     for (Row* at = first; at != last; ++at) {
       count_step();
@@ -257,7 +257,7 @@ Node Store::from_keys(const std::vector<std::uint64_t>& keys, const std::vector<
     for (; shared; shared &= shared - 1) node = make(from + kAtATime - 1 - Level(std::countr_zero(shared)), 0, node);
     return node;
   };
-  if (rows.empty()) return 0;
+  if (count == 0) return 0;
   if (levels == 0) return 1;
   sort(sorted.data(), sorted.data() + sorted.size(), 0);
   return build(build, sorted.data(), sorted.data() + sorted.size(), 0, kAtATime);

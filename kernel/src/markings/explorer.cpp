@@ -61,6 +61,7 @@ SafeNet::SafeNet(std::uint32_t places, std::vector<Firing> firings, bool priorit
       for (const std::uint32_t p : firing.need) internal_users[p].push_back(t);
   }
   begin_.push_back(std::uint32_t(parts_.size()));
+  if (!priorities) return;
   const auto gathered = [&](const std::vector<std::uint32_t>& over) {
     std::vector<std::uint32_t> found;
     for (const std::uint32_t p : over) found.insert(found.end(), internal_users[p].begin(), internal_users[p].end());
@@ -78,6 +79,10 @@ std::vector<Word> SafeNet::marking_of(const std::vector<std::uint32_t>& places) 
   std::vector<Word> marking(words_, 0);
   for (const std::uint32_t p : places) marking[p / 64] |= Word(1) << p % 64;
   return marking;
+}
+
+std::uint32_t SafeNet::rank_begin(std::uint32_t t) const {
+  return std::uint32_t(std::lower_bound(rank_end_.begin(), rank_end_.end(), rank_end_[t]) - rank_end_.begin());
 }
 
 bool SafeNet::fire(Word* marking, std::uint32_t t) const {

@@ -1,6 +1,7 @@
 // Explicit exploration of 1-safe nets: markings as bit sets, breadth first, priorities respected.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -33,6 +34,7 @@ struct Limits {
 struct Exploration {
   std::uint64_t words = 1, edges = 0, dead = 0, stable = 0, most_tokens = 0;
   std::uint64_t transient = 0, parted = 0;  // of a proof: transient markings kept, and those left by several ways
+  std::array<std::uint64_t, 5> decided{};   // of a proof: edges by the last Means that was needed (stubborn.hpp)
   std::vector<std::uint64_t> bounds;   // most tokens by place, of nets whose places may hold several
   Table<Word> markings;                // words for each state
   std::vector<State> parents;          // the state that each was found from; its own number for the first
@@ -63,6 +65,8 @@ class SafeNet {
 
   std::uint32_t places() const { return places_; }
   std::uint32_t words() const { return words_; }
+  bool priorities() const { return priorities_; }
+  bool is_event(std::uint32_t t) const { return t < firings_.size() && firings_[t].rank == kEvents; }
 
   // Every reachable marking. The initial one is given by its marked places.
   Exploration explore(const std::vector<std::uint32_t>& initial, bool edges, const Limits& limits) const;
@@ -77,6 +81,7 @@ class SafeNet {
   friend class Explorer;
   friend class Settling;
   friend class Stubborn;
+  friend class Reads;
   struct Part { std::uint32_t word; Word need, take, put; };  // of a transition in one word of a marking
   struct Level {                                               // internal transitions, or events
     std::vector<std::vector<std::uint32_t>> keyed;             // by a place that they need
@@ -88,6 +93,7 @@ class SafeNet {
       if ((marking[parts_[i].word] & parts_[i].need) != parts_[i].need) return false;
     return true;
   }
+  std::uint32_t rank_begin(std::uint32_t t) const;  // the first transition of its rank
   bool fire(Word* marking, std::uint32_t t) const;  // false: unsafe
   bool collect(const Word* marking, const Level& level, std::vector<Word>& enabled) const;
   bool collect_internal(const Word* marking, std::vector<Word>& enabled) const;
@@ -100,7 +106,7 @@ class SafeNet {
   std::vector<Part> parts_;
   Level internal_, events_;  // without priorities all are internal
   std::vector<std::uint32_t> rank_end_;  // by transition, the first one of a later rank
-  std::vector<std::vector<std::uint32_t>> winners_, losers_;  // internal ones that each firing may enable, disable
+  std::vector<std::vector<std::uint32_t>> winners_, losers_;  // with priorities, internal ones that each may enable, disable
 };
 
 // An exploration under way, which may stop after so many firings and go on later.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "markings/explorer.hpp"
+#include "markings/reads.hpp"
 #include "markings/state_table.hpp"
 #include "markings/stubborn.hpp"
 
@@ -13,6 +14,11 @@ namespace mcpn {
 // The orders of internal transitions in which an event is run to completion: one; enough of them, which proves that all
 // lead to one end; or every one, which proves it, too, and judges the former.
 enum class Orders { kOne, kEnough, kEvery };
+
+// What an event makes of every stable marking that marks some places, those that it takes from included, and leaves
+// others empty, those that it puts into included: the places that it takes from and puts into, internal evolution
+// included, and the others that were looked at.
+struct BigStep { std::vector<std::uint32_t> taken, put, marked, empty; };
 
 // Runs each event to completion, from stable marking to stable marking.
 //
@@ -30,6 +36,10 @@ class Settling {
 
   Exploration run();
 
+  // The big step of an event, or of none, from a stable marking, or the initial one; nothing where it came to trouble.
+  // Enough orders of what follows are tried for all markings that the step is of.
+  std::optional<BigStep> step(const Stubborn::Places& marking, std::optional<std::uint32_t> event);
+
  private:
   // A marking on the way, the end of its ways, the next of them and the first transition behind them, and how many firings led to it.
   struct Step { State number, end; std::uint32_t next, ways_end; std::size_t firings; };
@@ -39,7 +49,10 @@ class Settling {
   std::optional<State> one_way(State from, std::uint32_t event);
   std::optional<State> all_ways(State from, std::uint32_t event);
   std::optional<State> enter(State from, std::uint32_t event);
+  void forget();
+  void absent(std::uint32_t end);
   void stop(State from, const char* kind);
+  BigStep told(const Word* after) const;
   const Word* top() const { return ways_.data() + ways_.size() - enabled_.size(); }  // the ways of the last step
 
   const SafeNet& net_;
@@ -48,12 +61,15 @@ class Settling {
   const Limits limits_, transient_limits_;
   std::optional<Stubborn> stubborn_;
   Exploration found_, passed_;     // stable markings; transient ones, with the end of each as its target
-  StateTable stable_, transient_;
+  StateTable stable_;
+  std::optional<StateTable> transient_;
+  std::optional<Reads> reads_;           // by big steps
   std::vector<Word> marking_, enabled_;  // where it is, and the internal transitions covered there
   std::vector<std::uint32_t> firings_;   // from the event on to where it is
   std::vector<Step> path_;               // the markings passed that are kept
   std::vector<Word> ways_;               // what each of them covers
   std::uint64_t fired_ = 0;
+  Means means_ = Means::kOnly;           // the last that was needed behind the event
 };
 
 }  // namespace mcpn

@@ -1,6 +1,8 @@
 #include "markings/stubborn.hpp"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "markings/bits.hpp"
 
@@ -14,10 +16,9 @@ bool meet(const Places& some, const Places& others) {
   return std::any_of(some.begin(), some.end(), [&](std::uint32_t p) { return std::find(others.begin(), others.end(), p) != others.end(); });
 }
 
-bool same(Places some, Places others) {
-  std::sort(some.begin(), some.end());
-  std::sort(others.begin(), others.end());
-  return some == others;
+Places sorted(Places places) {
+  std::sort(places.begin(), places.end());
+  return places;
 }
 
 }  // namespace
@@ -25,9 +26,12 @@ bool same(Places some, Places others) {
 Stubborn::Stubborn(const SafeNet& net, const Places& initial)
     : net_(net), units_of_(net.places_), bounded_(net.words_), rivals_(net.firings_.size()),
       crowders_(net.firings_.size()), event_(net.words_),
-      known_(net.firings_.size()), marked_(net.words_) {
+      known_(net.firings_.size()), marked_(net.words_), givers_(net.places_) {
+  std::map<std::pair<Places, Places>, std::uint32_t> numbers;
+  for (const Firing& firing : net.firings_)
+    does_.push_back(numbers.try_emplace({sorted(firing.take), sorted(firing.put)}, std::uint32_t(numbers.size())).first->second);
   const std::size_t words = net.firings_.size() / 64 + 1;
-  for (std::vector<Word>* bits : {&always_, &behind_event_, &here_, &brought_}) bits->assign(words, 0);
+  for (std::vector<Word>* bits : {&always_, &apart_, &behind_event_, &here_, &brought_}) bits->assign(words, 0);
   std::uint32_t number = 0;
   for (const Places& unit : net.units(initial)) {
     for (const std::uint32_t p : unit) {
@@ -36,27 +40,35 @@ Stubborn::Stubborn(const SafeNet& net, const Places& initial)
     }
     ++number;
   }
-  std::vector<std::vector<std::uint32_t>> givers(net.places_);
+  units_ = number;
   const std::uint32_t events = std::uint32_t(std::find_if(net.firings_.begin(), net.firings_.end(), [](const Firing& f) { return f.rank == kEvents; }) - net.firings_.begin());
   for (std::uint32_t t = 0; t < events; ++t)
-    for (const std::uint32_t p : net.firings_[t].put) givers[p].push_back(t);
+    for (const std::uint32_t p : net.firings_[t].put) givers_[p].push_back(t);
+  std::vector<Word> contested(words);
   for (std::uint32_t t = 0; t < events; ++t) {
     const Firing& firing = net.firings_[t];
     for (const std::uint32_t u : net.losers_[t]) {
-      const Firing& other = net.firings_[u];
-      if (u == t || apart(t, u) || (same(firing.take, other.take) && same(firing.put, other.put))) continue;
+      if (alike(t, u)) continue;
+      set_bit(contested.data(), t);
+      set_bit(contested.data(), u);
+      if (apart(t, u)) continue;
       rivals_[t].push_back(u);
       rivals_[u].push_back(t);
     }
     for (const std::uint32_t p : firing.take)
-      if (!has_bit(bounded_.data(), p)) crowders_[t].insert(crowders_[t].end(), givers[p].begin(), givers[p].end());
+      if (!has_bit(bounded_.data(), p)) crowders_[t].insert(crowders_[t].end(), givers_[p].begin(), givers_[p].end());
   }
   std::vector<Word> all(words);
   for (std::uint32_t t = 0; t < events; ++t) {
     set_bit(all.data(), t);
     if (net.rank_end_[t] != t + 1) continue;  // all of its rank are there
     for (std::uint32_t u = t + 1; u-- > 0 && net.rank_end_[u] == t + 1;)
-      if (judge(u, all)) set_bit(always_.data(), u);
+      if (judge(u, all)) {
+        set_bit(always_.data(), u);
+        bool met = has_bit(contested.data(), u);
+        for (std::size_t w = 0; w < words; ++w) met |= (contested[w] & brought_[w]) != 0;
+        if (!met) set_bit(apart_.data(), u);
+      }
   }
 }
 
@@ -73,29 +85,47 @@ bool Stubborn::apart(std::uint32_t t, std::uint32_t u) const {
   return false;
 }
 
-std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first) {
+std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first,
+                                             Reads* reads) {
   const std::size_t words = enabled.size();
   const std::uint32_t end = net_.rank_end_[first];
-  if (next_bit(enabled.data(), words, first + 1) >= end) return first;
+  const bool single = next_bit(enabled.data(), words, first + 1) >= end;
+  if (single && !reads) return first;
   for (std::size_t w = first / 64; w * 64 < end; ++w)
     if (const Word both = enabled[w] & always_[w]) {
       const std::uint32_t t = std::uint32_t(w) * 64 + std::uint32_t(std::countr_zero(both));
       if (t < end) return t;
       break;
     }
-  if (!told_) {
-    relax(event_.data(), std::uint32_t(net_.firings_.size()), behind_event_);
-    std::fill(known_.begin(), known_.end(), Known::kNot);
-    told_ = true;
+  if (single) {  // no other of its rank is enabled, but for those that do the same
+    reads->tell_absent(end, net_, marking, [&](std::uint32_t t) { return alike(t, first); });
+    return first;
   }
-  for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1)) {
-    if (known_[t] == Known::kNot) known_[t] = judge(t, behind_event_) ? Known::kAlone : Known::kBesideOthers;
-    if (known_[t] == Known::kAlone) return t;
+  if (!reads) {  // what is behind the whole event would be read
+    if (!told_) {
+      relax(event_.data(), std::uint32_t(net_.firings_.size()), behind_event_);
+      std::fill(known_.begin(), known_.end(), Known::kNot);
+      told_ = true;
+    }
+    for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1)) {
+      if (known_[t] == Known::kNot) known_[t] = judge(t, behind_event_) ? Known::kAlone : Known::kBesideOthers;
+      if (known_[t] == Known::kAlone) return t;
+    }
   }
   relax(marking, end, here_);
   for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1))
-    if (judge(t, here_)) return t;
+    if (judge(t, here_)) {
+      if (reads) note_absence(end, *reads);
+      return t;
+    }
   return std::nullopt;
+}
+
+Means Stubborn::means(std::optional<std::uint32_t> found, const std::vector<Word>& enabled, std::uint32_t first) const {
+  if (!found) return Means::kEvery;
+  if (next_bit(enabled.data(), enabled.size(), first + 1) >= net_.rank_end_[first]) return Means::kOnly;
+  if (!has_bit(always_.data(), *found)) return Means::kReach;
+  return has_bit(apart_.data(), *found) ? Means::kArcs : Means::kUnits;
 }
 
 // Notes the internal transitions before one of a later rank that may fire from a marking on if tokens are never taken.
@@ -118,27 +148,62 @@ void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& 
   }
 }
 
+// Those that judge found absent may not fire, wherever places that they need are as empty as here, and those absent that
+// put into these. The others would only leave it more to judge. Nor does it matter of one that does the same as another
+// one that is brought about, and that clashes with none here.
+void Stubborn::note_absence(std::uint32_t end, Reads& reads) {
+  for (const std::uint32_t u : missed_) {
+    bool twin = false;
+    for (std::uint32_t v = 0; !twin && (v = next_bit(brought_.data(), brought_.size(), v)) != kNoBit; ++v)
+      twin = alike(u, v);
+    if (!twin || !free(u, end, here_)) absent_.push_back(u);
+  }
+  std::fill(brought_.begin(), brought_.end(), 0);
+  for (const std::uint32_t u : absent_) set_bit(brought_.data(), u);
+  while (!absent_.empty()) {
+    const std::uint32_t u = absent_.back();
+    absent_.pop_back();
+    const std::uint32_t empty = reads.missing(net_.firings_[u].need, marked_.data());
+    for (const std::uint32_t t : givers_[empty])
+      if (t < end && !has_bit(brought_.data(), t)) {
+        set_bit(brought_.data(), t);
+        absent_.push_back(t);
+      }
+  }
+}
+
 // Whether a transition may fire alone where those given, and no others of ranks up to its own, may fire.
 bool Stubborn::judge(std::uint32_t t, const std::vector<Word>& may) {
   const std::uint32_t end = net_.rank_end_[t];
-  const auto there = [&](std::uint32_t u) { return u < end && has_bit(may.data(), u); };
-  const auto free = [&](std::uint32_t u) {
-    return std::none_of(rivals_[u].begin(), rivals_[u].end(), there) && std::none_of(crowders_[u].begin(), crowders_[u].end(), there);
-  };
-  if (!free(t)) return false;
+  absent_.clear();
+  missed_.clear();
+  if (!free(t, end, may)) return false;
   std::fill(brought_.begin(), brought_.end(), 0);
   queue_.assign(1, t);
   while (!queue_.empty()) {
     const std::uint32_t from = queue_.back();
     queue_.pop_back();
     for (const std::uint32_t u : net_.winners_[from])
-      if (net_.rank_end_[u] < end && there(u) && !has_bit(brought_.data(), u)) {
-        if (!free(u)) return false;
+      if (net_.rank_end_[u] < end && !has_bit(brought_.data(), u)) {
+        if (!has_bit(may.data(), u)) {
+          missed_.push_back(u);
+          continue;
+        }
+        if (!free(u, end, may)) return false;
         set_bit(brought_.data(), u);
         queue_.push_back(u);
       }
   }
   return true;
+}
+
+// Whether none of some transitions before one of a later rank clashes with one; notes which would, were they there.
+bool Stubborn::free(std::uint32_t t, std::uint32_t end, const std::vector<Word>& may) {
+  const auto there = [&](std::uint32_t u) {
+    if (u < end && !has_bit(may.data(), u)) absent_.push_back(u);
+    return u < end && has_bit(may.data(), u);
+  };
+  return std::none_of(rivals_[t].begin(), rivals_[t].end(), there) && std::none_of(crowders_[t].begin(), crowders_[t].end(), there);
 }
 
 }  // namespace mcpn

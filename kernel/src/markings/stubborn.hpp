@@ -5,8 +5,13 @@
 #include <vector>
 
 #include "markings/explorer.hpp"
+#include "markings/reads.hpp"
 
 namespace mcpn {
+
+// How it is known that a transition may fire alone: no other may fire; no arcs of it conflict; units exclude those that
+// do; what may fire from here on does not conflict; or it is not known, and every way is tried.
+enum class Means : std::uint8_t { kOnly, kArcs, kUnits, kReach, kEvery };
 
 // Let M be a marking whose first enabled rank is k, and F what firings of ranks up to k may come to from M if tokens are
 // never taken. An enabled transition x of rank k brings about D: the members of F of ranks below k that need a token put
@@ -24,27 +29,43 @@ class Stubborn {
   // From now on markings are behind another event, which has led to this one.
   void begin(const Word* marking);
   // A transition that may fire alone, of those enabled in a marking, of which the first one is given.
-  std::optional<std::uint32_t> alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first);
+  // Where reads are given, it notes what tells so of other markings, too.
+  std::optional<std::uint32_t> alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first, Reads* reads = nullptr);
+  // Why the one that was found, if any, may fire alone.
+  Means means(std::optional<std::uint32_t> found, const std::vector<Word>& enabled, std::uint32_t first) const;
+
+  const std::vector<Places>& units_of() const { return units_of_; }
+  std::size_t units() const { return units_; }
 
  private:
   enum class Known : std::uint8_t { kNot, kAlone, kBesideOthers };
 
+  // Whether two transitions take and put the same, so that it makes no difference which of them fires.
+  bool alike(std::uint32_t t, std::uint32_t u) const { return does_[t] == does_[u]; }
   bool apart(std::uint32_t t, std::uint32_t u) const;
   void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may);
   bool judge(std::uint32_t t, const std::vector<Word>& may);
+  bool free(std::uint32_t t, std::uint32_t end, const std::vector<Word>& may);
+  void note_absence(std::uint32_t end, Reads& reads);
 
   const SafeNet& net_;
+  std::size_t units_ = 0;
   std::vector<std::vector<std::uint32_t>> units_of_;    // by place
   std::vector<Word> bounded_;                           // places of units
   std::vector<std::vector<std::uint32_t>> rivals_;      // by internal transition, those in conflict with it
   std::vector<std::vector<std::uint32_t>> crowders_;    // by internal transition, those that may put a second token
                                                         // into a place that it takes from
   std::vector<Word> always_;                            // those that may fire alone wherever they are enabled
+  std::vector<Word> apart_;                             // those of them by their arcs, whatever units say
   bool told_ = false;                                   // what may fire behind the event, and who may fire alone there
   std::vector<Word> event_, behind_event_, here_;
   std::vector<Known> known_;
   std::vector<Word> marked_, brought_;                  // of relax and judge
   std::vector<std::uint32_t> queue_;
+  std::vector<std::vector<std::uint32_t>> givers_;      // by place, the internal transitions that put into it
+  std::vector<std::uint32_t> does_;                     // by transition, the number of what it takes and puts
+  std::vector<std::uint32_t> absent_;                   // those that judge looked for, and that may not fire
+  std::vector<std::uint32_t> missed_;                   // those that would be brought about if they were in reach
 };
 
 }  // namespace mcpn

@@ -13,7 +13,7 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-constexpr std::size_t kStepsOfASeed = 400, kStepsOfAPlace = 50;  // at most: for one place, and for all for each
+constexpr std::size_t kStepsOfASeed = 4000, kStepsOfAPlace = 50;  // at most: for one place, and for all for each
 
 // Grows a unit from a place: what puts more into the unit than it takes must take from one place more. Choices are tried
 // depth first; the places that led nowhere are barred below the choice that left them.

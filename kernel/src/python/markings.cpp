@@ -194,6 +194,9 @@ void bind_explorer(nb::module_& module) {
       .def_ro("most_tokens", &Exploration::most_tokens)
       .def_ro("transient", &Exploration::transient)
       .def_ro("parted", &Exploration::parted)
+      .def_prop_ro("decided", [](const Exploration& found) {
+        return std::vector<std::uint64_t>(found.decided.begin(), found.decided.end());
+      })
       .def_ro("bounds", &Exploration::bounds)
       .def_prop_ro("trouble", [](const Exploration& e) -> std::optional<std::tuple<State, Places, const char*>> {
         if (!e.trouble) return std::nullopt;
@@ -249,6 +252,7 @@ void bind_explorer(nb::module_& module) {
       .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, std::uint64_t max_states,
                         std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {
         const Orders tried = orders_named(orders);
+        if (!net.priorities()) throw std::invalid_argument("a net with priorities");
         return run([&](const Limits& limits) {
           return Settling(net, checked(net, initial), tried, limits, max_transient).run();
         }, max_states, max_bytes, progress);

@@ -18,4 +18,5 @@ NB_MODULE(_kernel, module) {
   bind_search(module);
   bind_orders(module);
   bind_diagrams(module);
+  bind_steps(module);
 }

@@ -8,3 +8,4 @@ void bind_orders(nanobind::module_& module);
 void bind_explorer(nanobind::module_& module);
 void bind_graph(nanobind::module_& module);
 void bind_search(nanobind::module_& module);
+void bind_steps(nanobind::module_& module);

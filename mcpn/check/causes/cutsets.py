@@ -9,7 +9,7 @@ diagram, the minimal ones by their size, and no set is tried on its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from mcpn.check.causes.prospects import Goal, Prospects
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
-from mcpn.space.algebra import S, Space
+from mcpn.space.algebra import Alike, S, Space
 from mcpn.space.images import ImageStore
 from mcpn.space.local.layout import remembered
 
@@ -52,6 +52,18 @@ class Nonmonotone(NamedTuple):
     larger: CutSet
 
 
+class Found(NamedTuple):
+    """What the loss of hardware means for a goal.
+
+    Args:
+        minimal: Minimal cut sets by moment.
+        nonmonotone: Where one failure more would undo a loss, such a pair.
+    """
+
+    minimal: Mapping[Moment, list[CutSet]]
+    nonmonotone: Nonmonotone | None
+
+
 class CutSets(Prospects[S]):
     """What a mission whose hardware may die may still reach, and the cut sets that this tells.
 
@@ -63,6 +75,7 @@ class CutSets(Prospects[S]):
     def __init__(self, mission_net: MissionNet, space: Space[S]) -> None:
         super().__init__(mortal(mission_net), space)
         self.images = ImageStore(len(self.hardware))
+        self._found: Alike[Found] = Alike()
 
     @cached_property
     def _from_start(self) -> S:
@@ -76,6 +89,23 @@ class CutSets(Prospects[S]):
         space, transitions = self.space, self.unrepaired | self.dying
         found = space.reached(space.initial, transitions=transitions, guards=self.forced)
         return (found & self.begun) - space.enabling(self.dying)
+
+    def found(self, goal: Goal[S], section: Section | None = None) -> Found:
+        """What makes a goal fail at each moment, for an objective also at the entry of its section.
+
+        It is found once for objectives that are alike.
+        """
+        wanted = [moment for moment in Moment if section is not None or moment is not Moment.ENTRY]
+
+        def compute() -> Found:
+            losing = {moment: self.defeating(goal, moment, section) for moment in wanted}
+            minimal = {moment: self.minimal(lost) for moment, lost in losing.items()}
+            return Found(minimal, self.nonmonotone(losing[Moment.SOMETIME]))
+
+        times = [self._at_worst, self._from_start, self.begun]
+        times += [] if section is None else [self.entered(section)]
+        known = self.alike(goal, *(goal.running & states for states in times))
+        return compute() if known is None else self._found.known(*known, compute)[0]
 
     def defeating(self, goal: Goal[S], moment: Moment, section: Section | None = None) -> Zdd:
         """The sets of hardware whose loss at a moment, for ``ENTRY`` that of a section, loses a goal.

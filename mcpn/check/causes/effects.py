@@ -48,7 +48,7 @@ class Case:
         lost_for_ever: Whether the mission can no longer succeed.
         objective_regained: Whether the objective can succeed again when the resource is ready again.
         mission_regained: Whether the mission can.
-        elsewhere: What it does in other branches of the same block, in words.
+        elsewhere: By objective in other branches of the same block, what it does there, in words.
     """
 
     severity: Severity
@@ -61,7 +61,7 @@ class Case:
     lost_for_ever: bool
     objective_regained: bool = False
     mission_regained: bool = False
-    elsewhere: str = ""
+    elsewhere: tuple[tuple[str, str], ...] = ()
 
     def objective_effect(self) -> str:
         """What it means for the objective."""
@@ -167,5 +167,6 @@ def local_effect(cases: Sequence[Case]) -> str:
         return joined(found) or "none"
     if any(case.objective_lost and not case.already_lost for case in cases):
         return "none at once; the objective cannot succeed any more"
-    elsewhere = dict.fromkeys(case.elsewhere or "needed later" for case in cases)
+    told = ("; ".join(f"in {name}, {changed}" for name, changed in case.elsewhere) for case in cases)
+    elsewhere = dict.fromkeys(words or "needed later" for words in told)
     return f"none here; {'; '.join(sorted(elsewhere, key='needed later'.__eq__))}"

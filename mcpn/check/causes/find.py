@@ -129,11 +129,13 @@ def find_causes(
     max_states: int | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
+    stable: Space[Any] | None = None,
 ) -> Causes:
     """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
     All engines give the same answers; runs are shortest but for composition, where they pass as few sections
-    as can be. The arguments are those of :func:`mcpn.check.verdicts.mission.check`.
+    as can be. The arguments are those of :func:`mcpn.check.verdicts.mission.check`, and ``stable``, the
+    alternatives graph by the engine that is named, where it has been made.
 
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
@@ -141,26 +143,26 @@ def find_causes(
     """
 
     def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        told = None if by.brief else progress
-        stable = space_of(mission_net, by, "alternatives", progress=told, executor=executor)
-        return stable, space_of(mission_net, by, "alternatives", may_die=True, executor=executor)
+        told, known = None if by.brief else progress, stable
+        if known is None:
+            known = space_of(mission_net, by, "alternatives", progress=told, executor=executor)
+        return known, space_of(mission_net, by, "alternatives", may_die=True, executor=executor)
 
-    (stable, dying), choice = answered(
+    (living, dying), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
     step("finding what hardware the mission needs")
-    prospects, cuts = Prospects(mission_net, stable), CutSets(mission_net, dying)
+    prospects, cuts = Prospects(mission_net, living), CutSets(mission_net, dying)
 
     def causes(goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
         step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
-        wanted = [m for m in Moment if section is not None or m is not Moment.ENTRY]
-        losing = {moment: cuts.defeating(dying, moment, section) for moment in wanted}
+        found = cuts.found(dying, section)
         return GoalCauses(
             goal.name,
-            {moment.value: cuts.minimal(lost) for moment, lost in losing.items()},
+            {moment.value: minimal for moment, minimal in found.minimal.items()},
             prospects.critical(goal, repairs=False),
             prospects.critical(goal, repairs=True),
-            cuts.nonmonotone(losing[Moment.SOMETIME]),
+            found.nonmonotone,
             partial(prospects.to_failure, goal),
         )
 

@@ -11,9 +11,9 @@ Source: the columns are those of IEC 60812 (FMEA and FMECA), reduced to what a m
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import compress
-from typing import Generic, TypeAlias
+from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.check.causes.effects import Case, Severity, changes, joined, local_effect, worth_telling
 from mcpn.check.causes.prospects import Goal, Prospects
@@ -21,7 +21,7 @@ from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.events import What
 from mcpn.net.templates import Role
-from mcpn.space.algebra import S, Space
+from mcpn.space.algebra import Alike, S, Space
 from mcpn.space.images import ImageStore
 from mcpn.steps import step
 
@@ -79,6 +79,30 @@ def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) ->
     return list(_Table(prospects).rows(objectives))
 
 
+class _Facts(NamedTuple):
+    """What a failure does while an objective runs, before it is told.
+
+    Args:
+        cases: What it does when all other hardware is in service, the worst first.
+        severity: The worst of it.
+        with_others: Worse severities, each with the minimal sets of other hardware that must be out already.
+    """
+
+    cases: Sequence[Case]
+    severity: Severity
+    with_others: tuple[tuple[Severity, tuple[Others, ...]], ...]
+
+    def named(self, names: Mapping[str, str]) -> _Facts:
+        """The same with other names of objectives."""
+        cases = [
+            replace(case, elsewhere=tuple((names[name], told) for name, told in case.elsewhere))
+            if case.elsewhere
+            else case
+            for case in self.cases
+        ]
+        return self._replace(cases=cases)
+
+
 class _Table(Generic[S]):
     def __init__(self, prospects: Prospects[S]) -> None:
         self.prospects = prospects
@@ -96,21 +120,47 @@ class _Table(Generic[S]):
                     for inner in branch.graph.walk():
                         self.around[inner.name].append((block, branch))
         self._modes: dict[str, dict[int, S]] = {}
+        self._facts: Alike[_Facts | None] = Alike()
+        self._lost_by_section = [
+            {piece.names: piece.kind for piece in self.space.pieces(region)}
+            for region in (self.lost, self.lost_unrepaired)
+        ]
 
     def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
         for hardware in self.prospects.hardware:
-            transitions = sorted(self.prospects.carrying(What.OUT_OF_SERVICE, hardware))
             for name, goal in self.prospects.objectives.items():
                 if goal.running and (objectives is None or name in objectives):
                     step(f"finding what the failure of {hardware} does during {name}")
-                    edges = {t: self.severities(t, goal) for t in transitions}
-                    if any(edges.values()):
-                        yield self.row(hardware, goal, edges)
+                    facts = self.facts(hardware, goal)
+                    if facts is not None:
+                        yield self.row(hardware, goal, facts)
 
-    def row(self, hardware: str, goal: Goal[S], edges: Mapping[int, Mapping[Severity, S]]) -> Row:
+    def facts(self, hardware: str, goal: Goal[S]) -> _Facts | None:
+        """What a failure does while an objective runs; found once for rounds that are equal.
+
+        They are where the objectives are alike, and the mission is lost in the same states of their sections:
+        a failure of hardware ends no section.
+        """
+        alike = self.prospects.alike(goal)
+        if alike is None:
+            return self.facts_of(hardware, goal)
+        kind, own = alike
+        key = hardware, kind, *(lost.get(own) for lost in self._lost_by_section)
+        found, names = self._facts.known(key, own, lambda: self.facts_of(hardware, goal))
+        return None if found is None else found.named(names)
+
+    def facts_of(self, hardware: str, goal: Goal[S]) -> _Facts | None:
+        transitions = sorted(self.prospects.carrying(What.OUT_OF_SERVICE, hardware))
+        edges = {t: self.severities(t, goal) for t in transitions}
+        if not any(edges.values()):
+            return None
         # Hardware can be repaired while an objective runs, so that each may run with all other in service.
         cases = worth_telling([case for t in edges for case in self.cases(t, edges[t], hardware, goal)])
         severity = max((case.severity for case in cases), default=Severity.NO_EFFECT)
+        return _Facts(cases, severity, tuple(self.with_others(list(edges.values()), severity)))
+
+    def row(self, hardware: str, goal: Goal[S], facts: _Facts) -> Row:
+        cases = facts.cases
         section, around = self.prospects.sections[goal.name], self.around[goal.name]
         return Row(
             hardware,
@@ -122,8 +172,8 @@ class _Table(Generic[S]):
             joined(case.detection(self.net.usage, hardware) for case in cases),
             joined(case.compensation(section, around) for case in cases),
             joined(case.recovery() for case in cases),
-            severity,
-            tuple(self.with_others(list(edges.values()), severity)),
+            facts.severity,
+            facts.with_others,
         )
 
     # --- severity --------------------------------------------------------------------------------------
@@ -245,13 +295,13 @@ class _Table(Generic[S]):
                 said_by(self.net, compress(changed, marked[i * n : (i + 1) * n])) for i in range(3)
             )
             regained = gone and not still_gone, unrepaired and not still_unrepaired
-            elsewhere = self.elsewhere(those, transition, goal.name) if before == after else ""
+            elsewhere = self.elsewhere(those, transition, goal.name) if before == after else ()
             lost_after = already, gone, unrepaired, ever
             yield Case(severity, before, after, back, *lost_after, *regained, elsewhere)
 
-    def elsewhere(self, states: S, transition: int, name: str) -> str:
-        """What a failure does to the modes of objectives in other branches of the blocks around, in words."""
-        found = []
+    def elsewhere(self, states: S, transition: int, name: str) -> tuple[tuple[str, str], ...]:
+        """By objective in another branch of the blocks around, what a failure does to its mode, in words."""
+        found = list[tuple[str, str]]()
         branches = (b for block, branch in self.around[name] for b in block.branches if b != branch)
         for other in (inner.name for branch in branches for inner in branch.graph.walk()):
             goal = self.prospects.objectives[other]
@@ -268,8 +318,8 @@ class _Table(Generic[S]):
                 if changed and (after := answers[len(changed) :]) != answers[: len(changed)]
             )
             if told:
-                found.append(f"in {other}, {' or '.join(told)}")
-        return "; ".join(found)
+                found.append((other, " or ".join(told)))
+        return tuple(found)
 
 
 def _atoms(states: S, asked: Sequence[S]) -> Iterator[tuple[tuple[bool, ...], S]]:

@@ -9,7 +9,7 @@ ends in success, so that a later retry is another run, and one after an interrup
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -20,7 +20,7 @@ from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.space.algebra import Alike, Edge, Piece, S, Space, partition
+from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.space.images import ImageStore
 from mcpn.space.local.layout import remembered
 from mcpn.space.run import Run, transitions_of
@@ -61,6 +61,13 @@ class CriticalEvent:
     mode: Mode
     edges: int
 
+    def named(self, names: Mapping[str, str]) -> CriticalEvent:
+        """The same with other names of objectives."""
+        event = self.event
+        if event.what in (What.SUCCESS, What.FAILURE):
+            event = Event(event.what, names.get(event.element, event.element))
+        return CriticalEvent(event, tuple(names[n] for n in self.objectives), self.mode, self.edges)
+
 
 Counted: TypeAlias = Mapping[tuple[tuple[str, ...], tuple[tuple[str, str], ...]], int]
 """By objectives that run and functioning mode, in how many states."""
@@ -100,6 +107,7 @@ class Prospects(Generic[S]):
         self.unrepaired = self.everything - self._carrying[What.REPAIRED]
         self._images = ImageStore(len(mission_net.roles))
         self._alike: Alike[Counted] = Alike()
+        self._critical: Alike[list[CriticalEvent]] = Alike()
 
     def carrying(self, what: What, element: str = "") -> frozenset[int]:
         """Transitions that carry an event."""
@@ -162,9 +170,9 @@ class Prospects(Generic[S]):
 
     # --- losing regions ------------------------------------------------------------------------------------
 
-    def allowed(self, goal: Goal[S], *, repairs: bool) -> frozenset[int]:
+    def allowed(self, goal: Goal[S], *, repairs: bool) -> Set[int]:
         """What the edges of a run to a goal may carry."""
-        return (self.everything if repairs else self.unrepaired) - goal.ends
+        return Without(self.everything if repairs else self.unrepaired, goal.ends)
 
     @remembered
     def hopeful(self, goal: Goal[S], *, repairs: bool) -> S:
@@ -189,8 +197,28 @@ class Prospects(Generic[S]):
 
     # --- critical events -----------------------------------------------------------------------------------
 
+    def alike(self, goal: Goal[S], *states: S) -> tuple[Hashable, tuple[str, ...]] | None:
+        """What tells a goal, and some states in which it is open, from others, but for names of objectives.
+
+        Returns:
+            What is equal where all that runs to the goal pass is alike, and the objectives that it speaks of;
+            ``None`` where nothing is known to be alike.
+        """
+        pieces = [list(self.space.pieces(some)) for some in (goal.running, *states)]
+        if len(pieces[0]) != 1 or goal.name not in (names := pieces[0][0].names) or pieces[0][0].kind is None:
+            return None
+        return (names.index(goal.name), *(tuple(piece.kind for piece in some) for some in pieces)), names
+
     def critical(self, goal: Goal[S], *, repairs: bool) -> list[CriticalEvent]:
         """Edges from a chance to reach a goal to none, in the order of the net's transitions."""
+        known = self.alike(goal)
+        if known is None:
+            return self._critical_of(goal, repairs)
+        kind, own = known
+        found, names = self._critical.known((kind, repairs), own, lambda: self._critical_of(goal, repairs))
+        return [critical.named(names) for critical in found]
+
+    def _critical_of(self, goal: Goal[S], repairs: bool) -> list[CriticalEvent]:
         losing, allowed = self.losing(goal, repairs=repairs), self.allowed(goal, repairs=repairs)
         found: Counter[tuple[Event, tuple[str, ...], tuple[tuple[str, str], ...]]] = Counter()
         for t, states in self.space.crossing(goal.running - losing, losing) if losing else ():

@@ -16,13 +16,14 @@ to earlier ones, the values at those entries are the unknowns of a linear system
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
 import networkx as nx
 import numpy as np
+from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from mcpn.check.causes.chain import CHUNK, Chain, Floats, Listed, totals
@@ -174,6 +175,10 @@ class Outlook:
                 self._chains[key] = Chain(*key)
             self._passages[name] = passage(self._chains[key], used[: len(used) - len(own)])
 
+    def passage(self, name: str) -> _Passage:
+        """The way through a section: one for all that are alike under the rates."""
+        return self._passages[name]
+
     def ends(self, lost: Element | None = None) -> tuple[float, float]:
         """Probabilities of success and failure, if one resource is out of service at the start."""
         entry = self.model.entry
@@ -218,17 +223,14 @@ class Outlook:
         gained = gained.reshape(len(gained), -1)
         values = np.zeros(gained.shape)
         values[:2] = gained[:2]
+        systems: dict[Hashable, Callable[[Floats], Floats]] = {}
         for members, heads in self.model.loops:
             self._sweep(members, inner, values, gained)
             if len(heads):
-
-                def less(matrix: Floats, members: list[str] = members, heads: Ints = heads) -> Floats:
-                    found = np.zeros((len(values), matrix.shape[1]))
-                    found[heads] = matrix
-                    self._sweep(members, inner, found)
-                    return matrix - found[heads]
-
-                values[heads] = _linear(less, values[heads])
+                loop = _Loop(self, members, heads, inner)
+                if loop.kind not in systems:
+                    systems[loop.kind] = _linear(loop.less, len(heads))
+                values[heads] = systems[loop.kind](values[heads])
                 self._sweep(members, inner, values, gained)
         return values
 
@@ -244,19 +246,60 @@ class Outlook:
             values[here] = np.where(inner[here, None], value, 0.0)
 
 
-def _linear(system: Callable[[Floats], Floats], right: Floats) -> Floats:
-    """Solves a linear system that is given as what it makes of the columns of a matrix."""
-    size = len(right)
+class _Loop:
+    """Sections that lead to each other, and what their entries that are led back to say of each other.
+
+    Args:
+        outlook: The mission.
+        members: The sections.
+        heads: Those entries.
+        inner: Entries outside of which every value is 0.
+
+    Attributes:
+        kind: Equal for loops that differ in where their entries are alone.
+    """
+
+    def __init__(self, outlook: Outlook, members: Sequence[str], heads: Ints, inner: Mask) -> None:
+        model = outlook.model
+        self.begin = model.here(members[0]).start
+        self.size = model.here(members[-1]).stop - self.begin  # sections of a loop are numbered in a row
+        self.heads = heads - self.begin
+        self.steps: list[tuple[_Passage, Ints, slice, Mask]] = []
+        for name in members:
+            after, here = model.after(name) - self.begin, model.here(name)
+            # What is not of the loop is known: here it counts as 0, the value at the last number.
+            after[(after < 0) | (after >= self.size)] = self.size
+            within = slice(here.start - self.begin, here.stop - self.begin)
+            self.steps.append((outlook.passage(name), after, within, inner[here]))
+        told = ((id(passage), after.tobytes(), inner.tobytes()) for passage, after, _, inner in self.steps)
+        self.kind: Hashable = (self.heads.tobytes(), *told)
+
+    def less(self, matrix: Floats) -> Floats:
+        """Values at those entries, less what they make of themselves on one way through the loop."""
+        found = np.zeros((self.size + 1, matrix.shape[1]))
+        found[self.heads] = matrix
+        for passage, after, within, inner in self.steps:
+            found[within] = np.where(inner[:, None], passage.back(found[after]), 0.0)
+        return np.asarray(matrix - found[self.heads], np.float64)
+
+
+def _linear(system: Callable[[Floats], Floats], size: int) -> Callable[[Floats], Floats]:
+    """Solves a linear system, given as what it makes of the columns of a matrix, for any right side."""
     if size <= MOST_DENSE:
         parts = np.array_split(np.eye(size), -(-size // CHUNK), axis=1)
-        return np.linalg.solve(np.hstack([system(part) for part in parts]), right).astype(np.float64)
+        factors = lu_factor(np.hstack([system(part) for part in parts]))
+        return lambda right: np.asarray(lu_solve(factors, right), np.float64)
     operator = LinearOperator((size, size), lambda x: system(x.reshape(-1, 1))[:, 0], dtype=np.float64)
-    found = np.empty(right.shape)
-    for i, column in enumerate(right.T):
-        found[:, i], failed = gmres(operator, column, rtol=PRECISION, atol=0.0, restart=100, maxiter=20)
-        if failed:
-            raise LimitError(f"the values at {size} entries of sections in loops did not settle")
-    return found
+
+    def iterated(right: Floats) -> Floats:
+        found = np.empty(right.shape)
+        for i, column in enumerate(right.T):
+            found[:, i], failed = gmres(operator, column, rtol=PRECISION, atol=0.0, restart=100, maxiter=20)
+            if failed:
+                raise LimitError(f"the values at {size} entries of sections in loops did not settle")
+        return found
+
+    return iterated
 
 
 @dataclass(frozen=True, eq=False)

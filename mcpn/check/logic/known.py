@@ -62,7 +62,7 @@ class Known:
 
     @cached_property
     def _bounds(self) -> Sequence[float]:
-        from mcpn.space.search.equation import place_bounds
+        from mcpn.net.structure import place_bounds
 
         # The space of a net with priorities is there only if it is 1-safe: its bounds are not worth knowing.
         return [float("inf")] * len(self.net.places) if self.net.priorities else place_bounds(self.net)

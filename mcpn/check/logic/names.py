@@ -11,6 +11,7 @@ from mcpn.check.logic.formulas import Justice
 from mcpn.errors import InputError
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
+from mcpn.net.roles import WAITING
 from mcpn.space.search.goal import FALSE, TRUE, Fires, Formula, marked
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ WORDS = {
     "pending": ("pending",),
     "activity": ("active",),
     "alternative": ("active",),
-    "waiting": ("wait", "want"),
+    "waiting": WAITING,
     "refused": ("refused",),
     "oos": ("oos",),
     "available": ("oos",),

@@ -10,7 +10,8 @@ from functools import partial
 
 from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, needs
+from mcpn.net.structure import needs
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or
 
 
 def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:

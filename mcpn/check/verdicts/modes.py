@@ -13,14 +13,23 @@ from functools import cache
 from itertools import compress
 from typing import TYPE_CHECKING, TypeAlias
 
-from mcpn.check.logic.names import WORDS
+from mcpn._kernel import Zdd
+from mcpn.net.roles import WAITING
 from mcpn.space.images import ImageStore
 
 if TYPE_CHECKING:
     from mcpn.net.compose import MissionNet
     from mcpn.space.algebra import S, Space
 
-_WAITING = dict.fromkeys(WORDS["waiting"], "waiting")
+_WAITING = dict.fromkeys(WAITING, "waiting")
+_FIELDS = {
+    "objective": "objectives",
+    "pending": "pending",
+    "done": "done",
+    "active": "mode",
+    "refused": "refused",
+    "oos": "out_of_service",
+} | _WAITING
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
 
@@ -78,6 +87,11 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
     )
 
 
+def said_as(role: str) -> str | None:
+    """The field of a situation in which a place of some role is told of, ``None`` for an outcome's."""
+    return _FIELDS.get(role)
+
+
 def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, list[Mode]]:
     """The functioning modes of each objective, in its stable states.
 
@@ -96,18 +110,29 @@ def functioning_modes(mission_net: MissionNet, space: Space[S]) -> dict[str, lis
         places_of[name.split(".", 1)[0]].append(place)
     rank = {name: -number for number, name in enumerate(usage.suppliers_first())}
     ways = {name: [way.name for way in activity.alternatives] for name, activity in usage.activities.items()}
-    found: dict[str, list[Mode]] = {}
-    for section in mission_net.graph.walk():
-        own = section.activities
-        served = frozenset[str]().union(*map(usage.closure, own))
-        places = sorted(place for name in served for place in places_of[name])
-        running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
-        family = space.image(running, places, store(len(places)))
+
+    @cache
+    def sorted_modes(own: tuple[str, ...], places: tuple[int, ...], family: Zdd) -> list[Mode]:
         modes = (dict(active[places[i]].split(".", 1) for i in sorted(row)) for row in family)
         # The document's priorities: those of an activity before those of what serves it.
-        order = [*own, *sorted(served.difference(own), key=rank.__getitem__)]
-        found[section.name] = sorted(
+        order = [*own, *sorted(served(own).difference(own), key=rank.__getitem__)]
+        return sorted(
             (mode for mode in modes if all(name in mode for name in own)),
             key=lambda mode: [[*ways[name], mode.get(name)].index(mode.get(name)) for name in order],
         )
+
+    @cache
+    def served(own: tuple[str, ...]) -> frozenset[str]:
+        return frozenset[str]().union(*map(usage.closure, own))
+
+    @cache
+    def places_saying(own: tuple[str, ...]) -> tuple[int, ...]:
+        return tuple(sorted(place for name in served(own) for place in places_of[name]))
+
+    found: dict[str, list[Mode]] = {}
+    for section in mission_net.graph.walk():
+        own = section.activities
+        places = places_saying(own)
+        running = space.marked(mission_net.by_role["objective", section.name]) & space.stable
+        found[section.name] = sorted_modes(own, places, space.image(running, places, store(len(places))))
     return found

@@ -7,7 +7,7 @@ what starts, stops and refuses them, and are drawn by the same code (:class:`_Li
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, product
 
@@ -16,7 +16,10 @@ from mcpn.mission.model import Activity, Alternative
 from mcpn.net.templates.canvas import Canvas, Pen
 
 MAX_TOGETHER = 12
-"""Resources of one alternative, whose subsets each take a transition."""
+"""Resources of one alternative that may wait for answers: each way in which they may answer is drawn."""
+
+MOST_AT_ONCE = 3
+"""Errors that one transition takes at a time, one for each set of them, where no more can come together."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class _Life:
     ending: _Ending
 
 
-def draw_activity(canvas: Canvas, activity: Activity) -> None:
+def draw_activity(canvas: Canvas, activity: Activity, *, at_once: int = MOST_AT_ONCE) -> None:
     """Draws an activity: a driver of one hardware resource takes 3 places and 5 transitions.
 
     Beyond the paper, and only where it can happen: an activity that may be found waiting in a stable marking
@@ -57,11 +60,12 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
     Args:
         canvas: Where to draw.
         activity: The activity.
+        at_once: Errors that one transition takes at a time. What follows is the same whatever their number.
 
     Raises:
-        LimitError: An alternative consumes more resources than have subsets that can be drawn one by one.
+        LimitError: An alternative that may wait for answers consumes too many resources.
     """
-    _refuse_excess(activity)
+    _refuse_excess(canvas, activity)
     pen = canvas.of("activity", activity.name, activity.source)
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
     running = pen.place("running") if _counts_running(canvas, activity) else None
@@ -73,7 +77,9 @@ def draw_activity(canvas: Canvas, activity: Activity) -> None:
             otherwise = [pen.place(f"eval{i + 2}")]
         elif not canvas.usage.refusable(activity.name):
             otherwise = []
-        draw = _AlternativeDrawing(canvas, activity, alternative, i, evaluation, otherwise, life, running)
+        draw = _AlternativeDrawing(
+            canvas, activity, alternative, i, evaluation, otherwise, life, running, at_once
+        )
         draw.all()
         if i < last:
             evaluation = otherwise[0]
@@ -97,12 +103,14 @@ def _counts_running(canvas: Canvas, activity: Activity) -> bool:
     return asked and len(activity.alternatives) > 1
 
 
-def _refuse_excess(activity: Activity) -> None:
-    widest = max(len(alternative.consumes) for alternative in activity.alternatives)
+def _refuse_excess(canvas: Canvas, activity: Activity) -> None:
+    waits = canvas.usage.waits_for_answer
+    ways = enumerate(activity.alternatives)
+    widest = max((len(way.consumes) for i, way in ways if waits(activity.name, i)), default=0)
     if widest > MAX_TOGETHER:
         raise LimitError(
-            f"activity {activity.name}: {widest} resources consumed by one alternative, "
-            f"the limit is {MAX_TOGETHER}"
+            f"activity {activity.name}: {widest} resources consumed by one alternative that may wait "
+            f"for answers, the limit is {MAX_TOGETHER}"
         )
 
 
@@ -155,7 +163,9 @@ class _AlternativeDrawing:
         otherwise: list[str],
         life: _Life,
         running: str | None,
+        at_once: int,
     ) -> None:
+        self.at_once = at_once
         self.usage = canvas.usage
         self.activity = activity
         self.index = index
@@ -219,26 +229,50 @@ class _AlternativeDrawing:
         stable = self.usage.waits_for_answer(self.activity.name, self.index)
         if stable:
             self.error_while_asking()
-        failing = [k for k in self.consumes if self.usage.can_fail(k) and (stable or k not in self.hardware)]
-        for errors in _subsets(failing):
-            self._draw(
-                "werr",
-                [self.wait, *self._answers(errors)],
-                [*self._releases(), *self.otherwise],
-                *errors,
-                rank=self.canvas.ranks.handling(self.activity.name),
-            )
+        failing = tuple(
+            k for k in self.consumes if self.usage.can_fail(k) and (stable or k not in self.hardware)
+        )
+        if stable or len(failing) <= self.at_once:
+            self._give_up_at_once("werr", [self.wait], _subsets(failing), self.otherwise)
+        else:
+            self._give_up_one_by_one("werr", [self.wait], failing, self.otherwise)
 
     def error_while_active(self) -> None:
         """Resources failed while it ran: give all back, evaluate every alternative again (6.2)."""
-        for errors in self.usage.fail_together(self.activity.name, self.index):
-            self._draw(
-                "err",
-                [*self.runs, *self._answers(errors)],
-                [*self._releases(), self.life.start],
-                *errors,
-                rank=self.canvas.ranks.handling(self.activity.name),
-            )
+        groups = self.usage.fail_together(self.activity.name, self.index)
+        if max(map(len, groups), default=0) <= self.at_once:
+            sets = {errors for group in groups for errors in _subsets(group)}
+            ordered = sorted(sets, key=lambda e: (len(e), [self.consumes.index(k) for k in e]))
+            self._give_up_at_once("err", self.runs, ordered, [self.life.start])
+        else:
+            failing = tuple(k for k in self.consumes if self.usage.can_fail(k))
+            self._give_up_one_by_one("err", self.runs, failing, [self.life.start])
+
+    def _give_up_at_once(
+        self, verb: str, left: list[str], sets: Iterable[tuple[str, ...]], onward: list[str]
+    ) -> None:
+        """One transition for each set of resources that may be in error."""
+        for errors in sets:
+            self._handle(verb, [*left, *self._answers(errors)], [*self._releases(), *onward], *errors)
+
+    def _give_up_one_by_one(
+        self, verb: str, left: list[str], failing: tuple[str, ...], onward: list[str]
+    ) -> None:
+        """Leaves at the first error, takes note of each one as if it were an answer, then gives all back.
+
+        Shared hardware stays in error while it fails, so its error is taken with what is given back; no two
+        hardware resources fail at a time.
+        """
+        lost = self.pen.place(f"{verb}{self.number}")
+        shared = [k for k in failing if k in self.hardware and k in self.usage.sharing.consumers]
+        for k in failing:
+            error = self.of(k, "error")
+            self._handle(verb, left, [lost], k, read=[error])
+            if k not in shared:
+                self._handle(f"{verb}_note", [error], [self.of(k, "answer")], k, read=[lost])
+        for errors in ((), *((k,) for k in shared)):
+            taken, given = [lost, *self._answers(errors)], [*self._releases(), *onward]
+            self._handle(f"{verb}_all", taken, given, *errors)
 
     def stop(self) -> None:
         """It runs and is stopped: give all back."""
@@ -247,14 +281,8 @@ class _AlternativeDrawing:
     def switch_back(self) -> None:
         """An alternative of higher priority is possible again: evaluate every alternative again."""
         for way in self.usage.switching.better(self.activity.name, self.index):
-            self._draw(
-                "back",
-                [*self.runs, *self._answers(())],
-                [*self._releases(), self.life.start],
-                *way,
-                read=[self.canvas.resource(h, "service") for h in way],
-                rank=self.canvas.ranks.handling(self.activity.name),
-            )
+            taken, given = [*self.runs, *self._answers(())], [*self._releases(), self.life.start]
+            self._handle("back", taken, given, *way, read=[self.canvas.resource(h, "service") for h in way])
 
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""
@@ -268,13 +296,7 @@ class _AlternativeDrawing:
         """
         for stages, asking, given in self._while_asking():
             if "error" in stages:
-                self._draw(
-                    "askerr",
-                    [self.wait, *asking],
-                    [*given, *self.otherwise],
-                    _initials(stages),
-                    rank=self.canvas.ranks.handling(self.activity.name),
-                )
+                self._handle("askerr", [self.wait, *asking], [*given, *self.otherwise], _initials(stages))
 
     def stop_while_waiting(self) -> None:
         """It waits for answers and is stopped: give back what came, give up what is still asked for.
@@ -318,6 +340,12 @@ class _AlternativeDrawing:
         """The name of a place of the interface by which the activity uses a resource."""
         return self.canvas.resource(resource, part, self.usage.sharing.owner(resource, self.activity.name))
 
+    def _handle(
+        self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
+    ) -> None:
+        rank = self.canvas.ranks.handling(self.activity.name)
+        self._draw(verb, consume, produce, *of, read=read, rank=rank)
+
     def _end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
         ending = self.life.ending
         taken, given = [*consume, *ending.consume], [*produce, *ending.produce]
@@ -339,7 +367,7 @@ def _initials(stages: tuple[str, ...]) -> str:
     return "".join(stage[0] for stage in stages)
 
 
-def _subsets(items: list[str] | tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+def _subsets(items: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
     """Every non-empty subset, smaller ones first."""
     for size in range(1, len(items) + 1):
         yield from combinations(items, size)

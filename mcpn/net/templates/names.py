@@ -26,10 +26,13 @@ class Names:
 
     def __init__(self, elements: Iterable[tuple[str, str]]) -> None:
         self._owners: dict[str, tuple[str, str]] = {}
+        self._begun: set[str] = set()  # what longer stems begin with
         self._resources: set[str] = set()
         self._given: dict[tuple[str, ...], str] = {}
         for kind, name in elements:
-            self._owners.setdefault(_stem(kind, name), (kind, name))
+            stem = _stem(kind, name)
+            self._owners.setdefault(stem, (kind, name))
+            self._begun.update(stem[:end] for end in _boundaries(stem) if end < len(stem))
             if kind in ("hardware", "software"):
                 self._resources.add(name)
 
@@ -54,7 +57,7 @@ class Names:
     def _name(self, kind: str, element: str, *part: str) -> str:
         stem = _stem(kind, element)
         plain = "_".join((stem, *part))
-        longer = _boundaries(plain, len(stem) + 1) if part else ()
+        longer = _boundaries(plain, len(stem) + 1) if part and stem in self._begun else ()
         if (
             self._owners.get(stem, (kind, element)) != (kind, element)
             or any(plain[:end] in self._owners for end in longer)

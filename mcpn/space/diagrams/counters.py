@@ -20,9 +20,9 @@ from itertools import product
 
 from mcpn._kernel import Store
 from mcpn.net.petri import PetriNet
+from mcpn.net.structure import changes, needs
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order
-from mcpn.space.search.goal import changes, needs
 
 MOST_BITS = 30
 """The most levels of a place."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
+from itertools import chain
 
 from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking
@@ -32,18 +33,38 @@ class CompositeSpace(Glued):
     # --- what states say ---
 
     @remembered
-    def _holders(self, kind: Kind) -> Mapping[int, list[str]]:
-        """By place, or by transition, the stages whose local nets have it."""
-        found: dict[int, list[str]] = {}
+    def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
+        """By place, or by transition, the stages with it in their control; and groups that use it alike."""
+        control: dict[int, tuple[str] | list[str]] = {}
+        alike: dict[int, tuple[Sequence[int], list[str]]] = {}
         for name, stage in self.stages.items():
-            for where in getattr(stage, kind):
-                found.setdefault(where, []).append(name)
-        return found
+            alone, used = (name,), stage.used[kind]  # most are of one section, and share how it is written
+            alike.setdefault(id(used), (used, []))[1].append(name)
+            for where, other in zip(getattr(stage, kind), used, strict=True):
+                if where != other and (known := control.setdefault(where, alone)) is not alone:
+                    if isinstance(known, list):
+                        known.append(name)
+                    else:
+                        control[where] = [*known, name]
+        using: dict[int, list[list[str]]] = {}
+        for used, names in alike.values():
+            for where in {*used} - {NOWHERE}:
+                using.setdefault(where, []).append(names)
+        return control, using
+
+    def holders(self, kind: Kind, where: int) -> Sequence[str]:
+        """The stages whose local nets have a place, or a transition, in the mission's order."""
+        control, using = self._holding(kind)
+        groups = using.get(where, ())
+        if not groups:
+            return control.get(where, ())
+        names = {*control.get(where, ()), *chain.from_iterable(groups)}
+        return groups[0] if len(names) == len(groups[0]) else sorted(names, key=self.order.__getitem__)
 
     def marking(self, state: Member) -> Marking:
         """The marking of a member in the whole net, as tokens by place."""
         stage, tokens = self.stages[state[0]], self.layout.idle.copy()
-        for place in (*self.layout.status, *stage.local):
+        for place in {*self.layout.status, *stage.places} - {NOWHERE}:
             tokens[place] = int(stage.marks(state[1], place))
         return tuple(tokens)
 
@@ -52,7 +73,7 @@ class CompositeSpace(Glued):
         found, parts = Parts(), self.everything.parts
         for place in places:
             anywhere = self.layout.idle[place] or place in self.layout.status
-            for name in parts if anywhere else self._holders("places").get(place, ()):
+            for name in parts if anywhere else self.holders("places", place):
                 if name in parts:
                     found.add(name, self.stages[name].restricted(parts[name], [place]))
         return CompositeSet(self, found)
@@ -93,7 +114,7 @@ class CompositeSpace(Glued):
     def enabling(self, transitions: Collection[int]) -> CompositeSet:
         """States with an edge of some of these transitions."""
         allowed, found, parts = self.filtered(transitions), dict[str, Zdd](), self.everything.parts
-        holders = (name for t in transitions for name in self._holders("transitions").get(t, ()))
+        holders = (name for t in transitions for name in self.holders("transitions", t))
         for name in {*holders} if self.layout.toggles.keys().isdisjoint(transitions) else parts:
             if name in parts:
                 stage, part = self.stages[name], parts[name]

@@ -1,52 +1,25 @@
-"""The stable states of a local net, and the steps between them: listed where they are few, reached where not.
+"""What is known of a local net: its stable states and the big steps between them, or all its markings.
 
-Where the stable states can be listed along enough orders of what follows each event
-(:mod:`mcpn.space.stable.settling`), that is the proof that each event has one outcome, and no transient
-marking is wanted again: an event is a few *changes*, each with the states in which it makes them. Elsewhere
-all markings are reached as a diagram, and the proof is asked of them.
+Where enough orders of what follows each event are tried for all stable states
+(:mod:`mcpn.space.stable.big_steps`), that is the proof that each event has one outcome, and no transient
+marking is wanted again. Elsewhere all markings are reached as a diagram, and the proof is asked of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
-from mcpn._kernel import Exploration, Zdd
-from mcpn.errors import LimitError
+from mcpn._kernel import Zdd
 from mcpn.net.petri import PetriNet
-from mcpn.space.algebra import Guards
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import candidates
-from mcpn.space.diagrams.spaces import DiagramAlternatives, Step
-from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, elements, reach
+from mcpn.space.diagrams.spaces import DiagramAlternatives
+from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.stable.big_steps import BigStepSpace, Steps, reach_in_big_steps
 from mcpn.space.stable.ranks import open_conflicts
-from mcpn.space.stable.settling import Orders, settled
-
-MOST_LISTED = 200_000
-"""Stable states of a local net that are listed."""
-MOST_KEPT = 100_000
-"""Transient markings that the proof may keep meanwhile."""
-MOST_CHANGES = 20_000
-"""Changes by all events together; with more of them, steps on diagrams of all markings are quicker."""
-
-
-class Change(NamedTuple):
-    """What an event makes of some stable states, internal evolution included."""
-
-    transition: int
-    lost: list[int]
-    """Places that lose their token."""
-    gained: list[int]
-    """Places that gain one."""
-    sources: Zdd
-    """The states in which it does so."""
-
-
-Steps: TypeAlias = dict[int, list[tuple[int, Zdd]]]
-"""By transition, events of the store, each with the states before it."""
 
 
 @dataclass
@@ -56,42 +29,28 @@ class Explored:
     What has been proved in one process is known in another to which this goes.
 
     Args:
-        space: Its reachable markings; where they were listed, the stable ones alone.
-        changes: Where they were listed, what events make of them: each event has one outcome.
+        space: Its reachable markings; where it has big steps, the stable ones alone.
+        steps: Its big steps, each proved to be the one outcome of its event; ``None`` where it has none.
+        also: By transition, levels that must be marked, too.
     """
 
     space: SymbolicSpace
-    changes: list[Change] | None = None
+    steps: Steps | None = None
+    also: Mapping[int, Collection[int]] = field(default_factory=dict)
 
     @cached_property
     def conflicts(self) -> list[tuple[int, int]]:
         """Pairs of internal transitions in conflict that leave it open whether events have one outcome."""
-        return list(open_conflicts(self.space.encoding, self.space.reachable)) if self.changes is None else []
+        return list(open_conflicts(self.space.encoding, self.space.reachable)) if self.steps is None else []
 
     @cached_property
     def ends(self) -> bool:
         """Whether internal evolution may end, whatever has happened."""
-        return self.changes is not None or not self.space.endless
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Sets go from process to process as tables of their diagrams."""
-        told: list[Any] | None = None
-        if self.changes is not None:
-            told = [(*change[:3], change.sources.to_bytes()) for change in self.changes]
-        return {**vars(self), "changes": told}
-
-    def __setstate__(self, told: dict[str, Any]) -> None:
-        """The sets are put on the store of the space."""
-        vars(self).update(told)
-        if self.changes is not None:
-            put = self.space.encoding.store.from_bytes
-            self.changes = [
-                Change(t, lost, gained, put(sources)) for t, lost, gained, sources in told["changes"]
-            ]
+        return self.steps is not None or not self.space.endless
 
     def alternatives(self) -> DiagramAlternatives:
         """The alternatives graph."""
-        return DiagramAlternatives(self.space) if self.changes is None else BigSteps(self.space, self.changes)
+        return self._of(self.space)
 
     def on(self, encoding: Encoding, widened: Callable[[Zdd], Zdd]) -> DiagramAlternatives:
         """The alternatives graph on another store.
@@ -107,12 +66,13 @@ class Explored:
         space = self.space
         assert space.stable is not None, "nets of missions have priorities"
         stable = put(space.stable)
-        if self.changes is None:
-            return DiagramAlternatives(
-                replace(space, encoding=encoding, reached=put(space.reachable), stable=stable)
-            )
-        changes = [change._replace(sources=put(change.sources)) for change in self.changes]
-        return BigSteps(replace(space, encoding=encoding, reached=stable, stable=stable), changes)
+        reached = stable if self.steps is not None else put(space.reachable)
+        return self._of(replace(space, encoding=encoding, reached=reached, stable=stable))
+
+    def _of(self, space: SymbolicSpace) -> DiagramAlternatives:
+        return (
+            DiagramAlternatives(space) if self.steps is None else BigStepSpace(space, self.steps, self.also)
+        )
 
 
 def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
@@ -129,41 +89,19 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
         LimitError: A limit was hit.
     """
     of = net if dying is None else dying
-    found = _listed(net, proved=dying is None)
-    if found is None:
-        return Explored(reach(of))
-    prepared, listing = found
     name, places = next(iter(candidates(of)))
     encoding = Encoding(of, places, DEFAULT_MEMORY)
-    bits = [place if place < len(net.places) else -1 for place in encoding.places]
-    told = encoding.store.changes(listing, bits, MOST_CHANGES)
-    if told is None:
+    found = reach_in_big_steps(KernelNet(net), encoding)
+    if found is None:
         return Explored(reach(of))
-    stable = encoding.store.from_exploration(listing, bits)
-    changes = [Change(prepared.transitions[label], lost, up, where) for label, lost, up, where in told]
-    if dying is not None:
-        stable, changes = _with_losses(encoding, len(net.places), stable, changes)
+    stable, steps, also = (*found, {}) if dying is None else _with_losses(encoding, len(net.places), *found)
     space = SymbolicSpace(encoding, stable, stable, name, places, encoding.store.peak_nodes)
-    return Explored(space, changes)
-
-
-def _listed(net: PetriNet, *, proved: bool) -> tuple[KernelNet, Exploration] | None:
-    """The stable states of a net, and its events; ``None`` where they are many, or an event has no outcome.
-
-    Events without one outcome may be in states that the mission never comes to: a diagram tells.
-    """
-    prepared = KernelNet(net)
-    orders: Orders = "enough" if proved else "one"
-    try:
-        found = settled(prepared, orders=orders, max_states=MOST_LISTED, max_transient=MOST_KEPT)
-    except LimitError:
-        return None
-    return None if found.trouble is not None else (prepared, found)
+    return Explored(space, steps, also)
 
 
 def _with_losses(
-    encoding: Encoding, first: int, stable: Zdd, changes: Sequence[Change]
-) -> tuple[Zdd, list[Change]]:
+    encoding: Encoding, first: int, stable: Zdd, steps: Mapping[int, bytes]
+) -> tuple[Zdd, Steps, dict[int, list[int]]]:
     """The same where hardware may die: whatever is out of service may be lost, at any moment.
 
     From a stable state in which some hardware is out of service, any of it may die, and nothing else changes.
@@ -173,21 +111,17 @@ def _with_losses(
         encoding: The net with hardware that may die.
         first: The first of its places that say what is alive and what is dead.
         stable: Stable states, as if nothing were dead or alive.
-        changes: What events make of them.
+        steps: The big steps between them.
+
+    Returns:
+        States, big steps, and by transition the levels that tell that what it repairs is alive.
     """
     safe, events = encoding.net.safe_transitions, encoding.events
-    alive = {p: t for t in events for p in safe[t].consume if p >= first}  # the loss that takes it
-    born = [encoding.store.event([], encoding.levels(alive))]
-
-    def lossy(states: Zdd, but: Collection[int] = ()) -> Zdd:
-        return states.images(born).saturate([events[t] for p, t in alive.items() if p not in but])
-
-    stable = lossy(stable)
-    with_losses = [c._replace(sources=lossy(c.sources, safe[c.transition].read)) for c in changes]
-    for t in alive.values():
-        sources = encoding.restricted(stable, (*safe[t].consume, *safe[t].read))
-        with_losses.append(Change(t, list(safe[t].consume), list(safe[t].produce), sources))
-    return stable, with_losses
+    losses = {p: t for t in events for p in safe[t].consume if p >= first}
+    born = encoding.store.event([], encoding.levels(losses))
+    stable = stable.images([born]).saturate([events[t] for t in losses.values()])
+    also = {t: encoding.levels(p for p in safe[t].read if p >= first) for t in steps}
+    return stable, {**steps, **dict.fromkeys(losses.values())}, also
 
 
 def explore_and_prove(net: PetriNet, dying: PetriNet | None = None) -> Explored:
@@ -196,76 +130,3 @@ def explore_and_prove(net: PetriNet, dying: PetriNet | None = None) -> Explored:
     if dying is None:
         _ = found.conflicts, found.ends  # asked for here, they are known where this goes
     return found
-
-
-class BigSteps(DiagramAlternatives):
-    """The alternatives graph of a net whose events are told by what they change: no transient marking is met.
-
-    Args:
-        space: Its stable states.
-        changes: What events make of them, each of their sources on the space's store.
-    """
-
-    def __init__(self, space: SymbolicSpace, changes: Sequence[Change]) -> None:
-        super().__init__(space)
-        self._ahead: Steps = {}
-        self._back: Steps = {}
-        event, levels = self.encoding.store.event, self.encoding.levels
-        for t, lost, gained, sources in changes:
-            down, up = levels(lost), levels(gained)
-            self._ahead.setdefault(t, []).append((event(down, up), sources))
-            self._back.setdefault(t, []).append((event(up, down), sources))
-
-    def after(
-        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
-    ) -> Zdd:
-        """States that an edge leads to from some states."""
-        found = self.nothing
-        for event, where in _asked(self._ahead, transitions, guards):
-            found |= (states & where).images([event])
-        return found
-
-    def before(
-        self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
-    ) -> Zdd:
-        """States with an edge into some states."""
-        found = self.nothing
-        for event, where in _asked(self._back, transitions, guards):
-            found |= states.images([event], within=where)
-        return found
-
-    def ahead(
-        self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
-    ) -> list[Step]:
-        """One step on along a set, for each element of the mission."""
-        return self._by_element(self.after, along, transitions, guards)
-
-    def back(
-        self, along: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
-    ) -> list[Step]:
-        """One step back along a set, for each element of the mission."""
-        return self._by_element(self.before, along, transitions, guards)
-
-    def _by_element(
-        self,
-        stepped: Callable[[Zdd, Collection[int], Guards[Zdd]], Zdd],
-        along: Zdd,
-        transitions: Collection[int] | None,
-        guards: Guards[Zdd],
-    ) -> list[Step]:
-        def step(states: Zdd, group: Collection[int]) -> Zdd:
-            return stepped(states, group, guards) & along
-
-        asked = (
-            [t for t in group if transitions is None or t in transitions] for group in elements(self.encoding)
-        )
-        return [partial(step, group=group) for group in asked if group]
-
-
-def _asked(
-    steps: Steps, transitions: Collection[int] | None, guards: Guards[Zdd]
-) -> Iterator[tuple[int, Zdd]]:
-    """Events of the store for the transitions that are asked for, each with the states before it."""
-    for t in steps if transitions is None else transitions:
-        for event, sources in steps.get(t, ()):
-            yield event, sources & guards[t] if guards and t in guards else sources

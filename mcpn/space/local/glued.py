@@ -13,8 +13,8 @@ from heapq import heappop, heappush
 from typing import TypeAlias
 
 from mcpn._kernel import Zdd
-from mcpn.space.algebra import Guards
-from mcpn.space.local.layout import Layout
+from mcpn.space.algebra import Guards, Without
+from mcpn.space.local.layout import Layout, remembered
 from mcpn.space.local.section_type import ALL, Allowed
 from mcpn.space.local.sections import BEGIN, ENDS, Stage, WholeNet, outside
 
@@ -135,16 +135,37 @@ class Glued:
         """What edges may carry, as each section sees it; guards are of sections' events."""
         if transitions is None and not guards:
             return lambda name: ALL
-        wanted, limits = None if transitions is None else frozenset(transitions), guards or {}
-        beside = None if wanted is None else wanted.intersection(self.layout.toggles)
+        many, few = transitions, frozenset[int]()
+        if isinstance(transitions, Without):
+            many, few = transitions.many, transitions.few
+        wanted, limits = None if many is None else frozenset(many), guards or {}
+        beside = None if wanted is None else self._beside(wanted).difference(few)
 
         def of(name: str) -> Allowed:
-            own = [*enumerate(self.stages[name].transitions)]
-            local = None if wanted is None else frozenset(i for i, t in own if t in wanted)
-            guarded = ((i, limits[t].of(name)) for i, t in own if t in limits)
+            own = self.stages[name].transitions
+            local = None if wanted is None else self._local(wanted, name)
+            if few and local is not None:
+                local = local.difference(i for i, t in enumerate(own) if t in few)
+            guarded = ((i, limits[t].of(name)) for i, t in enumerate(own) if t in limits) if limits else ()
             return Allowed(local, beside, tuple(guarded))
 
         return cache(of)
+
+    @remembered
+    def _beside(self, wanted: frozenset[int]) -> frozenset[int]:
+        """Those of some transitions that are of hardware beside sections."""
+        return wanted.intersection(self.layout.toggles)
+
+    @remembered
+    def _local(self, wanted: frozenset[int], name: str) -> frozenset[int]:
+        """Those of some transitions that a section has, in its local net: one set for all that are alike."""
+        own = self.stages[name].transitions
+        return self._once(frozenset([i for i, t in enumerate(own) if t in wanted]))
+
+    @remembered
+    def _once(self, local: frozenset[int]) -> frozenset[int]:
+        """The first of equal sets."""
+        return local
 
     # --- one step ---
 

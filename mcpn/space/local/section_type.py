@@ -62,6 +62,7 @@ class SectionType:
         layout: The store of the composite.
 
     Attributes:
+        steps: The big steps of the local net; ``None`` where it has none.
         graph: The alternatives graph of the local net, with the hardware beside it in any state.
         size: The number of stable states of the local net, whatever has happened once.
         before: The states before the section is entered.
@@ -74,6 +75,7 @@ class SectionType:
         self.net = net
         self.layout = layout
         self.carried = part.carried
+        self.steps = explored.steps
         space = explored.space
         self.encoding = Encoding(net.net, space.places, space.encoding.memory_limit, layout.store)
         assert space.stable is not None, "nets of missions have priorities"

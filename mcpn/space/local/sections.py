@@ -14,7 +14,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, Provenance
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, exits_on
+from mcpn.net.sections import Element, LocalPart, Renaming, Used, exits_on, renamed_sections
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.images import Bit
@@ -47,6 +47,8 @@ class Stage(Levels):
         routes: By exit, the stage that it leads to.
         places: By place of its local net, that of the whole net, or :data:`NOWHERE`.
         transitions: The same of transitions.
+        used: Both as far as they are of what it uses: one list for sections that use the same in one type;
+            :data:`NOWHERE` for what is of its control.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Stage(Levels):
     routes: Mapping[Exit, str]
     places: Sequence[int]
     transitions: Sequence[int]
+    used: Mapping[Kind, Sequence[int]]
 
     def __post_init__(self) -> None:
         self.layout = self.type.layout
@@ -73,10 +76,12 @@ class Stage(Levels):
         """Its elementary objectives, in the order of the type's."""
         return tuple(section.name for section in self.part.graph.walk())
 
-    @cached_property
-    def local(self) -> Mapping[int, int]:
-        """By place of the whole net, that of its local net."""
-        return {where: local for local, where in enumerate(self.places) if where != NOWHERE}
+    def at(self, place: int) -> int | None:
+        """Which place of its local net is one of the whole net, if it has it."""
+        try:
+            return self.places.index(place)  # sections are many, and are asked of few places each
+        except ValueError:
+            return None
 
     @cached_property
     def _own(self) -> Mapping[int, tuple[int, bool]]:
@@ -88,7 +93,7 @@ class Stage(Levels):
 
     def bit(self, place: int) -> Bit:
         """Where a set of its states says whether a place of the whole net is marked."""
-        if (local := self.local.get(place)) is not None:
+        if (local := self.at(place)) is not None:
             return self.type.encoding.bit(local)
         if place not in self.layout.status:
             return bool(self.layout.idle[place])
@@ -161,36 +166,63 @@ class WholeNet:
     def __init__(self, mission_net: MissionNet, templates: TemplateSet | None = None) -> None:
         self.mission_net = mission_net
         self.templates = templates
+        # What sections that run the same activities use lies in one place for all of them.
+        self._used: dict[tuple[SectionType, Used], dict[Kind, list[int]]] = {}
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
         events = {exit_: interruption.target for exit_, interruption in exits_on(section)}
         routes = {"success": section.success, "failure": section.failure, **events}
-        names = Renaming(type_.part, part).elements
-        places, transitions = (self._located(kind, part, type_, names) for kind in get_args(Kind))
-        return Stage(section.name, type_, part, routes, places, transitions)
+        own = self._control(part, type_)
+        places, transitions = (self._located(kind, part, type_, own) for kind in get_args(Kind))
+        used = self._used[type_, part.used]
+        return Stage(section.name, type_, part, routes, places, transitions, used)
+
+    @staticmethod
+    def _control(part: LocalPart, type_: SectionType) -> Mapping[Element, Element]:
+        """What no other section has, by the element that is the same in its type."""
+        once = zip(type_.part.once, part.once, strict=True)
+        return renamed_sections(type_.part, part) | {("once", its): ("once", mine) for its, mine in once}
 
     def _located(
-        self, kind: Kind, part: LocalPart, type_: SectionType, names: Mapping[Element, Element]
+        self, kind: Kind, part: LocalPart, type_: SectionType, own: Mapping[Element, Element]
     ) -> list[int]:
-        """Where the places, or the transitions, of a section's local net lie.
+        """Where the places, or the transitions, of a section's local net lie."""
+        known = self._used.setdefault((type_, part.used), {})
+        if kind not in known:
+            used = Renaming(type_.part, part).elements
+            known[kind] = [NOWHERE] * len(getattr(type_.net.net, kind))
+            self._locate(known[kind], kind, part, type_, {e: used[e] for e in used.keys() - own.keys()})
+        found = known[kind].copy()
+        self._locate(found, kind, part, type_, own)
+        return found
+
+    def _locate(
+        self,
+        found: list[int],
+        kind: Kind,
+        part: LocalPart,
+        type_: SectionType,
+        names: Mapping[Element, Element],
+    ) -> None:
+        """Notes where those of some elements lie, by the element of the type.
 
         Each element is drawn in the same order in both nets. Of what several activities share, the local net
         has the interfaces of its own activities alone: there names are compared.
         """
         net, theirs, ours = self.mission_net.net, self._elements(kind, type_), self._elements(kind, None)
         drawn = cache(lambda: self._drawn(part, type_))
-        found = [NOWHERE] * len(getattr(type_.net.net, kind))
-        for element in names.keys() & theirs.keys():
-            here, there = theirs[element], ours[names[element]]
+        for element, name in names.items():
+            if element not in theirs:
+                continue
+            here, there = theirs[element], ours[name]
             if len(there) != len(here):
-                same_names = part.used is type_.part.used and names[element] == element
+                same_names = part.used is type_.part.used and name == element
                 own = getattr((type_.net if same_names else drawn()).net, kind)
                 index = net.place_index if kind == "places" else net.transition_index
                 there = [index.get(own[i].name, NOWHERE) for i in here]
             for i, where in zip(here, there, strict=True):
                 found[i] = where
-        return found
 
     def _drawn(self, part: LocalPart, type_: SectionType) -> MissionNet:
         """A section's local net: place by place that of its type, but for names."""
@@ -222,11 +254,9 @@ def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
     here = {BEGIN: mission_net.beginning, SUCCEED: mission_net.success, FAIL: mission_net.failure}[name]
     routes = {"success": mission_net.graph.entry} if name == BEGIN else {}
     places, transitions = [NOWHERE, here, NOWHERE, NOWHERE], [NOWHERE, mission_net.start][: 1 + len(routes)]
-    return Stage(
-        name,
-        SectionType(part, local, explore_local(net), layout),
-        part,
-        routes,
-        places,
-        transitions,
-    )
+    type_ = SectionType(part, local, explore_local(net), layout)
+    used: dict[Kind, list[int]] = {
+        "places": [NOWHERE] * len(places),
+        "transitions": [NOWHERE] * len(transitions),
+    }
+    return Stage(name, type_, part, routes, places, transitions, used)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from mcpn._kernel import CountedNet, Exploration, MemoryLimit, StateLimit
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.net.petri import PetriNet
+from mcpn.net.structure import changes, needs
 from mcpn.space.markings.explicit import (
     DEFAULT_MAX_MEMORY,
     DEFAULT_MAX_STATES,
@@ -23,7 +24,6 @@ from mcpn.space.markings.explicit import (
     explore,
 )
 from mcpn.space.markings.widths import Widths
-from mcpn.space.search.goal import changes, needs
 
 if TYPE_CHECKING:
     from mcpn.space.markings.graph import Field, StateGraph

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import Arcs, PetriNet
-from mcpn.space.search.goal import needs
+from mcpn.net.structure import needs
 
 OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""

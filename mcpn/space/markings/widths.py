@@ -14,10 +14,8 @@ from mcpn.errors import LimitError, UnboundedError
 from mcpn.net.petri import PetriNet
 from mcpn.net.programs import minimise
 from mcpn.net.siphons import p_semiflows
-from mcpn.net.structure import incidence
+from mcpn.net.structure import changes, incidence, place_bounds
 from mcpn.space.markings.tokens import boundedness
-from mcpn.space.search.equation import place_bounds
-from mcpn.space.search.goal import changes
 
 UNASKED_BITS = 3
 """Places that have grown wider ask for a bound."""

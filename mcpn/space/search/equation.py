@@ -20,7 +20,7 @@ from typing import Literal, TypeAlias
 
 from mcpn.net.petri import PetriNet
 from mcpn.net.programs import minimise
-from mcpn.net.structure import incidence, invariants, state_machine_units
+from mcpn.net.structure import incidence, place_bounds
 from mcpn.space.search.goal import DEADLOCK, And, AtMost, Goal, Or, as_goal, fireable
 
 MARGIN = 1e-3
@@ -47,20 +47,6 @@ class Solution:
     kind: Kind
     counts: tuple[int, ...] = ()
     traps: int = 0
-
-
-def place_bounds(net: PetriNet) -> list[float]:
-    """Most tokens that a place can hold in a reachable marking, by the invariants; else infinity."""
-    found = [inf] * len(net.places)
-    for vector in invariants(net):
-        if min(vector.values()) > 0:
-            total = sum(weight * net.initial[place] for place, weight in vector.items())
-            for place, weight in vector.items():
-                found[place] = min(found[place], total // weight)
-    for unit in state_machine_units(net):
-        for place in unit:
-            found[place] = min(found[place], 1)
-    return found
 
 
 class StateEquation:

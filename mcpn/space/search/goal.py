@@ -22,6 +22,7 @@ from typing import TypeAlias
 from mcpn._kernel import Goals
 from mcpn.errors import LimitError
 from mcpn.net.petri import EVENTS, PetriNet
+from mcpn.net.structure import needs
 
 FARTHEST = 2**62
 """Sums of tokens in searches are nearer than this bound."""
@@ -120,24 +121,6 @@ def marked(*places: int, tokens: int = 1) -> Formula:
 def fireable(net: PetriNet, transition: int) -> Goal:
     """The marking has the tokens that a transition needs; without priorities, it may fire."""
     return And(*(marked(place, tokens=weight) for place, weight in needs(net, transition).items()))
-
-
-def needs(net: PetriNet, transition: int) -> dict[int, int]:
-    """Tokens that a transition needs, by place."""
-    arcs = net.transitions[transition]
-    found = dict(arcs.consume)
-    for place, weight in arcs.read:
-        found[place] = max(found.get(place, 0), weight)
-    return found
-
-
-def changes(net: PetriNet, transition: int) -> dict[int, int]:
-    """Tokens that a firing of a transition adds, or takes, by place that it changes."""
-    arcs = net.transitions[transition]
-    found = dict(arcs.produce)
-    for place, weight in arcs.consume:
-        found[place] = found.get(place, 0) - weight
-    return {place: by for place, by in found.items() if by}
 
 
 def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None:

@@ -14,8 +14,9 @@ from typing import Literal, TypeAlias, cast
 from mcpn._kernel import TokenNet
 from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
+from mcpn.net.structure import changes, needs
 from mcpn.space.markings.firing import unsafe_at_start
-from mcpn.space.search.goal import Goal, changes, encode, holds, needs
+from mcpn.space.search.goal import Goal, encode, holds
 
 Run: TypeAlias = tuple[int, ...]
 """Transitions by index, from the initial marking on."""

@@ -1,0 +1,176 @@
+// Big steps for Python: bytes for each event, from which a store makes one event of its own.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstring>
+#include <span>
+#include <string>
+#include <tuple>
+
+#include "markings/big_steps.hpp"
+#include "python/module.hpp"
+#include "python/sets.hpp"
+
+namespace nb = nanobind;
+using namespace mcpn;
+
+namespace {
+
+constexpr std::size_t kBranches = 100;  // of an event, for each level that its ways touch, before it is made in parts
+
+using Ways = std::vector<BigSteps::Way>;
+using Numbers = std::vector<std::uint32_t>;
+
+// A row for each way: how many levels it touches, and for each the level with the touch in its two lowest bits.
+nb::bytes packed(const Ways& ways) {
+  Numbers rows;
+  for (const BigSteps::Way& way : ways) {
+    rows.push_back(std::uint32_t(way.size()));
+    for (const Touched& at : way) rows.push_back(at.level << 2 | std::uint32_t(at.touch));
+  }
+  return nb::bytes(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(rows[0]));
+}
+
+Ways unpacked(const nb::bytes& data, Level levels) {
+  const std::size_t size = data.size() / sizeof(std::uint32_t);
+  if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no big steps");
+  Numbers rows(size);
+  std::memcpy(rows.data(), data.c_str(), data.size());
+  Ways ways;
+  for (std::size_t at = 0; at < size;) {
+    const std::size_t count = rows[at++];
+    if (count > size - at) throw std::invalid_argument("no big steps");
+    BigSteps::Way& way = ways.emplace_back();
+    for (const std::size_t end = at + count; at < end; ++at) {
+      const Touched touched{rows[at] >> 2, Touch(rows[at] & 3)};
+      if (touched.level >= levels || (!way.empty() && way.back().level >= touched.level))
+        throw std::invalid_argument("levels of another store, or not in their order");
+      way.push_back(touched);
+    }
+  }
+  return ways;
+}
+
+Touch undone(Touch touch) {
+  return touch == Touch::consume ? Touch::produce : touch == Touch::produce ? Touch::consume : touch;
+}
+
+// Events of all ways together, as few as that is quick: where one of some ways branches often, two halves are two.
+std::vector<std::uint64_t> events_of(PyStore& s, std::span<const BigSteps::Way> ways) {
+  std::vector<std::uint64_t> events;
+  std::vector<std::span<const BigSteps::Way>> left{ways};
+  while (!left.empty()) {
+    const auto some = left.back();
+    left.pop_back();
+    std::size_t touched = 0;
+    for (const BigSteps::Way& way : some) touched += way.size();
+    if (const auto made = s.store.choice(some, kBranches * (touched + 1))) {
+      events.push_back(s.id(*made));
+    } else {
+      left.push_back(some.first(some.size() / 2));
+      left.push_back(some.subspan(some.size() / 2));
+    }
+  }
+  return events;
+}
+
+// Events that do what some ways do, or undo it, or conditions that one of them is enabled; some more levels are marked.
+std::vector<std::uint64_t> choices(PyStore& s, const nb::bytes& data, const std::string& as,
+                                   const std::vector<std::int64_t>& marked) {
+  if (as != "ahead" && as != "back" && as != "where") throw std::invalid_argument("ahead, back or where");
+  Ways ways = unpacked(data, s.store.levels);
+  const std::vector<Level> also = s.sorted(marked);
+  for (BigSteps::Way& way : ways) {
+    if (as != "ahead")
+      for (Touched& at : way) at.touch = as == "back" ? undone(at.touch) : at.asked();
+    for (const Level level : also) {
+      const auto at = std::lower_bound(way.begin(), way.end(), level, [](const Touched& a, Level b) { return a.level < b; });
+      if (at != way.end() && at->level == level) throw std::invalid_argument("a level is named twice");
+      way.insert(at, {level, Touch::read});
+    }
+  }
+  if (ways.empty()) throw std::invalid_argument("no way is given");
+  std::vector<std::uint64_t> made;
+  s.run([&] { made = events_of(s, ways); });
+  return made;
+}
+
+class PyBigSteps {
+ public:
+  PyBigSteps(const SafeNet& net, const Numbers& initial, const std::vector<std::int64_t>& places,
+             const std::vector<std::tuple<std::uint32_t, Level>>& partners, std::uint64_t max_bytes, std::uint64_t max_transient)
+      : net_(net), levels_(places.size()), steps_(net, checked(initial), levelled(places), partnered(partners), max_bytes, max_transient) {}
+
+  std::optional<Handle> start(const std::shared_ptr<PyStore>& s) {
+    check(*s);
+    std::optional<std::vector<Level>> marked;
+    const Handle found = computed(s, [&](Store& store) {
+      marked = steps_.start(store);
+      return marked ? store.singleton(*marked) : 0;
+    });
+    return open(marked.has_value()) ? std::optional(found) : std::nullopt;
+  }
+  std::optional<std::tuple<nb::bytes, std::size_t>> cover(const Handle& markings, std::uint32_t event, std::size_t most) {
+    check(*markings.owner);
+    if (!net_.is_event(event)) throw std::invalid_argument("no such event");
+    std::optional<Ways> ways;
+    markings.owner->run([&] {
+      markings.owner->store.begin();
+      ways = steps_.cover(markings.owner->store, markings.node, event, most);
+    });
+    if (!open(ways.has_value())) return std::nullopt;
+    return std::tuple(packed(*ways), ways->size());
+  }
+
+ private:
+  Numbers checked(const Numbers& places) const {
+    for (const std::uint32_t p : places)
+      if (p >= net_.places()) throw std::invalid_argument("no such place");
+    return places;
+  }
+  Numbers levelled(const std::vector<std::int64_t>& places) const {
+    Numbers found;
+    for (const std::int64_t p : places) {
+      if (p < -1 || p >= std::int64_t(net_.places())) throw std::invalid_argument("no such place");
+      found.push_back(p < 0 ? BigSteps::kNoPlace : std::uint32_t(p));
+    }
+    return found;
+  }
+  std::vector<std::pair<std::uint32_t, Level>> partnered(const std::vector<std::tuple<std::uint32_t, Level>>& partners) const {
+    std::vector<std::pair<std::uint32_t, Level>> found;
+    for (const auto& [place, level] : partners) {
+      if (place >= net_.places() || level >= levels_) throw std::invalid_argument("no such place, or no such level");
+      found.emplace_back(place, level);
+    }
+    return found;
+  }
+  void check(const PyStore& s) const {
+    if (ended_) throw std::invalid_argument("it has come to trouble");
+    if (s.store.levels != levels_) throw std::invalid_argument("a store with other levels");
+  }
+  bool open(bool more) { return !(ended_ = !more); }
+
+  const SafeNet& net_;
+  const std::size_t levels_;
+  BigSteps steps_;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+void bind_steps(nb::module_& module) {
+  nb::class_<PyBigSteps>(module, "BigSteps")
+      .def(nb::init<const SafeNet&, const Numbers&, const std::vector<std::int64_t>&, const std::vector<std::tuple<std::uint32_t, Level>>&,
+                    std::uint64_t, std::uint64_t>(),
+           nb::arg("net"), nb::arg("initial"), nb::arg("places"), nb::arg("partners"), nb::arg("max_bytes"), nb::arg("max_transient"),
+           nb::keep_alive<1, 2>())
+      .def("start", &PyBigSteps::start, nb::arg("store"))
+      .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"));
+  module.def("choices", [](const std::shared_ptr<PyStore>& s, const nb::bytes& ways, const std::string& as,
+                           const std::vector<std::int64_t>& marked) { return choices(*s, ways, as, marked); },
+             nb::arg("store"), nb::arg("ways"), nb::arg("as_"), nb::arg("marked"));
+}
