@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,7 @@ def save(folder: Path, *hardware: int) -> Path:
         name="r", hardware=tuple(Hardware(name=h) for own in names for h in own), activities=activities
     )
     blocks = tuple(Objective(name=f"s{i}", activities=(f"a{i}",)) for i in range(len(hardware)))
+    folder.mkdir(exist_ok=True)
     path = folder / "m.xml"
     save_mission(Mission(name="m", robots=(robot,), blocks=blocks), path)
     return path
@@ -44,7 +46,7 @@ def test_a_section_too_large_is_refused_before_any_is_listed(
 
     monkeypatch.setattr(alternatives, "direct", never)
     path, out = save(tmp_path, 2, 24), tmp_path / "out"
-    run = mcpn("controller", path, "-o", out, *options)
+    run = mcpn("controller", path, "-o", out, "--hierarchical", *options)
     assert run.returncode == 2
     assert run.stdout == ""
     assert run.stderr == (
@@ -52,13 +54,51 @@ def test_a_section_too_large_is_refused_before_any_is_listed(
         "the limit is 1,000,000 (--max-states)\n"
     )
     # More states may be allowed; that many entries may not.
-    run = mcpn("controller", path, "-o", out, "--max-states", states(24), *options)
+    run = mcpn("controller", path, "-o", out, "--max-states", states(24), "--hierarchical", *options)
     assert run.returncode == 2
     assert (
         "section s1: 24 hardware resources that may fail have 2^24 states, the limit on the entries"
         in run.stderr
     )
     assert not out.exists()
+
+
+def test_a_section_too_large_for_a_table_is_told_by_rules(tmp_path: Path) -> None:
+    path, out = save(tmp_path, 2, 24), tmp_path / "out"
+    run = mcpn("controller", path, "-o", out)
+    assert run.returncode == 0
+    assert run.stderr == (
+        f"section s1 has {states(24):,} states: a machine lists every state, "
+        "the limit is 50,000 (--max-states): a modular controller is made instead\n"
+    )
+    assert run.stdout.startswith("modular controller of m: 2 sections of 2 types, ")
+    assert json.loads((out / "controller.json").read_text())["form"] == "modular"
+    for options in (("--minimise",), ("--target", "scxml")):  # these are of tables alone
+        run = mcpn("controller", path, "-o", tmp_path / "none", *options)
+        assert (run.returncode, run.stdout) == (2, "")
+        assert "the limit is 1,000,000" in run.stderr
+        run = mcpn("controller", path, "-o", tmp_path / "none", "--form", "modular", *options)
+        assert (run.returncode, run.stdout) == (2, "")
+        assert "modular" in run.stderr
+    assert not (tmp_path / "none").exists()
+
+
+def test_what_a_mission_gets_is_said_by_check(tmp_path: Path) -> None:
+    """Forms as they are made then; sizes are bounds of theirs."""
+    small, large = save(tmp_path / "small", 2, 3), save(tmp_path / "large", 2, 24)
+    run = mcpn("check", small, "--engine", "local")
+    assert f"controller: hierarchical, at most {states(2) + states(3)} states\n" in run.stdout
+    run = mcpn("check", large, "--engine", "local")
+    (line,) = (line for line in run.stdout.splitlines() if line.startswith("controller: "))
+    found = re.fullmatch(
+        r"controller: modular, at most ([\d,]+) rules before any is split; section s1 has .* states: .*", line
+    )
+    assert found is not None
+    made = json.loads(mcpn("controller", large, "-o", tmp_path / "out", "--json").stdout)
+    assert made["form"] == "modular"
+    rules = re.search(r", (\d+) rules", made["size"])
+    assert rules is not None
+    assert 0 < int(rules[1]) <= int(found[1].replace(",", ""))
 
 
 def test_the_size_of_what_is_listed_is_said_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -47,6 +47,7 @@ PRINTED = {
     "ctl mission.pnml --examination ReachabilityDeadlock": "ctl",
     "simulate mission.xml --random 9 --seed 3": "simulate",
     "controller mission.xml -o one": "controller",
+    "controller mission.xml -o one --form modular": "controller",
     "convert mission.xml other.pnml": "convert",
     "convert mission.xml other.svg": "convert",
     "report mission.xml -o report.html": "report",
@@ -63,6 +64,8 @@ WRITTEN = {
     "convert courier/mission.xml n.json": ("n.json", "net"),  # its internal transitions have ranks
     "controller mission.xml -o one": ("one/controller.json", "controller-document"),
     "controller mission.xml -o one --flat --minimise": ("one/controller.json", "controller-document"),
+    "controller mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
+    "controller courier/mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
 }
 """By command line: the file that it writes, and its format."""
 

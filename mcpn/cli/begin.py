@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +17,6 @@ FILES = ("mission.xml", "robot.xml", "protocols.xml")
 EXAMPLES = ("courier", "drone", "glider", "rover", "ulysse")
 """Missions of different robots; ulysse is the paper's."""
 LANGUAGE = "mission"
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 
 
 @click.command()
@@ -28,11 +26,11 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 def init(folder: Path, example: str | None, as_json: bool) -> None:
     """Write a small mission to start from into the new folder NAME, or one of the examples."""
     from mcpn.files import write_folder
+    from mcpn.mission.language.datatypes import NAME
 
     name = folder.name
-    if not _NAME.fullmatch(name):
-        expected = "expected letters, digits and _, no digit first, at most 255 characters"
-        raise InputError.at(None, f"a mission cannot be called {name!r}, {expected}")
+    if not NAME.matches(name):
+        raise InputError.at(None, f"a mission cannot be called {name!r}, expected {NAME.expected}")
     for file in FILES:
         if (folder / file).exists():
             raise InputError.at(Source(str(folder / file)), "is there already, and is not overwritten")

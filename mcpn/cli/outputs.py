@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -36,11 +36,14 @@ if TYPE_CHECKING:
 )
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the controller to.")
 @click.option(
-    "--hierarchical/--flat",
-    default=True,
+    "--form",
+    type=click.Choice(["auto", "hierarchical", "modular", "flat"]),
+    default="auto",
     show_default=True,
-    help="A machine for each type of section, or one for the whole mission.",
+    help="A machine for each type of section, rules for each, or one machine; auto: the first that fits.",
 )
+@click.option("--hierarchical", "form", flag_value="hierarchical", help="The same as --form hierarchical.")
+@click.option("--flat", "form", flag_value="flat", help="The same as --form flat.")
 @click.option("--minimise", "smallest", is_flag=True, help="Merge states that no run of events tells apart.")
 @jobs_option
 @scheduler_option
@@ -51,7 +54,7 @@ def controller(
     mission: Path,
     target: str,
     output: Path,
-    hierarchical: bool,
+    form: Literal["auto", "hierarchical", "modular", "flat"],
     smallest: bool,
     jobs: int,
     scheduler: str | None,
@@ -59,27 +62,32 @@ def controller(
     import_root: Path | None,
     as_json: bool,
 ) -> None:
-    """Generate the controller of MISSION: finite state machines that do what was verified."""
+    """Generate the controller of MISSION: state machines, or rules, that do what was verified."""
+    if smallest and form == "modular":
+        raise click.UsageError("--minimise merges states of machines: a modular controller has none")
     without_threads_of_numpy()
     from mcpn.controller.generate import generate
+    from mcpn.controller.hierarchy import Controller
     from mcpn.controller.minimise import minimise
-    from mcpn.controller.targets import files
+    from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
     from mcpn.workers import executor_of
 
     mission_net = mission_net_of(mission, import_root)
-    told = SECTIONS if hierarchical else STATES_AND_EDGES
+    if form == "auto" and (smallest or target not in OF_RULES):
+        form = "hierarchical"
+    told = STATES_AND_EDGES if form == "flat" else SECTIONS
     with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
         found = generate(
             mission_net,
-            "hierarchical" if hierarchical else "flat",
+            form,
             max_states=max_states,
             progress=progress,
             told=lambda text: click.echo(text, err=True),
             executor=executor,
         )
     size = found.size
-    if smallest:
+    if smallest and isinstance(found, Controller):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(found, mission_net, target)

@@ -28,7 +28,8 @@ from mcpn.errors import InputError, McpnError, Source
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from mcpn.check.spaces import Asked, Engine
+    from mcpn.check.spaces import Asked
+    from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
     from mcpn.report.page import Findings
@@ -149,17 +150,13 @@ def findings(
         return Findings(
             checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=chosen, seconds=seconds
         )
-    causes, rows = tried(
-        "causes", lambda: _causes(mission_net, chosen, max_states, steps, executor), told
-    ) or (
+    causes, rows = tried("causes", lambda: _causes(checked, max_states, steps, executor), told) or (
         None,
         None,
     )
     if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
-    controller = tried(
-        "controller", lambda: _controller(mission_net, chosen, max_states, steps, executor), counted
-    )
+    controller = tried("controller", lambda: _controller(checked, max_states, steps, executor), counted)
     with timed("local graphs", counted):
         local, missing = local_pictures(mission_net, steps.at)
     notes += missing
@@ -176,14 +173,19 @@ def _has_rates(mission: Mission) -> bool:
 
 
 def _causes(
-    mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps, executor: Executor | None
+    checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
 ) -> tuple[Any, Any]:
     """Causes and, of missions that are not long, the FMECA table."""
     from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca
 
     causes = find_causes(
-        mission_net, engine=engine, max_states=max_states, progress=steps.at, executor=executor
+        checked.mission_net,
+        engine=checked.choice.engine,
+        max_states=max_states,
+        progress=steps.at,
+        executor=executor,
+        stable=checked.alternatives,
     )
     if len(causes.objectives) > MOST_ROWS:
         return causes, None
@@ -192,17 +194,22 @@ def _causes(
 
 
 def _controller(
-    mission_net: MissionNet, engine: Engine, max_states: int | None, steps: Steps, executor: Executor | None
+    checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
 ) -> dict[str, Any]:
     """The controller, in one piece where sections cannot be taken apart and the mission is small."""
     from mcpn.controller.generate import generate
     from mcpn.controller.targets.json import document
     from mcpn.report.progress import exploring
+    from mcpn.space.local.composite import CompositeSpace
 
+    mission_net, known = checked.mission_net, checked.alternatives
+    composite = known if isinstance(known, CompositeSpace) else None
     try:
-        made = generate(mission_net, max_states=max_states, progress=steps.at, executor=executor)
+        made = generate(
+            mission_net, max_states=max_states, progress=steps.at, executor=executor, composite=composite
+        )
     except McpnError:
-        if engine == "local":
+        if checked.choice.engine == "local":
             raise
         steps.begin("controller in one piece", exploring)
         made = generate(mission_net, "flat", max_states=max_states, progress=steps.at)

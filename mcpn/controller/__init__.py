@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import sys
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, overload
 
 if TYPE_CHECKING:
     from mcpn.controller.generate import Form
     from mcpn.controller.hierarchy import Controller
+    from mcpn.controller.modular import AnyController, ModularController
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
 
@@ -24,14 +25,27 @@ if TYPE_CHECKING:
 class Generate(ModuleType):
     """The room as something to call."""
 
+    @overload
+    def __call__(
+        self,
+        of: Mission | MissionNet,
+        form: Literal["flat", "hierarchical"] = "hierarchical",
+        *,
+        max_states: int | None = None,
+    ) -> Controller: ...
+    @overload
+    def __call__(
+        self, of: Mission | MissionNet, form: Literal["modular"], *, max_states: int | None = None
+    ) -> ModularController: ...
     def __call__(
         self, of: Mission | MissionNet, form: Form = "hierarchical", *, max_states: int | None = None
-    ) -> Controller:
+    ) -> AnyController:
         """Generates the controller of a mission: finite state machines that do what was verified.
 
         Args:
             of: The mission, or its net.
-            form: ``hierarchical``, a machine for each type of section, or ``flat``, one for the mission.
+            form: ``hierarchical``, a machine for each type of section; ``modular``, rules for each; or
+                ``flat``, one machine for the mission.
             max_states: The most states of a machine.
 
         Raises:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, overload
 
-from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller, refuse_entries
+from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller
+from mcpn.controller.modular import AnyController, ModularController
+from mcpn.controller.rules import modular_controller
+from mcpn.controller.sizes import DEFAULT_MAX_STATES, rather_rules, standing, too_large
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.local.composing import composite_space
-from mcpn.space.local.section_type import SectionType
+from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.settling import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
@@ -19,36 +22,68 @@ from mcpn.steps import step
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-Form = Literal["flat", "hierarchical"]
+Form = Literal["flat", "hierarchical", "modular"]
 Progress = Callable[[int, int], None]
-
-DEFAULT_MAX_STATES = 1_000_000
-"""States of a section that its machine lists at most."""
 
 MOST_UNTOLD = 10_000
 """States of a section that are listed without a word."""
 
-WHY = "a machine lists every state"
 
-
+@overload
 def generate(
     mission_net: MissionNet,
-    form: Form = "hierarchical",
+    form: Literal["flat", "hierarchical"] = "hierarchical",
     *,
     max_states: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
     executor: Executor | None = None,
-) -> Controller:
+    composite: CompositeSpace | None = None,
+) -> Controller: ...
+@overload
+def generate(
+    mission_net: MissionNet,
+    form: Literal["modular"],
+    *,
+    max_states: int | None = None,
+    progress: Progress | None = None,
+    told: Callable[[str], object] | None = None,
+    executor: Executor | None = None,
+    composite: CompositeSpace | None = None,
+) -> ModularController: ...
+@overload
+def generate(
+    mission_net: MissionNet,
+    form: Form | Literal["auto"],
+    *,
+    max_states: int | None = None,
+    progress: Progress | None = None,
+    told: Callable[[str], object] | None = None,
+    executor: Executor | None = None,
+    composite: CompositeSpace | None = None,
+) -> AnyController: ...
+def generate(
+    mission_net: MissionNet,
+    form: Form | Literal["auto"] = "hierarchical",
+    *,
+    max_states: int | None = None,
+    progress: Progress | None = None,
+    told: Callable[[str], object] | None = None,
+    executor: Executor | None = None,
+    composite: CompositeSpace | None = None,
+) -> AnyController:
     """Generates the controller of a mission.
 
     Args:
         mission_net: The mission's net.
-        form: Hierarchical, whose size is the sum of the sizes of types of sections; or flat.
+        form: Hierarchical, whose size is the sum of the sizes of types of sections; modular, of rules; flat;
+            or ``auto``: hierarchical unless a section has many states, then modular.
         max_states: How many states a machine may have.
         progress: Called as the spaces are explored.
-        told: Called with the sizes, in words, before large sections are listed.
+        told: Called with the sizes, in words, before large sections are listed, and where ``auto`` takes
+            the modular form.
         executor: Where types of sections are explored; this process by default.
+        composite: The mission's composite, where it has been made.
 
     Raises:
         SemanticsError: The mission is not safe or not confluent, or a section hands on more than hardware.
@@ -66,15 +101,19 @@ def generate(
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    with in_mission_words(mission_net):
-        composite = composite_space(mission_net, progress=progress, executor=executor)
-    names: dict[SectionType, str] = {}
-    for placed in composite.sections.values():
-        names.setdefault(placed.type, placed.name)
-    for type_, name in names.items():  # all before the first is listed
-        type_.refuse_list(name, limit, WHY)
-        refuse_entries(type_.part.faulty, name)
+    if composite is None:
+        with in_mission_words(mission_net):
+            composite = composite_space(mission_net, progress=progress, executor=executor)
+    if form == "modular":
+        return modular_controller(composite)
+    names = standing(composite)
+    if form == "hierarchical":
+        if error := too_large(names, DEFAULT_MAX_STATES if max_states is None else max_states):
+            raise error
+    elif error := rather_rules(names, max_states):
+        if told:
+            told(f"{error}: a modular controller is made instead")
+        return modular_controller(composite)
     largest = max(names, key=lambda type_: type_.size)
     if told and largest.size > MOST_UNTOLD:
         every = f"{len(names)} machines of sections list {sum(type_.size for type_ in names):,} states"

@@ -23,7 +23,7 @@ from typing import Literal
 from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import Action
 from mcpn.controller.machine import Machine, controller
-from mcpn.errors import LimitError
+from mcpn.controller.sizes import refuse_entries
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
@@ -39,9 +39,6 @@ KINDS = ("hardware", "objectives", "activities", "alternatives")
 
 NAMED = (*KINDS, "once")
 """Kinds of names that differ between sections of one type."""
-
-MOST_ENTRIES = 1 << 20
-"""Hardware states with which a section may be entered, each with an entry of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,22 +177,35 @@ def hierarchical_controller(
         for type_, graph in listed.items()
         for net, guards in [type_.forgetful()]
     ]
-    sections = []
-    for placed in composite.sections.values():
-        number = numbers[placed.type]
-        renaming = Renaming(placed.type.part, placed.part)
-        names = {kind: dict(getattr(renaming, kind)) for kind in NAMED}
-        events = tuple(_renamed(event, names) for event in types[number].events)
-        sections.append(PlacedMachine(placed.name, number, names, events, dict(placed.routes)))
+    sections = placed_machines(composite, {type_: types[number].events for type_, number in numbers.items()})
     mission_net = composite.mission_net
     return Controller(
         mission_net.mission.name,
         "hierarchical",
         composite.layout.hardware,
         mission_net.graph.entry,
-        tuple(sections),
+        sections,
         tuple(types),
     )
+
+
+def placed_machines(
+    composite: CompositeSpace, events: Mapping[SectionType, tuple[Event, ...]]
+) -> tuple[PlacedMachine, ...]:
+    """The sections of a mission, each with the number of its type and its own names.
+
+    Args:
+        composite: The mission's composite.
+        events: By type of section, in their order, its events.
+    """
+    numbers = {type_: number for number, type_ in enumerate(events)}
+    sections = []
+    for placed in composite.sections.values():
+        renaming = Renaming(placed.type.part, placed.part)
+        names = {kind: dict(getattr(renaming, kind)) for kind in NAMED}
+        own = tuple(_renamed(event, names) for event in events[placed.type])
+        sections.append(PlacedMachine(placed.name, numbers[placed.type], names, own, dict(placed.routes)))
+    return tuple(sections)
 
 
 def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Controller:
@@ -233,20 +243,6 @@ def section_machine(
     """
     refuse_entries(part.faulty)
     return replace(cut(controller(local, alternatives), part.faulty, guards), once=part.once)
-
-
-def refuse_entries(hardware: tuple[str, ...], section: str | None = None) -> None:
-    """Raises an error where a machine would have too many entries, one for each state of its hardware.
-
-    Raises:
-        LimitError: There are more than :data:`MOST_ENTRIES`.
-    """
-    if 1 << len(hardware) > MOST_ENTRIES:
-        where = "" if section is None else f"section {section}: "
-        raise LimitError(
-            f"{where}{len(hardware)} hardware resources that may fail have 2^{len(hardware)} states, "
-            f"the limit on the entries of a machine is {MOST_ENTRIES:,}"
-        )
 
 
 def cut(

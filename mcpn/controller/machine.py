@@ -76,8 +76,8 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
     """
     packed = [int.from_bytes(row.tobytes(), "little") for row in alternatives.markings]
     numbers = {marking: number for number, marking in enumerate(packed)}
-    states = _situations(mission_net, packed)
-    runner, ordering = Runner(mission_net), _Ordered(mission_net, states)
+    states = situations(mission_net, packed)
+    runner, ordering = Runner(mission_net), Ordered(mission_net, states)
     offsets, targets = alternatives.offsets.tolist(), alternatives.targets.tolist()
     labels, transitions = alternatives.labels.tolist(), alternatives.net.transitions
     edges = []
@@ -98,7 +98,7 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
     return Machine(mission_net.mission.name, states, tuple(edges), waiting)
 
 
-def _situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situation, ...]:
+def situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situation, ...]:
     """What some markings say, a bit for each place; those that say the same share it."""
     speaking = sorted(mission_net.roles)
     mask = sum(1 << place for place in speaking)
@@ -110,7 +110,7 @@ def _situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situati
     return tuple(said(marking & mask) for marking in packed)
 
 
-class _Ordered:
+class Ordered:
     """The actions of events; those with the same reasons are put in order once.
 
     Args:

@@ -91,7 +91,7 @@ class Runner:
         for transition, after in path:
             left.update(self._leaving[transition])
             for activity in left - idled if left else ():
-                places, at_rest = self._control[activity]
+                places, at_rest = self.control[activity]
                 if after & places == at_rest:
                     idled.add(activity)
         return Passage(marking, tuple(fired), frozenset(left), frozenset(idled))
@@ -112,7 +112,7 @@ class Runner:
         ]
 
     @cached_property
-    def _control(self) -> dict[str, tuple[int, int]]:
+    def control(self) -> dict[str, tuple[int, int]]:
         """By activity, the places that its own template drew, and those of them marked while it is idle."""
         found: dict[str, tuple[int, int]] = dict.fromkeys(self._activity.values(), (0, 0))
         for number, place in enumerate(self.mission_net.net.places):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mcpn.net.events import Event
     from mcpn.net.petri import PetriNet
     from mcpn.space.compare import Measurement
+    from mcpn.space.local.composite import CompositeSpace
 
 SENTENCES: Mapping[str, tuple[str, str, str]] = {
     "success_reachable": (
@@ -166,6 +167,10 @@ def print_check(
         if problem not in told:
             terminal.print(f"warning: {problem}", style="yellow")
     terminal.print(_sizes(check, seconds), style="dim")
+    if (composite := _composite(check)) is not None:
+        from mcpn.controller.sizes import foreseen
+
+        terminal.print(f"controller: {foreseen(composite)}", style="dim")
     print_choice(check.choice)
     if check.passed:
         terminal.print("all required verdicts hold", style="green")
@@ -193,13 +198,19 @@ def _sizes(check: MissionCheck, seconds: float) -> str:
     if check.stable_sizes is not None:
         states, edges = check.stable_sizes
         sizes.append(f"{states} stable states, {edges} event edges")
-    if check.choice.engine == "local":
-        from mcpn.space.local.composite import CompositeSpace
-
-        if isinstance(check.alternatives, CompositeSpace):
-            sections = check.alternatives.sections.values()
-            sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
+    if (composite := _composite(check)) is not None:
+        sections = composite.sections.values()
+        sizes.append(f"{len(sections)} sections of {len({id(placed.type) for placed in sections})} types")
     return "; ".join([*sizes, f"{seconds:.2f} s"])
+
+
+def _composite(check: MissionCheck) -> CompositeSpace | None:
+    """The mission's composite, where the check has made it."""
+    if check.choice.engine != "local":
+        return None
+    from mcpn.space.local.composite import CompositeSpace
+
+    return check.alternatives if isinstance(check.alternatives, CompositeSpace) else None
 
 
 def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict, internal: bool) -> None:

@@ -18,8 +18,9 @@ What it promises:
 """
 
 from mcpn.runtime.controller import Controller, Step
+from mcpn.runtime.machines import ControllerFileError
 from mcpn.runtime.queue import AsyncController, EventQueue, QueueFull
-from mcpn.runtime.tables import Action, ControllerFileError, Parameter, Refused, SnapshotError
+from mcpn.runtime.tables import Action, Parameter, Refused, SnapshotError
 
 __all__ = [
     "Action",

@@ -12,11 +12,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from mcpn.runtime.machines import ControllerFileError
 from mcpn.runtime.tables import (
     ENDS,
     START,
     Action,
-    ControllerFileError,
     Inside,
     Refused,
     Section,
@@ -243,7 +243,7 @@ class Controller:
             self._section, self._state, self._phase = None, 0, ENDS[route]
             return ()
         section = self._tables.sections[route]
-        state, actions = section.entry(self._out_of_service)
+        state, actions = section.entry(self._out_of_service, self._happened)
         self._section, self._state, self._phase = section, state, RUNNING
         return actions
 
@@ -317,15 +317,14 @@ class Controller:
             phase in (BEFORE, RUNNING, *ENDS.values())
             and (section is not None) == (phase == RUNNING)
             and type(state) is int
-            and 0 <= state < (len(section.machine.states) if section else 1)
+            and (section is not None or state == 0)
             and gone <= set(self._tables.hardware)
             and happened <= self._tables.once
             and type(count) is int
             and count >= 0
         )
         if whole and section:
-            of_state = section.out_of_service(state)
-            whole = of_state == gone & set(section.hardware)
+            whole = section.whole(state, gone, happened)
         if not whole:
             raise SnapshotError("the snapshot says what cannot be")
         with self._lock:

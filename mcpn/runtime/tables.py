@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-FORMAT, VERSIONS = "mcpn-controller", (2, 3)
+from mcpn.runtime.machines import ControllerFileError, Machine, RuleTables, TypeTables
+
+FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4), 4
 ENDS = {"succeed": "success", "fail": "failure"}
-
-
-class ControllerFileError(ValueError):
-    """A file is no controller that this runtime can run."""
 
 
 class SnapshotError(ValueError):
@@ -100,7 +98,7 @@ class Section:
         laws: Parameters by what they are of.
     """
 
-    def __init__(self, row: Mapping[str, Any], machine: TypeTables, laws: Laws) -> None:
+    def __init__(self, row: Mapping[str, Any], machine: Machine, laws: Laws) -> None:
         self.name: str = row["name"]
         self.type: int = row["type"]
         self.routes: dict[str, str] = row["routes"]
@@ -116,12 +114,12 @@ class Section:
         self._actions: dict[int, tuple[Action, ...]] = {}
         self._states: dict[int, Inside] = {}
 
-    def entry(self, out_of_service: Iterable[str]) -> tuple[int, tuple[Action, ...]]:
+    def entry(self, out_of_service: Set[str], happened: Set[str]) -> tuple[int, tuple[Action, ...]]:
         """The first state inside and the actions, with some hardware out of service."""
-        gone = frozenset(out_of_service)
-        found = self.machine.entries[sum(1 << i for i, name in enumerate(self.hardware) if name in gone)]
+        found = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.once, happened))
         if found is None:
-            raise ControllerFileError(f"section {self.name} has no entry with {sorted(gone)} out of service")
+            gone = sorted(out_of_service)
+            raise ControllerFileError(f"section {self.name} has no entry with {gone} out of service")
         return found[0], self.actions(found[1])
 
     def move(
@@ -135,25 +133,23 @@ class Section:
             happened: Handlers that happen once and have happened.
         """
         number = self.number.get(event)
-        for move in () if number is None else self.machine.moves[state].get(number, ()):
-            if self._allows(move, happened):
-                return move.target, self.actions(move.actions), {self.once[i] for i in move.open}
-        return None
-
-    def _allows(self, move: Move, happened: Set[str]) -> bool:
-        """Whether a move can be taken with some handlers that have happened."""
-        return not (
-            any(self.once[i] in happened for i in move.open)
-            or any(self.once[i] not in happened for i in move.happened)
-        )
+        if number is None:
+            return None
+        found = self.machine.move(state, number, _numbers(self.once, happened))
+        if found is None:
+            return None
+        target, actions, happening = found
+        return target, self.actions(actions), {self.once[i] for i in happening}
 
     def possible(self, state: int, happened: Set[str] = frozenset()) -> list[str]:
         """Events of the section that are possible in a state, with some handlers that have happened."""
-        return [
-            self.events[number]
-            for number, moves in self.machine.moves[state].items()
-            if any(self._allows(move, happened) for move in moves)
-        ]
+        return [self.events[i] for i in self.machine.possible(state, _numbers(self.once, happened))]
+
+    def whole(self, state: int, out_of_service: Set[str], happened: Set[str]) -> bool:
+        """Whether a number may be a state inside, with some hardware out of service."""
+        return self.machine.whole(
+            state, _numbers(self.hardware, out_of_service), _numbers(self.once, happened)
+        )
 
     def actions(self, number: int) -> tuple[Action, ...]:
         """A list of actions of the type, in the section's own names."""
@@ -164,13 +160,8 @@ class Section:
     def state(self, number: int) -> Inside:
         """What a state is, in the section's own names."""
         if number not in self._states:
-            self._states[number] = self._inside(self.machine.states[number])
+            self._states[number] = self._inside(self.machine.shown(number))
         return self._states[number]
-
-    def out_of_service(self, state: int) -> set[str]:
-        """The section's hardware that is out of service in a state."""
-        own = self.names.get("hardware", {})
-        return {own.get(h, h) for h in self.machine.states[state]["out_of_service"]}
 
     def _own(self, row: Mapping[str, str]) -> Action:
         names = self.names
@@ -205,59 +196,13 @@ class Section:
         )
 
 
+def _numbers(names: Sequence[str], some: Set[str]) -> Set[int]:
+    """The numbers of some names, those that there are."""
+    return {number for number, name in enumerate(names) if name in some}
+
+
 def _in(names: Mapping[str, Mapping[str, str]], kind: str, name: str | None) -> str | None:
     return None if name is None else names.get(kind, {}).get(name, name)
-
-
-@dataclass(frozen=True, slots=True)
-class Move:
-    """An edge of a machine.
-
-    Args:
-        target: The state that it leads to, or the outcome with which the section is left.
-        actions: The number of its list of actions.
-        open: Handlers that must not have happened yet, and happen with it, by their numbers.
-        happened: Those that must have happened before.
-    """
-
-    target: int | str
-    actions: int
-    open: tuple[int, ...] = ()
-    happened: tuple[int, ...] = ()
-
-
-class TypeTables:
-    """The machine of a type, its edges by state and event; equal lists of actions are kept once."""
-
-    def __init__(self, row: Mapping[str, Any]) -> None:
-        self.hardware: list[str] = row["hardware"]
-        self.once: list[str] = row.get("once", [])
-        self.states: list[Mapping[str, Any]] = row["states"]
-        self.lists: list[list[dict[str, str]]] = []
-        known: dict[str, int] = {}
-
-        def number(actions: list[dict[str, str]]) -> int:
-            key = json.dumps(actions)
-            if key not in known:
-                known[key] = len(self.lists)
-                self.lists.append(actions)
-            return known[key]
-
-        self.entries = [e and (int(e["to"]), number(e["actions"])) for e in row["entries"]]
-        self.moves: list[dict[int, list[Move]]] = [{} for _ in self.states]
-        bit = {handler: number for number, handler in enumerate(self.once)}
-        targets: list[int | str] = [e[0] for e in self.entries if e]
-        for edge in row["edges"]:
-            guard = (tuple(bit[handler] for handler in edge.get(key, ())) for key in ("open", "happened"))
-            move = Move(edge["to"], number(edge["actions"]), *guard)
-            self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
-            targets.append(move.target)
-        inside = range(len(self.states))
-        if any(to not in inside for to in targets if isinstance(to, int)):
-            raise ControllerFileError("an edge leads to a state that is not there")
-        self.outcomes = {to for to in targets if isinstance(to, str)}
-        if len(self.entries) != 1 << len(self.hardware):
-            raise ControllerFileError("a type has not one entry for each state of its hardware")
 
 
 class Laws:
@@ -295,11 +240,12 @@ class Tables:
         if document.get("version") not in VERSIONS:
             expected = " or ".join(map(str, VERSIONS))
             raise ControllerFileError(f"version {document.get('version')!r} found, {expected} expected")
+        make = RuleTables if document["version"] == MODULAR else TypeTables
         try:
             self.mission: str = document["mission"]
             self.hardware: list[str] = document["hardware"]
             laws = Laws(document)
-            types = [TypeTables(row) for row in document["types"]]
+            types = [make(row) for row in document["types"]]
             sections = [Section(row, types[row["type"]], laws) for row in document["sections"]]
             self.sections = {section.name: section for section in sections}
             self.once = {handler for section in sections for handler in section.once}

@@ -10,13 +10,13 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
-from mcpn.controller.generate import generate
+from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.c import Array
 from mcpn.controller.targets.json import document
@@ -25,7 +25,7 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.testing import missions
-from tests.controller.traces import Traced, canonical, random_events, tour
+from tests.controller.traces import Place, Traced, canonical, random_events, tour
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
 SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -64,7 +64,7 @@ def run_lines(program: Path, events: list[str]) -> list[str]:
     return [canonical(line) for line in run.stdout.splitlines()]
 
 
-@pytest.fixture(scope="module", params=["flat", "hierarchical"])
+@pytest.fixture(scope="module", params=["flat", "hierarchical", "modular"])
 def made(request: pytest.FixtureRequest, ulysse_net: MissionNet) -> tuple[dict[str, str], dict[str, Any]]:
     controller = generate(ulysse_net, request.param)
     return files(controller, ulysse_net, "c"), document(controller, ulysse_net)
@@ -78,7 +78,15 @@ def test_every_edge_of_ulysse(
     traced = Traced(said)
     events, edges = tour(traced)
     assert len(edges) == 1332
-    # Edges inside sections, all of them taken: by type, state and event of the type.
+    if said["form"] != "modular":
+        check_edges(traced, said, edges)
+    program = build(texts, tmp_path, compiler=compiler)
+    traced.restart()
+    assert run_lines(program, events) == traced.lines(events)
+
+
+def check_edges(traced: Traced, said: dict[str, Any], edges: set[tuple[Place, str]]) -> None:
+    """All edges inside sections are taken: by type, state and event of the type."""
     taken = {(place[0], place[1], event) for place, event in edges if place[0] is not None}
     inside = {
         (section.type, state, section.number[event])
@@ -86,9 +94,6 @@ def test_every_edge_of_ulysse(
         if event in (section := traced.tables.sections[str(name)]).number
     }
     assert len(inside) == sum(len(row["edges"]) for row in said["types"])
-    program = build(texts, tmp_path, compiler=compiler)
-    traced.restart()
-    assert run_lines(program, events) == traced.lines(events)
 
 
 def test_random_events_under_sanitizers(made: tuple[dict[str, str], dict[str, Any]], tmp_path: Path) -> None:
@@ -204,14 +209,14 @@ def test_sizes_in_the_header_are_those_of_the_compiler(
 @given(
     missions(max_objectives=3, max_depth=1, events=1, awkward_names=True, text=True),
     st.integers(0, 2**32),
-    st.booleans(),
+    st.sampled_from(get_args(Form)),
 )
 def test_any_mission(
-    tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, flat: bool
+    tmp_path_factory: pytest.TempPathFactory, mission: Mission, seed: int, form: Form
 ) -> None:
     mission_net = compose(mission)
     try:
-        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=2000)
+        controller = generate(mission_net, form, max_states=2000)
     except (SemanticsError, LimitError):
         return
     program = build(files(controller, mission_net, "c"), tmp_path_factory.mktemp("c"))

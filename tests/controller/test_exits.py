@@ -11,6 +11,7 @@ import pytest
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.minimise import is_bisimulation, minimise, partition
+from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.mission.model import Activity, Alternative, Mission, Objective, Robot
@@ -82,14 +83,16 @@ def test_flat_hierarchical_and_the_net_do_the_same(watch: MissionNet, both: list
     for controller in both:
         assert all(is_bisimulation(machine, partition(machine)) for machine in controller.types)
     for seed in range(6):
-        walk(watch, [*both, *small], random.Random(seed), 60)
+        walk(watch, [*both, *small, generate(watch, "modular")], random.Random(seed), 60)
 
 
 @pytest.mark.parametrize("target", ["c", "python", "scxml"])
 def test_every_edge_in_every_target(
     target: str, watch: MissionNet, both: list[Controller], tmp_path: Path
 ) -> None:
-    for number, controller in enumerate(both):
+    made: list[AnyController] = []
+    made += both if target == "scxml" else [*both, generate(watch, "modular")]
+    for number, controller in enumerate(made):
         texts = files(controller, watch, target)
         traced = Traced(document(controller, watch))
         events, edges = tour(traced)
@@ -101,6 +104,7 @@ def test_every_edge_in_every_target(
                 continue  # the interpreter is slow, and the exits are the other form's
             path = tmp_path / f"{number}.scxml"
             path.write_text(next(iter(texts.values())))
+            assert isinstance(controller, Controller)
             check("Qt", path, controller, traced, events)
             continue
         traced.restart()

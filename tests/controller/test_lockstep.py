@@ -1,16 +1,18 @@
-"""Net, flat controller and hierarchical controller do the same, action for action."""
+"""Net, flat, hierarchical and modular controller do the same, action for action."""
 
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
+from typing import get_args
 
 import pytest
 from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.controller.actions import VERBS
-from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.generate import Form, generate
+from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Hardware, Mission, Objective
@@ -23,6 +25,8 @@ from tests.controller.oracle import NetRobot
 from tests.draws import composed, fewer
 from tests.net.promises import check_each_is_one_thing
 from tests.small import activity, hw, mission, robot
+
+FORMS: tuple[Form, ...] = get_args(Form)
 
 
 def plain(actions: tuple[Action, ...]) -> list[tuple[str, ...]]:
@@ -57,7 +61,7 @@ def check_order(mission_net: MissionNet, before: dict[str, str], actions: tuple[
 
 
 def walk(
-    mission_net: MissionNet, controllers: list[Controller], rng: random.Random, steps: int
+    mission_net: MissionNet, controllers: Sequence[AnyController], rng: random.Random, steps: int
 ) -> list[Runtime]:
     robot = NetRobot(mission_net, rng)
     runtimes = [Runtime.from_document(document(c, mission_net)) for c in controllers]
@@ -83,21 +87,21 @@ def walk(
 
 
 @pytest.fixture(scope="module")
-def both(ulysse_net: MissionNet) -> list[Controller]:
-    return [generate(ulysse_net, "flat"), generate(ulysse_net, "hierarchical")]
+def every(ulysse_net: MissionNet) -> list[AnyController]:
+    return [generate(ulysse_net, form) for form in FORMS]
 
 
-def test_ulysse(ulysse_net: MissionNet, both: list[Controller]) -> None:
+def test_ulysse(ulysse_net: MissionNet, every: list[AnyController]) -> None:
     for seed in range(10):
-        walk(ulysse_net, both, random.Random(seed), 200)
+        walk(ulysse_net, every, random.Random(seed), 200)
 
 
-def either(mission_net: MissionNet) -> list[Controller]:
+def either(mission_net: MissionNet) -> list[AnyController]:
     """The controllers that a mission has."""
-    found: list[Controller] = []
-    for form in ("flat", "hierarchical"):
+    found: list[AnyController] = []
+    for form in FORMS:
         try:
-            found.append(generate(mission_net, form, max_states=3000))
+            found.append(generate(mission_net, form, max_states=1000))
         except (SemanticsError, LimitError) as error:
             event(f"{form}: {type(error).__name__}")
     return found
@@ -128,7 +132,7 @@ def one_goes_as_another_comes(together: tuple[str, ...]) -> Mission:
 def test_whether_a_producer_goes_on_is_the_same_in_every_controller(together: tuple[str, ...]) -> None:
     mission_net = compose(one_goes_as_another_comes(together))
     controllers = either(mission_net)
-    assert len(controllers) == 2
+    assert len(controllers) == len(FORMS)
     for seed in range(20):
         walk(mission_net, controllers, random.Random(seed), 30)
 
@@ -148,8 +152,9 @@ def test_a_section_need_not_be_confluent_where_the_mission_never_comes() -> None
         Objective(name="three", activities=("both", "plain"), failure="one"),
     )
     mission_net = compose(mission(of, *blocks))
-    controllers = either(mission_net)
-    assert len(controllers) == 2
+    controllers = [generate(mission_net, "flat"), generate(mission_net, "hierarchical")]
+    with pytest.raises(LimitError, match=r"section three: .* it has no modular controller"):
+        generate(mission_net, "modular")  # its rules would be of what the mission never comes to, too
     for seed in range(10):
         walk(mission_net, controllers, random.Random(seed), 30)
 

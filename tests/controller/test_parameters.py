@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mcpn.controller.generate import generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.controller.targets.numbers import Numbers
+from mcpn.controller.targets.tables import MachineNumbers
 from mcpn.mission.model import Activity, Alternative, Mission, Objective, Parameter, Robot
 from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
@@ -56,7 +56,7 @@ def test_the_objective_then_the_alternative_then_the_activity(
     for kind, wanted in said_of.items():
         given_out = tables[kind].get(names[kind], {})  # type: ignore[index]
         assert {name: value for name, (value, _) in given_out.items()} == wanted
-    numbers = Numbers(controller, mission_net)
+    numbers = MachineNumbers(controller, mission_net)
     for kind, listed in (
         ("activities", "activity"),
         ("alternatives", "alternative"),

@@ -7,12 +7,13 @@ import random
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.controller.generate import generate
+from mcpn.controller.generate import Form, generate
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.python import quoted
@@ -51,9 +52,9 @@ class Generated:
         return found
 
 
-@pytest.mark.parametrize("form", ["flat", "hierarchical"])
-def test_every_edge_of_ulysse(form: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
-    controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
+@pytest.mark.parametrize("form", get_args(Form))
+def test_every_edge_of_ulysse(form: Form, ulysse_net: MissionNet, tmp_path: Path) -> None:
+    controller = generate(ulysse_net, form)
     ((name, text),) = files(controller, ulysse_net, "python").items()
     traced = Traced(document(controller, ulysse_net))
     events, edges = tour(traced)
@@ -73,12 +74,12 @@ def test_every_edge_of_ulysse(form: str, ulysse_net: MissionNet, tmp_path: Path)
 @given(
     missions(max_objectives=3, max_depth=1, events=1, awkward_names=True, text=True),
     st.integers(0, 2**32),
-    st.booleans(),
+    st.sampled_from(get_args(Form)),
 )
-def test_any_mission(mission: Mission, seed: int, flat: bool) -> None:
+def test_any_mission(mission: Mission, seed: int, form: Form) -> None:
     mission_net = compose(mission)
     try:
-        controller = generate(mission_net, "flat" if flat else "hierarchical", max_states=2000)
+        controller = generate(mission_net, form, max_states=2000)
     except (SemanticsError, LimitError):
         return
     ((_, text),) = files(controller, mission_net, "python").items()

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
 from mcpn.controller.minimise import minimise
+from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
@@ -31,11 +31,11 @@ from tests.controller.test_python import Generated
 
 
 @cache
-def made(path: Path) -> tuple[MissionNet, list[tuple[Controller, dict[str, Any], Generated]]]:
-    """The controllers of a mission: flat and hierarchical, minimised and not."""
+def made(path: Path) -> tuple[MissionNet, list[tuple[AnyController, dict[str, Any], Generated]]]:
+    """The controllers of a mission: flat and hierarchical, minimised and not; modular."""
     net = compose(read_mission(path))
-    controllers = [generate(net, "flat"), generate(net, "hierarchical")]
-    controllers += [minimise(controller) for controller in controllers]
+    tables = [generate(net, "flat"), generate(net, "hierarchical")]
+    controllers: list[AnyController] = [*tables, *map(minimise, tables), generate(net, "modular")]
     rows = []
     for controller in controllers:
         ((_, text),) = files(controller, net, "python").items()
@@ -44,7 +44,7 @@ def made(path: Path) -> tuple[MissionNet, list[tuple[Controller, dict[str, Any],
 
 
 class Beside(RuleBasedStateMachine):
-    """The plain net, the simulator, four runtimes and four generated programs."""
+    """The plain net, the simulator, five runtimes and five generated programs."""
 
     mission: ClassVar[Path] = ULYSSE
 

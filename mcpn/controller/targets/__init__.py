@@ -2,39 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.modular import AnyController, ModularController
+from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
 
-Writer = Callable[[Controller, MissionNet], dict[str, str]]
 TARGETS = ("json", "c", "python", "scxml")
+OF_RULES = ("json", "c", "python")
+"""Those of modular controllers."""
 
 
-def files(controller: Controller, mission_net: MissionNet, target: str) -> dict[str, str]:
+def files(controller: AnyController, mission_net: MissionNet, target: str) -> dict[str, str]:
     """The files of a target by name, the same byte for byte for the same mission.
 
     Args:
         controller: The controller.
         mission_net: The mission's net.
         target: One of :data:`TARGETS`.
+
+    Raises:
+        InputError: A modular controller has no such target.
     """
-    return _writer(target)(controller, mission_net)
+    if target == "json":
+        from mcpn.controller.targets.json import FILE_NAME, write_json
 
-
-def _writer(target: str) -> Writer:
+        return {FILE_NAME: write_json(controller, mission_net)}
     if target == "c":
         from mcpn.controller.targets.c import write_c
 
-        return write_c
-    if target == "scxml":
-        from mcpn.controller.targets.scxml import write_scxml
-
-        return write_scxml
+        return write_c(controller, mission_net)
     if target == "python":
         from mcpn.controller.targets.python import write_python
 
-        return write_python
-    from mcpn.controller.targets.json import FILE_NAME, write_json
+        return write_python(controller, mission_net)
+    if isinstance(controller, ModularController):
+        expected = " or ".join(OF_RULES)
+        raise InputError.at(None, f"found the target {target} of a modular controller, expected {expected}")
+    from mcpn.controller.targets.scxml import write_scxml
 
-    return lambda controller, mission_net: {FILE_NAME: write_json(controller, mission_net)}
+    return write_scxml(controller, mission_net)

@@ -1,17 +1,19 @@
 """The controller in C99, for the embedded computer: one header, one source, an example.
 
 Constant tables, no allocation, no recursion, no pointers to functions. The time of an event is bounded: two
-searches by halving, one pass over the events of a state, and at most as many actions as the header says.
+searches by halving, one pass over the events of a state, and at most as many actions as the header says. Of
+rules it is one pass over those of the event, and one over those of the entry where a section is left: the
+header says how many literals these have at most.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
-from mcpn.controller.targets.numbers import Numbers
 from mcpn.controller.targets.render import render, rows
+from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.net.compose import MissionNet
 
 LONGEST_PREFIX = 20
@@ -58,19 +60,24 @@ class Array:
         return rows([f"{value}U" for value in self.values or [0]])
 
 
-def write_c(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
+def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
     """The files by name: header, source, example.
 
     Args:
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    numbers = Numbers(controller, mission_net)
+    numbers: RuleNumbers | MachineNumbers
+    if isinstance(controller, ModularController):
+        numbers = RuleNumbers(controller, mission_net)
+        arrays, source = _of_rules(numbers), "rules.c.jinja"
+    else:
+        numbers = MachineNumbers(controller, mission_net)
+        arrays, source = _of_machines(numbers), "controller.c.jinja"
     prefix = identifiers([controller.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[
         controller.mission
     ]
     lower, upper = prefix.lower(), prefix.upper()
-    arrays = _arrays(numbers)
     kinds = {
         "event": numbers.events,
         "activity": numbers.activities,
@@ -102,6 +109,7 @@ def write_c(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
         "oos_bytes": max(1, (len(numbers.faulty) + 7) // 8),
         "once_names": comment(", ".join(numbers.once)),
         "once_bytes": (len(numbers.once) + 7) // 8,
+        "state_bytes": (controller.bits + 7) // 8 if isinstance(controller, ModularController) else 0,
         "longest_name": max(len(name.encode()) for name in numbers.events),
         "number": f"uint{8 if numbers.none == 0xFF else 16 if numbers.none == 0xFFFF else 32}_t",
         "event_type": "uint16_t" if len(numbers.events) < 0xFFFF else "uint32_t",
@@ -109,12 +117,77 @@ def write_c(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
     }
     return {
         f"{lower}.h": render("controller.h.jinja", **values),
-        f"{lower}.c": render("controller.c.jinja", **values),
+        f"{lower}.c": render(source, **values),
         f"{lower}_main.c": render("main.c.jinja", **values),
     }
 
 
-def _arrays(n: Numbers) -> list[Array]:
+def _of_machines(n: MachineNumbers) -> list[Array]:
+    """All tables of machines."""
+    none = n.none
+    arrays = _of_sections(n)
+    arrays += [
+        Array("type_states", n.type_states, "first of the type's states in move_start"),
+        Array("type_state_count", [len(m.states) for m in n.types], "how many they are"),
+        Array("type_entries", n.type_entries, "first of its entries"),
+        Array("type_hardware", n.type_hardware, "bits of the number of an entry"),
+        Array("entry_target", n.entry_target, f"first state inside, {none} where the mission cannot come"),
+        Array("entry_list", n.entry_list, "list of actions"),
+        Array("move_start", n.move_start, "first move of a state; the next row ends it"),
+        Array("move_event", n.move_event, "event of the type"),
+        Array("move_target", n.move_target, f"state, or {none - 1} - i for the section's outcome i"),
+        Array("move_list", n.move_list, "list of actions"),
+        Array("mode_start", n.mode_start, "first pair of a state's mode"),
+        Array("mode_length", n.mode_length, "how many pairs"),
+        Array("mode_activity", [pair[0] for pair in n.modes], "activity of the type that runs"),
+        Array("mode_alternative", [pair[1] for pair in n.modes], "in which alternative"),
+    ]
+    if n.once:
+        guards = list(n.guards)
+        starts = [sum(map(len, guards[:g])) for g in range(len(guards) + 1)]
+        arrays += [
+            Array("move_guard", n.move_guard, "guard of a move"),
+            Array("guard_start", starts, "first of a guard; the next row ends it"),
+            Array(
+                "guard_once", [g for guard in guards for g in guard], "2 i: handler i happens; 2 i + 1: has"
+            ),
+        ]
+    return arrays
+
+
+def _of_rules(n: RuleNumbers) -> list[Array]:
+    """All tables of rules."""
+    none = n.none
+    literal, once = "2 i: bit i is not set; 2 i + 1: it is", [len(rules.once) for rules in n.types]
+    return [
+        *_of_sections(n),
+        Array("type_bits", [rules.bits for rules in n.types], "bits of a state"),
+        Array("type_hardware", n.type_hardware, "how much hardware of a type can fail"),
+        *([Array("type_once", once, "how many handlers of it happen once")] if n.once else []),
+        Array("type_rows", n.type_rows, "its row in rule_start of the entry; those of events follow"),
+        Array("rule_start", n.rule_start, "first rule; the next row ends it"),
+        Array("rule_literals", n.rule_literals, "first literal of a rule; the next row ends it"),
+        Array("rule_effect", n.rule_effect, "effect of a rule"),
+        Array("literals", n.literals, literal),
+        Array("effect_start", n.effect_start, "first bit that an effect changes; the next row ends it"),
+        Array("effect_bits", n.effect_bits, "a bit"),
+        Array("effect_list", n.effect_list, "list of actions"),
+        Array("effect_target", n.effect_target, f"{none - 1} - i for the section's outcome i, or {none}"),
+        Array("type_status", n.status_first, "first of its rows in status_start: hardware, then handlers"),
+        Array("status_start", n.status_start, "first bit that it changes at the entry; the next row ends it"),
+        Array("status_bits", n.status_bits, "a bit"),
+        Array("status_literal", n.status_literal, f"what says that it is so: {literal}"),
+        Array("idle_start", n.idle_start, "first bit that is set before the entry; the next row ends it"),
+        Array("idle_bits", n.idle_bits, "a bit"),
+        Array("mode_start", n.mode_start, "first of a type's modes; the next row ends it"),
+        Array("mode_literal", [row[0] for row in n.modes], f"what says that it runs: {literal}"),
+        Array("mode_activity", [row[1] for row in n.modes], "activity of the type"),
+        Array("mode_alternative", [row[2] for row in n.modes], "alternative of the type"),
+    ]
+
+
+def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
+    """Tables of sections, actions and parameters, whatever their types are."""
     none = n.none
     change = {e: 2 * i for i, e in enumerate(n.failures)} | {e: 2 * i + 1 for i, e in enumerate(n.repairs)}
     nothing = 2 * len(n.faulty)
@@ -136,37 +209,16 @@ def _arrays(n: Numbers) -> list[Array]:
         Array("section_activities", n.slices["activities"], "its activities"),
         Array("section_alternatives", n.slices["alternatives"], "its alternatives"),
         Array("pool", n.pool, "numbers of elements of the mission"),
-        Array("type_states", n.type_states, "first of the type's states in move_start"),
-        Array("type_state_count", [len(m.states) for m in n.controller.types], "how many they are"),
-        Array("type_entries", n.type_entries, "first of its entries"),
-        Array("type_hardware", n.type_hardware, "bits of the number of an entry"),
-        Array("entry_target", n.entry_target, f"first state inside, {none} where the mission cannot come"),
-        Array("entry_list", n.entry_list, "list of actions"),
-        Array("move_start", n.move_start, "first move of a state; the next row ends it"),
-        Array("move_event", n.move_event, "event of the type"),
-        Array("move_target", n.move_target, f"state, or {none - 1} - i for the section's outcome i"),
-        Array("move_list", n.move_list, "list of actions"),
         Array("list_start", n.list_start, "first action of a list; the next row ends it"),
         Array("action_verb", list(columns[0]), "0 stop, 1 release, 2 select, 3 start"),
         Array("action_subject", list(columns[1]), "activity of the type; hardware to release"),
         Array("action_alternative", list(columns[2]), f"alternative of the type, or {none}"),
         Array("action_objective", list(columns[3]), f"objective of the type, or {none}"),
-        Array("mode_start", n.mode_start, "first pair of a state's mode"),
-        Array("mode_length", n.mode_length, "how many pairs"),
-        Array("mode_activity", [pair[0] for pair in n.modes], "activity of the type that runs"),
-        Array("mode_alternative", [pair[1] for pair in n.modes], "in which alternative"),
     ]
     if n.once:
-        guards = list(n.guards)
-        starts = [sum(map(len, guards[:g])) for g in range(len(guards) + 1)]
-        arrays += [
-            Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool"),
-            Array("move_guard", n.move_guard, "guard of a move"),
-            Array("guard_start", starts, "first of a guard; the next row ends it"),
-            Array(
-                "guard_once", [g for guard in guards for g in guard], "2 i: handler i happens; 2 i + 1: has"
-            ),
-        ]
+        arrays.append(
+            Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool")
+        )
     for kind, law in n.law.items():
         arrays.append(Array(f"{kind}_law", [first for first, _ in law], f"first parameter of {kind}"))
         arrays.append(Array(f"{kind}_law_count", [count for _, count in law], "how many"))

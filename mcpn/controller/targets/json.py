@@ -2,8 +2,8 @@
 
 One object with these keys:
 
-- ``format``: ``mcpn-controller``; ``version``: 2, or 3 where types have ``once``; ``mission``; ``form``:
-  ``flat`` or ``hierarchical``;
+- ``format``: ``mcpn-controller``; ``version``: 2, or 3 where types have ``once``, 4 of rules; ``mission``;
+  ``form``: ``flat``, ``hierarchical`` or ``modular``;
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
@@ -23,6 +23,17 @@ One object with these keys:
   - where a hierarchical controller has handlers that happen once: ``once``, those of the type by where they
     are written (``go_home.leak``), and on edges ``open``, those that must not have happened yet, and
     ``happened``, those that must have; left out where there are none;
+- ``types`` of the modular form: rules, each with ``hardware``, ``events``, ``once`` as above, and on a state
+  of ``bits`` bits (a literal 2 *i* asks that bit *i* is not set, 2 *i* + 1 that it is):
+
+  - ``idle``: the bits that are set before the entry; ``status``: for each of ``hardware``, then of ``once``,
+    ``changes``, the bits that change then if it is out of service, or has happened, and ``when``, the literal
+    that says so inside;
+  - ``shown``: what is so (``kind``: a key of a state above; ``name``, in modes ``activity.alternative``)
+    where the literal ``when`` is true;
+  - ``effects``: ``changes``, ``actions``, and where the section is left, ``to``, the outcome;
+  - ``entries`` and ``rules``: where the literals ``if`` are true, ``do`` an effect (an index); the latter on
+    an ``event`` (an index); those of one event that fit a state do the same;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched.
 
 How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``, ``X_EV_RD`` takes it away,
@@ -31,7 +42,10 @@ section is entered by the entry of the hardware out of service. An edge whose ``
 section: its actions are given first, then the next section is entered with the actions of its entry. An event
 that a state has no edge for, hardware of other sections aside, cannot be taken there. Keep the set of the
 handlers that have happened, too: an edge can be taken where its ``open`` have not happened and its
-``happened`` have, and then adds its ``open`` to the set; at most one edge of a state and an event can.
+``happened`` have, and then adds its ``open`` to the set; at most one edge of a state and an event can. In the
+modular form a section is entered in the state ``idle``, changed by ``status`` as hardware and handlers are,
+by an entry that fits; an event takes a rule of it that fits, and what the state then says of ``once`` has
+happened.
 """
 
 from __future__ import annotations
@@ -41,15 +55,16 @@ from typing import Any
 
 from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import Action
-from mcpn.controller.hierarchy import Controller, SectionMachine
+from mcpn.controller.hierarchy import SectionMachine
+from mcpn.controller.modular import AnyController, ModularController, Rules
 from mcpn.mission.model import Parameter
 from mcpn.net.compose import MissionNet
 
 FILE_NAME = "controller.json"
-FORMAT, VERSION, WITH_ONCE = "mcpn-controller", 2, 3
+FORMAT, VERSION, WITH_ONCE, OF_RULES = "mcpn-controller", 2, 3, 4
 
 
-def write_json(controller: Controller, mission_net: MissionNet) -> str:
+def write_json(controller: AnyController, mission_net: MissionNet) -> str:
     """The controller as a JSON text, the same for the same mission.
 
     Args:
@@ -62,11 +77,11 @@ def write_json(controller: Controller, mission_net: MissionNet) -> str:
     return _text(document(controller, mission_net), 0, 3) + "\n"
 
 
-def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
+def document(controller: AnyController, mission_net: MissionNet) -> dict[str, Any]:
     """The controller as a JSON object."""
     return {
         "format": FORMAT,
-        "version": WITH_ONCE if any(machine.once for machine in controller.types) else VERSION,
+        "version": _version(controller),
         "mission": controller.mission,
         "form": controller.form,
         "minimised": controller.minimised,
@@ -86,8 +101,42 @@ def document(controller: Controller, mission_net: MissionNet) -> dict[str, Any]:
             }
             for section in controller.sections
         ],
-        "types": [_machine(machine) for machine in controller.types],
+        "types": [_type(type_) for type_ in controller.types],
         **laws(mission_net),
+    }
+
+
+def _version(controller: AnyController) -> int:
+    if isinstance(controller, ModularController):
+        return OF_RULES
+    return WITH_ONCE if any(machine.once for machine in controller.types) else VERSION
+
+
+def _type(type_: SectionMachine | Rules) -> dict[str, Any]:
+    return _rules(type_) if isinstance(type_, Rules) else _machine(type_)
+
+
+def _rules(rules: Rules) -> dict[str, Any]:
+    return {
+        "hardware": list(rules.hardware),
+        **({"once": list(rules.once)} if rules.once else {}),
+        "events": [str(event) for event in rules.events],
+        "bits": rules.bits,
+        "idle": list(rules.idle),
+        "status": [{"changes": list(s.changes), "when": s.literal} for s in rules.status],
+        "shown": [{"kind": s.kind, "name": s.name, "when": s.literal} for s in rules.shown],
+        "effects": [
+            {
+                "changes": list(effect.changes),
+                "actions": [_action(a) for a in effect.actions],
+                **({} if effect.to is None else {"to": effect.to}),
+            }
+            for effect in rules.effects
+        ],
+        "entries": [{"if": list(rule.literals), "do": rule.effect} for rule in rules.entries],
+        "rules": [
+            {"event": rule.event, "if": list(rule.literals), "do": rule.effect} for rule in rules.rules
+        ],
     }
 
 

@@ -4,26 +4,26 @@ Every element of the mission has a number, events in the order of their texts' b
 by halving. A section's machine speaks of its own elements by position; each section says, by slices of one
 pool, which elements of the mission these are. Equal slices and equal lists of actions are kept once.
 
-A *guard* is a list of numbers, first 2 i for each handler of the section that must not have happened yet, and
-happens then, and 2 i + 1 for each that must have happened; the empty one is the first.
-
 The highest numbers are no elements: ``none``, then the outcomes with which a section is left, downwards. The
 first two of these are success and failure, of a section as of the mission.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from mcpn.controller.actions import VERBS, Action
-from mcpn.controller.hierarchy import KINDS, Controller, Move, PlacedMachine, SectionMachine
+from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
+from mcpn.controller.modular import AnyController, Rules
 from mcpn.mission.model import FAIL, SUCCEED, Parameter
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 
 Item = TypeVar("Item", bound=Hashable)
+Own = Mapping[str, Mapping[str, int]]
+"""Positions of the elements of a type, by kind and name."""
 
 
 class Pool(Generic[Item]):
@@ -42,16 +42,19 @@ class Pool(Generic[Item]):
         return self._known[key]
 
 
+Type = TypeVar("Type", SectionMachine, Rules)
+
+
 @dataclass
-class Numbers:
-    """Tables of a controller; ``none`` stands for no element.
+class Numbers(Generic[Type]):
+    """What tables of a controller speak of; ``none`` stands for no element.
 
     Args:
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
 
-    controller: Controller
+    controller: AnyController
     mission_net: MissionNet
     none: int = field(init=False)
 
@@ -84,10 +87,15 @@ class Numbers:
         self._tables()
         self._parameters()
 
+    @property
+    def types(self) -> Sequence[Type]:
+        """The machines, or the rules."""
+        raise NotImplementedError
+
     def _handlers(self) -> Iterator[tuple[PlacedMachine, str]]:
         """Handlers that happen once, by section, with the names of its type."""
         for section in self.controller.sections:
-            for handler in self.controller.types[section.type].once:
+            for handler in self.types[section.type].once:
                 yield section, handler
 
     # --- events of hardware ---
@@ -109,68 +117,43 @@ class Numbers:
         self.initial = self.sections.index(controller.initial)
         self.list_start: list[int] = []
         self.action_rows: list[tuple[int, int, int, int]] = []  # verb, subject, alternative, objective
-        self.type_states: list[int] = []  # the first row of a type in move_start and mode_start
-        self.type_entries: list[int] = []
-        self.type_hardware: list[int] = []
-        self.entry_target: list[int] = []
-        self.entry_list: list[int] = []
-        self.move_start: list[int] = []
-        self.move_event: list[int] = []
-        self.move_target: list[int] = []
-        self.move_list: list[int] = []
-        self.move_guard: list[int] = []
-        self.guards: dict[tuple[int, ...], int] = {(): 0}
-        self.mode_start: list[int] = []
-        modes: Pool[tuple[int, int]] = Pool()
-        self.mode_length: list[int] = []
+        self.type_hardware = [len(type_.hardware) for type_ in self.types]
         self._lists: dict[tuple[tuple[int, int, int, int], ...], int] = {}
         # Sections of one type are left with the same outcomes, in the same order.
         outcomes = {section.type: tuple(section.routes) for section in controller.sections}
         assert all(of[:2] == ("success", "failure") for of in outcomes.values())
         largest = max(
             *(len(names) for names in self._number.values()),
-            max(len(machine.states) for machine in controller.types),
+            *map(self._size, self.types),
             len(self.sections),
         ) + max(map(len, outcomes.values()))
         self.none = next(number for number in (0xFF, 0xFFFF, 0xFFFFFFFF) if largest < number)
         self.success, self.failure = self.none - 1, self.none - 2
         self.first_outcome = self.none - max(map(len, outcomes.values()))
-        self._own = [_positions(machine) for machine in controller.types]
-        for kind, (machine, own) in enumerate(zip(controller.types, self._own, strict=True)):
+        self._own = [_positions(*self._said(type_)) for type_ in self.types]
+        for kind, (type_, own) in enumerate(zip(self.types, self._own, strict=True)):
             left = {outcome: self.none - 1 - i for i, outcome in enumerate(outcomes[kind])}
-            self.type_states.append(len(self.move_start))
-            self.type_entries.append(len(self.entry_target))
-            self.type_hardware.append(len(machine.hardware))
-            for entry in machine.entries:
-                self.entry_target.append(self.none if entry is None else entry.target)
-                self.entry_list.append(0 if entry is None else self._list(entry.actions, own))
-            moves = iter(machine.moves)
-            move = next(moves, None)
-            for number, state in enumerate(machine.states):
-                self.move_start.append(len(self.move_event))
-                while move is not None and move.source == number:
-                    self.move_event.append(move.event)
-                    self.move_target.append(
-                        move.target if isinstance(move.target, int) else left[move.target]
-                    )
-                    self.move_list.append(self._list(move.actions, own))
-                    guard = guard_of(machine, move)
-                    self.move_guard.append(self.guards.setdefault(guard, len(self.guards)))
-                    move = next(moves, None)
-                pairs = [
-                    (own["activities"][a], own["alternatives"][f"{a}.{w}"]) for a, w in state.mode.items()
-                ]
-                self.mode_start.append(modes.add(pairs))
-                self.mode_length.append(len(pairs))
-            # One row more, so that the moves of the last state end where the next row begins.
-            self.move_start.append(len(self.move_event))
-            self.mode_start.append(0)
-            self.mode_length.append(0)
+            self._type(type_, own, left)
+        self._ended()
         self.list_start.append(len(self.action_rows))
-        self.modes = modes.items
         self._place_sections()
 
-    def _list(self, actions: tuple[Action, ...], own: Mapping[str, Mapping[str, int]]) -> int:
+    def _size(self, type_: Type) -> int:
+        """The most that a table counts in a type, of what shares its numbers with elements."""
+        raise NotImplementedError
+
+    def _said(self, type_: Type) -> tuple[Iterable[Sequence[Action]], Iterable[tuple[str, str]]]:
+        """Lists of actions of a type, and the activities with the alternatives in which they may run."""
+        raise NotImplementedError
+
+    def _type(self, type_: Type, own: Own, left: Mapping[str, int]) -> None:
+        """Writes the tables of a type, with the numbers of its elements and of its outcomes."""
+        raise NotImplementedError
+
+    def _ended(self) -> None:
+        """Ends the tables of types."""
+
+    def _list(self, actions: tuple[Action, ...], own: Own) -> int:
         rows = tuple(
             (
                 VERBS.index(action.verb),
@@ -214,7 +197,7 @@ class Numbers:
                 names = section.names[kind]
                 mine = [self._number[kind].get(names.get(old, old), self.none) for old in own[kind]]
                 self.slices[kind].append(pool.add(mine))
-            machine = controller.types[section.type]
+            machine = self.types[section.type]
             names = section.names["hardware"]
             self.slices["faulty"].append(pool.add(faulty[names.get(h, h)] for h in machine.hardware))
             once = section.names["once"]
@@ -229,37 +212,30 @@ class Numbers:
         """The most actions of one event."""
         length = [b - a for a, b in zip(self.list_start, self.list_start[1:], strict=False)]
         entries = [
-            max((length[entry] for entry in self._entries(section.type)), default=0)
+            max((length[entry] for entry in self.entry_lists(section.type)), default=0)
             for section in self.controller.sections
         ]
         best = entries[self.initial]
         for section, routes in zip(self.controller.sections, self.routes, strict=True):
-            first, last = self._moves(section.type)
-            for target, actions in zip(self.move_target[first:last], self.move_list[first:last], strict=True):
+            for target, actions in self.moved(section.type):
                 follows = 0
-                if target >= self.first_outcome:
+                if self.first_outcome <= target < self.none:
                     route = routes[self.none - 1 - target]
                     follows = 0 if route in (self.success, self.failure) else entries[route]
                 best = max(best, length[actions] + follows)
         return best
 
-    @property
-    def most_moves(self) -> int:
-        """The most events that are possible in one state."""
-        return max(b - a for a, b in zip(self.move_start, self.move_start[1:], strict=False))
+    def entry_lists(self, kind: int) -> Iterable[int]:
+        """The lists of actions of a type's entries."""
+        raise NotImplementedError
+
+    def moved(self, kind: int) -> Iterable[tuple[int, int]]:
+        """Where the events of a type lead, and their lists of actions."""
+        raise NotImplementedError
 
     def lengths(self, kind: int) -> dict[str, int]:
         """How many elements of each kind a type speaks of."""
         return {name: len(positions) for name, positions in self._own[kind].items()}
-
-    def _entries(self, kind: int) -> list[int]:
-        first = self.type_entries[kind]
-        return self.entry_list[first : first + (1 << self.type_hardware[kind])]
-
-    def _moves(self, kind: int) -> tuple[int, int]:
-        first = self.type_states[kind]
-        last = first + len(self.controller.types[kind].states)
-        return self.move_start[first], self.move_start[last]
 
     # --- parameters ---
 
@@ -281,16 +257,11 @@ class Numbers:
                 self.parameters.extend(parameters)
 
 
-def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
-    """The guard of a move as numbers."""
-    number = machine.once.index
-    return (*(2 * number(h) for h in move.guard.open), *(2 * number(h) + 1 for h in move.guard.happened))
-
-
-def _positions(machine: SectionMachine) -> dict[str, dict[str, int]]:
-    """The elements that a machine speaks of, by position; in the order in which it does."""
+def _positions(
+    lists: Iterable[Sequence[Action]], modes: Iterable[tuple[str, str]]
+) -> dict[str, dict[str, int]]:
+    """The elements that a type speaks of, by position; in the order in which it does."""
     found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS}
-    lists = [e.actions for e in machine.entries if e] + [m.actions for m in machine.moves]
     for actions in lists:
         for action in actions:
             for kind, name in (
@@ -301,8 +272,7 @@ def _positions(machine: SectionMachine) -> dict[str, dict[str, int]]:
             ):
                 if name is not None:
                     found[kind][name] = None
-    for state in machine.states:
-        for activity, alternative in state.mode.items():
-            found["activities"][activity] = None
-            found["alternatives"][f"{activity}.{alternative}"] = None
+    for activity, alternative in modes:
+        found["activities"][activity] = None
+        found["alternatives"][f"{activity}.{alternative}"] = None
     return {kind: {name: i for i, name in enumerate(names)} for kind, names in found.items()}

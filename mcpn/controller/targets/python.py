@@ -6,41 +6,30 @@ opinion on the other.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.modular import AnyController, ModularController, Rule, Rules
 from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers
-from mcpn.controller.targets.numbers import Numbers, guard_of
 from mcpn.controller.targets.render import render
+from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers, guard_of
 from mcpn.net.compose import MissionNet
 
 
-def write_python(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
+def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str, str]:
     """The file by name.
 
     Args:
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    numbers = Numbers(controller, mission_net)
+    numbers: MachineNumbers | RuleNumbers
+    if isinstance(controller, ModularController):
+        numbers = RuleNumbers(controller, mission_net)
+        types = [_of_rules(numbers, kind) for kind in range(len(controller.types))]
+    else:
+        numbers = MachineNumbers(controller, mission_net)
+        types = [_of_machine(numbers, kind) for kind in range(len(controller.types))]
     name = identifiers([controller.mission], keywords=PYTHON_KEYWORDS)[controller.mission].lower()
-    types = []
-    for kind, machine in enumerate(controller.types):
-        first = numbers.type_states[kind]
-        entry = numbers.type_entries[kind]
-        moves: list[list[tuple[int | str, ...]]] = [[] for _ in machine.states]
-        for row, move in enumerate(machine.moves, numbers.move_start[first]):
-            guard = guard_of(machine, move)
-            moves[move.source].append((move.event, move.target, numbers.move_list[row], *guard))
-        modes = [
-            numbers.modes[numbers.mode_start[state] : numbers.mode_start[state] + numbers.mode_length[state]]
-            for state in range(first, first + len(machine.states))
-        ]
-        entries = [
-            (None if e is None else e.target, numbers.entry_list[row])
-            for row, e in enumerate(machine.entries, entry)
-        ]
-        types.append({"moves": moves, "modes": modes, "entries": entries, "hardware": len(machine.hardware)})
     lists = [
         [
             (
@@ -58,6 +47,7 @@ def write_python(controller: Controller, mission_net: MissionNet) -> dict[str, s
         "controller.py.jinja",
         mission=comment(controller.mission),
         controller=controller,
+        rules=isinstance(controller, ModularController),
         n=numbers,
         types=types,
         lists=lists,
@@ -74,7 +64,53 @@ def write_python(controller: Controller, mission_net: MissionNet) -> dict[str, s
     return {f"{name}_controller.py": text}
 
 
-def _section(n: Numbers, i: int) -> dict[str, object]:
+def _of_machine(n: MachineNumbers, kind: int) -> dict[str, object]:
+    """The tables of a machine."""
+    machine = n.types[kind]
+    first, entry = n.type_states[kind], n.type_entries[kind]
+    moves: list[list[tuple[int | str, ...]]] = [[] for _ in machine.states]
+    for row, move in enumerate(machine.moves, n.move_start[first]):
+        moves[move.source].append((move.event, move.target, n.move_list[row], *guard_of(machine, move)))
+    modes = [
+        n.modes[n.mode_start[state] : n.mode_start[state] + n.mode_length[state]]
+        for state in range(first, first + len(machine.states))
+    ]
+    entries = [
+        (None if e is None else e.target, n.entry_list[row]) for row, e in enumerate(machine.entries, entry)
+    ]
+    return {"moves": moves, "modes": modes, "entries": entries}
+
+
+def _of_rules(n: RuleNumbers, kind: int) -> dict[str, object]:
+    """The tables of rules; sets of bits are numbers."""
+    rules: Rules = n.types[kind]
+    first = sum(len(earlier.effects) for earlier in n.types[:kind])
+
+    def asked(rule: Rule) -> tuple[int, int, int]:
+        marked = (literal >> 1 for literal in rule.literals if literal & 1)
+        return _mask(literal >> 1 for literal in rule.literals), _mask(marked), rule.effect
+
+    return {
+        "idle": _mask(rules.idle),
+        "status": [(_mask(s.changes), s.literal >> 1, s.literal & 1) for s in rules.status],
+        "modes": [
+            (literal >> 1, literal & 1, *pair)
+            for literal, *pair in n.modes[n.mode_start[kind] : n.mode_start[kind + 1]]
+        ],
+        "effects": [
+            (_mask(effect.changes), n.effect_list[row], effect.to)
+            for row, effect in enumerate(rules.effects, first)
+        ],
+        "entries": [asked(rule) for rule in rules.entries],
+        "rules": [[asked(rule) for rule in rules.of.get(e, ())] for e in range(len(rules.events))],
+    }
+
+
+def _mask(bits: Iterable[int]) -> int:
+    return sum(1 << bit for bit in bits)
+
+
+def _section(n: MachineNumbers | RuleNumbers, i: int) -> dict[str, object]:
     kind = n.section_type[i]
     own = n.lengths(kind)
 
@@ -91,7 +127,7 @@ def _section(n: Numbers, i: int) -> dict[str, object]:
         "routes": {outcome: ends.get(to, to) for outcome, to in zip(outcomes, n.routes[i], strict=True)},
         "events": dict(n.section_events[first : first + count]),
         "faulty": slice_of("faulty", n.type_hardware[kind]),
-        **({"once": slice_of("once", len(n.controller.types[kind].once))} if n.once else {}),
+        **({"once": slice_of("once", len(n.types[kind].once))} if n.once else {}),
         "hardware": [n.hardware[k] for k in slice_of("hardware", own["hardware"])],
         "objectives": slice_of("objectives", own["objectives"]),
         "activities": slice_of("activities", own["activities"]),

@@ -234,14 +234,16 @@ class _Layout:
         edges: tuple[float, float],
     ) -> None:
         """Routes in the lanes: from each source a stub to the lane, from the lane an arrow to the target."""
+        using: dict[tuple[str, str, str], list[Box]] = {}
+        for index, child in enumerate(box.children):
+            for lane in dict.fromkeys(_of_child(box, index)):
+                using.setdefault(lane, []).append(child)
         for side, all_lanes in enumerate((lanes.left, lanes.right)):
             for number, lane in enumerate(all_lanes, 1):
                 kind, label, target = lane
                 at = edges[side] + LANE * number * (1 if side else -1)
                 heights = [spots[target][2]]
-                for index, child in enumerate(box.children):
-                    if lane not in _of_child(box, index):
-                        continue
+                for child in using.get(lane, ()):
                     y = ends[child.name] - 8 - (5 * (number % 4) if side else 0)
                     heights.append(y)
                     title = f"{child.name}: {label} leads to {target}"

@@ -1,0 +1,197 @@
+"""The controller as rules: its size is a sum over what events do, not over states.
+
+A section's state is which of its *bits* are set: what some places of its local net say, whatever is marked
+there. An event is handled by one of its *rules* that fits: some bits are set, others are not. The rule's
+*effect* says which bits change, what is ordered, and with which outcome the section is left, if it is. Rules
+of one event that fit one state have the same effect.
+
+Rules are the big steps of the local net (:mod:`mcpn.space.stable.big_steps`), each proved to be the one
+outcome of its event in all stable states that it fits; every such state fits one. A section is entered from
+its idle marking, in which the bits of hardware out of service, and of handlers that have happened, are
+changed, by the rules of its start. So nothing is listed for each state of hardware.
+
+Orders are those of one state of each rule; where they depend on a place that the rule does not look at, it is
+split. Then literals go that no other rule of the event needs to be told apart by, and bits go that nothing
+speaks of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from mcpn.controller.actions import Action
+from mcpn.controller.hierarchy import Controller, PlacedMachine
+from mcpn.net.events import Event
+from mcpn.notebook import Drawn
+
+Literals = tuple[int, ...]
+"""What is asked of bits: 2 i, that bit i is not set; 2 i + 1, that it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What rules do.
+
+    Args:
+        changes: The bits that change.
+        actions: In order.
+        to: The outcome with which the section is left; ``None`` where it goes on.
+    """
+
+    changes: tuple[int, ...]
+    actions: tuple[Action, ...]
+    to: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """When an event has an effect.
+
+    Args:
+        event: Number of the event; -1 for the entry.
+        literals: What it asks of bits, what tells most apart first.
+        effect: Number of the effect.
+    """
+
+    event: int
+    literals: Literals
+    effect: int
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """What bits say of an element whose status sections hand on.
+
+    Args:
+        changes: The bits that change before the entry where the hardware is out of service, or the handler
+            has happened.
+        literal: What is true inside exactly where it is so.
+    """
+
+    changes: tuple[int, ...]
+    literal: int
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What is said of an element where a literal is true.
+
+    Args:
+        kind: A field of :class:`mcpn.check.verdicts.modes.Situation`.
+        name: The element; for modes and what waits, ``activity.alternative``.
+        literal: When.
+    """
+
+    kind: str
+    name: str
+    literal: int
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The rules of one type of sections, with the names of the section that stands for it.
+
+    Args:
+        hardware: The section's hardware that can fail.
+        once: Its handlers that happen once.
+        events: By number.
+        bits: How many bits a state has.
+        idle: The bits that are set before the entry, with all hardware in service.
+        status: By element, of the hardware, then of the handlers.
+        shown: What states say, in the mission's order.
+        entries: The rules of the entry.
+        rules: The rules inside, sorted by event.
+        effects: By number.
+    """
+
+    hardware: tuple[str, ...]
+    once: tuple[str, ...]
+    events: tuple[Event, ...]
+    bits: int
+    idle: tuple[int, ...]
+    status: tuple[Status, ...]
+    shown: tuple[Shown, ...]
+    entries: tuple[Rule, ...]
+    rules: tuple[Rule, ...]
+    effects: tuple[Effect, ...]
+
+    @property
+    def literals(self) -> int:
+        """Literals of all rules."""
+        return sum(len(rule.literals) for rule in (*self.entries, *self.rules))
+
+    @cached_property
+    def of(self) -> Mapping[int, tuple[Rule, ...]]:
+        """Rules by event."""
+        found: dict[int, list[Rule]] = {}
+        for rule in (*self.entries, *self.rules):
+            found.setdefault(rule.event, []).append(rule)
+        return {event: tuple(rules) for event, rules in found.items()}
+
+    @property
+    def most(self) -> tuple[int, int]:
+        """The most rules, and the most literals, that are looked at for one event, or for an entry."""
+        of = self.of.values()
+        rules = max(map(len, of), default=0)
+        return rules, max((sum(len(r.literals) for r in rules) for rules in of), default=0)
+
+
+@dataclass(frozen=True)
+class ModularController(Drawn):
+    """A mission controller of rules.
+
+    Args:
+        mission: The mission's name.
+        hardware: Hardware that can fail, in the mission's order.
+        initial: The section entered at the mission's start.
+        sections: In document order.
+        types: The rules of their types.
+    """
+
+    mission: str
+    hardware: tuple[str, ...]
+    initial: str
+    sections: tuple[PlacedMachine, ...]
+    types: tuple[Rules, ...]
+    form = "modular"
+    minimised = False
+
+    def __repr__(self) -> str:
+        return f"<modular controller of the mission {self.mission}: {self.size}>"
+
+    @property
+    def rules(self) -> int:
+        """Rules of all types, those of entries included."""
+        return sum(len(type_.entries) + len(type_.rules) for type_ in self.types)
+
+    @property
+    def literals(self) -> int:
+        """What they ask of bits, together."""
+        return sum(type_.literals for type_ in self.types)
+
+    @property
+    def bits(self) -> int:
+        """Bits of a state, of the type that has most."""
+        return max(type_.bits for type_ in self.types)
+
+    @property
+    def most(self) -> tuple[int, int]:
+        """Rules and literals that are looked at when an event leads from one section to the next, at most."""
+        rules, literals = (max(column) for column in zip(*(type_.most for type_ in self.types), strict=True))
+        return 2 * rules, 2 * literals
+
+    @property
+    def size(self) -> str:
+        """In words, with the bound of an event's time."""
+        rules, literals = self.most
+        return (
+            f"{len(self.sections)} sections of {len(self.types)} types, {self.rules} rules of "
+            f"{self.literals} literals on {self.bits} bits; an event looks at {rules} rules, "
+            f"{literals} literals, at most"
+        )
+
+
+AnyController = Controller | ModularController
+"""A controller of whatever form."""

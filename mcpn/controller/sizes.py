@@ -1,0 +1,107 @@
+"""How large the controllers of a mission are, before anything is listed."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator, Mapping
+
+from mcpn.errors import LimitError
+from mcpn.space.local.composite import CompositeSpace
+from mcpn.space.local.section_type import SectionType
+
+DEFAULT_MAX_STATES = 1_000_000
+"""States of a section that its machine lists at most."""
+
+MOST_TABLED = 50_000
+"""States of a section that its machine lists where no form is named, and rules can be had instead."""
+
+MOST_ENTRIES = 1 << 20
+"""Hardware states with which a section may be entered, each with an entry of its own."""
+
+WHY = "a machine lists every state"
+
+
+def refuse_entries(hardware: tuple[str, ...], section: str | None = None) -> None:
+    """Raises an error where a machine would have too many entries, one for each state of its hardware.
+
+    Raises:
+        LimitError: There are more than :data:`MOST_ENTRIES`.
+    """
+    if 1 << len(hardware) > MOST_ENTRIES:
+        where = "" if section is None else f"section {section}: "
+        raise LimitError(
+            f"{where}{len(hardware)} hardware resources that may fail have 2^{len(hardware)} states, "
+            f"the limit on the entries of a machine is {MOST_ENTRIES:,}"
+        )
+
+
+def each_step(rows: bytes) -> Iterator[array[int]]:
+    """The big steps of an event, each as what it does to levels (:class:`mcpn._kernel.BigSteps`)."""
+    words, at = array("I"), 0
+    words.frombytes(rows)
+    while at < len(words):
+        end = at + 1 + words[at]
+        yield words[at + 1 : end]
+        at = end
+
+
+def count_steps(rows: bytes) -> int:
+    """How many they are."""
+    return sum(1 for _ in each_step(rows))
+
+
+def standing(composite: CompositeSpace) -> dict[SectionType, str]:
+    """The types of sections, each with the name of the section that stands for it."""
+    names: dict[SectionType, str] = {}
+    for placed in composite.sections.values():
+        names.setdefault(placed.type, placed.name)
+    return names
+
+
+def too_large(names: Mapping[SectionType, str], limit: int) -> LimitError | None:
+    """Why some types of sections are too large for machines, before the first is listed."""
+    try:
+        for type_, name in names.items():
+            type_.refuse_list(name, limit, WHY)
+            refuse_entries(type_.part.faulty, name)
+    except LimitError as error:
+        return error
+    return None
+
+
+def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> LimitError | None:
+    """Why a mission gets rules where no form is named; ``None`` where it gets tables.
+
+    Args:
+        names: The types of sections, each with the name of the section that stands for it.
+        max_states: How many states a machine may have.
+
+    Raises:
+        LimitError: Tables are too large, and some section has no rules.
+    """
+    if any(type_.steps is None for type_ in names):
+        if error := too_large(names, DEFAULT_MAX_STATES if max_states is None else max_states):
+            raise error
+        return None
+    return too_large(names, MOST_TABLED if max_states is None else max_states)
+
+
+def foreseen(composite: CompositeSpace, max_states: int | None = None) -> str:
+    """Which form of controller a mission gets by itself, and how large it is, in words.
+
+    Nothing is listed: machines have at most the states that are counted, since those before a section and
+    after it become entries and exits, and rules are at most the big steps, of which some do the same.
+
+    Args:
+        composite: The mission's composite.
+        max_states: How many states a machine may have.
+    """
+    names = standing(composite)
+    try:
+        error = rather_rules(names, max_states)
+    except LimitError as found:
+        return f"none: {found}"
+    if error is None:
+        return f"hierarchical, at most {sum(type_.size for type_ in names):,} states"
+    rows = (row for type_ in names for row in (type_.steps or {}).values() if row is not None)
+    return f"modular, at most {sum(map(count_steps, rows)):,} rules before any is split; {error}"

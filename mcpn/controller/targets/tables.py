@@ -1,0 +1,197 @@
+"""Tables of machines, and of rules, as numbers.
+
+A *guard* is a list of numbers, first 2 i for each handler of the section that must not have happened yet, and
+happens then, and 2 i + 1 for each that must have happened; the empty one is the first.
+
+Of rules, a row of ``rule_start`` is the entry of a type, the next ones are its events. A literal is 2 i where
+bit i is not set, and 2 i + 1 where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from mcpn.controller.actions import Action
+from mcpn.controller.hierarchy import Controller, Move, SectionMachine
+from mcpn.controller.modular import ModularController, Rules
+from mcpn.controller.targets.numbers import Numbers, Own, Pool
+from mcpn.net.compose import MissionNet
+
+
+class MachineNumbers(Numbers[SectionMachine]):
+    """Tables of machines: states, entries, moves and modes."""
+
+    def __init__(self, controller: Controller, mission_net: MissionNet) -> None:
+        self.machines = controller.types
+        self.type_states: list[int] = []  # the first row of a type in move_start and mode_start
+        self.type_entries: list[int] = []
+        self.entry_target: list[int] = []
+        self.entry_list: list[int] = []
+        self.move_start: list[int] = []
+        self.move_event: list[int] = []
+        self.move_target: list[int] = []
+        self.move_list: list[int] = []
+        self.move_guard: list[int] = []
+        self.guards: dict[tuple[int, ...], int] = {(): 0}
+        self.mode_start: list[int] = []
+        self.mode_length: list[int] = []
+        self._modes: Pool[tuple[int, int]] = Pool()
+        super().__init__(controller, mission_net)
+
+    @property
+    def types(self) -> Sequence[SectionMachine]:
+        """The machines."""
+        return self.machines
+
+    @property
+    def modes(self) -> list[tuple[int, int]]:
+        """Pairs of an activity and an alternative of a type."""
+        return self._modes.items
+
+    def _size(self, type_: SectionMachine) -> int:
+        return len(type_.states)
+
+    def _said(self, type_: SectionMachine) -> tuple[Iterable[Sequence[Action]], Iterable[tuple[str, str]]]:
+        lists = [e.actions for e in type_.entries if e] + [m.actions for m in type_.moves]
+        return lists, (pair for state in type_.states for pair in state.mode.items())
+
+    def _type(self, type_: SectionMachine, own: Own, left: Mapping[str, int]) -> None:
+        self.type_states.append(len(self.move_start))
+        self.type_entries.append(len(self.entry_target))
+        for entry in type_.entries:
+            self.entry_target.append(self.none if entry is None else entry.target)
+            self.entry_list.append(0 if entry is None else self._list(entry.actions, own))
+        moves = iter(type_.moves)
+        move = next(moves, None)
+        for number, state in enumerate(type_.states):
+            self.move_start.append(len(self.move_event))
+            while move is not None and move.source == number:
+                self.move_event.append(move.event)
+                self.move_target.append(move.target if isinstance(move.target, int) else left[move.target])
+                self.move_list.append(self._list(move.actions, own))
+                guard = guard_of(type_, move)
+                self.move_guard.append(self.guards.setdefault(guard, len(self.guards)))
+                move = next(moves, None)
+            pairs = [(own["activities"][a], own["alternatives"][f"{a}.{w}"]) for a, w in state.mode.items()]
+            self.mode_start.append(self._modes.add(pairs))
+            self.mode_length.append(len(pairs))
+        # One row more, so that the moves of the last state end where the next row begins.
+        self.move_start.append(len(self.move_event))
+        self.mode_start.append(0)
+        self.mode_length.append(0)
+
+    @property
+    def most_moves(self) -> int:
+        """The most events that are possible in one state."""
+        return max(b - a for a, b in zip(self.move_start, self.move_start[1:], strict=False))
+
+    def entry_lists(self, kind: int) -> Iterable[int]:
+        """The lists of actions of a type's entries."""
+        first = self.type_entries[kind]
+        return self.entry_list[first : first + (1 << self.type_hardware[kind])]
+
+    def moved(self, kind: int) -> Iterator[tuple[int, int]]:
+        """Where the events of a type lead, and their lists of actions."""
+        row = self.type_states[kind]
+        first, last = self.move_start[row], self.move_start[row + len(self.types[kind].states)]
+        return zip(self.move_target[first:last], self.move_list[first:last], strict=True)
+
+
+def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
+    """The guard of a move as numbers."""
+    number = machine.once.index
+    return (*(2 * number(h) for h in move.guard.open), *(2 * number(h) + 1 for h in move.guard.happened))
+
+
+class RuleNumbers(Numbers[Rules]):
+    """Tables of rules: literals, effects, what hardware and handlers change, modes."""
+
+    def __init__(self, controller: ModularController, mission_net: MissionNet) -> None:
+        self.rules = controller.types
+        self.type_rows: list[int] = []  # the first row of a type in rule_start
+        self.rule_start: list[int] = []
+        self.rule_literals: list[int] = []
+        self.rule_effect: list[int] = []
+        self.literals: list[int] = []
+        self.effect_start: list[int] = []
+        self.effect_bits: list[int] = []
+        self.effect_list: list[int] = []
+        self.effect_target: list[int] = []
+        self.status_first: list[int] = []  # the first row of a type in status_start: hardware, then handlers
+        self.status_start: list[int] = []
+        self.status_bits: list[int] = []
+        self.status_literal: list[int] = []
+        self.idle_start: list[int] = []
+        self.idle_bits: list[int] = []
+        self.mode_start: list[int] = []
+        self.modes: list[tuple[int, int, int]] = []  # a literal, an activity, its alternative
+        super().__init__(controller, mission_net)
+
+    @property
+    def types(self) -> Sequence[Rules]:
+        """The rules."""
+        return self.rules
+
+    def _size(self, type_: Rules) -> int:
+        return 0
+
+    def _said(self, type_: Rules) -> tuple[Iterable[Sequence[Action]], Iterable[tuple[str, str]]]:
+        return (effect.actions for effect in type_.effects), (pair for pair, _ in _modes(type_))
+
+    def _type(self, type_: Rules, own: Own, left: Mapping[str, int]) -> None:
+        first = len(self.effect_start)
+        for effect in type_.effects:
+            self.effect_start.append(len(self.effect_bits))
+            self.effect_bits += effect.changes
+            self.effect_list.append(self._list(effect.actions, own))
+            self.effect_target.append(self.none if effect.to is None else left[effect.to])
+        self.type_rows.append(len(self.rule_start))
+        for event in range(-1, len(type_.events)):
+            self.rule_start.append(len(self.rule_effect))
+            for rule in type_.of.get(event, ()):
+                self.rule_literals.append(len(self.literals))
+                self.literals += rule.literals
+                self.rule_effect.append(first + rule.effect)
+        self.status_first.append(len(self.status_start))
+        for status in type_.status:
+            self.status_start.append(len(self.status_bits))
+            self.status_bits += status.changes
+            self.status_literal.append(status.literal)
+        self.idle_start.append(len(self.idle_bits))
+        self.idle_bits += type_.idle
+        self.mode_start.append(len(self.modes))
+        for (activity, alternative), literal in _modes(type_):
+            names = own["activities"][activity], own["alternatives"][f"{activity}.{alternative}"]
+            self.modes.append((literal, *names))
+
+    def _ended(self) -> None:
+        for starts, of in (
+            (self.rule_start, self.rule_effect),
+            (self.rule_literals, self.literals),
+            (self.effect_start, self.effect_bits),
+            (self.status_start, self.status_bits),
+            (self.idle_start, self.idle_bits),
+            (self.mode_start, self.modes),
+        ):
+            starts.append(len(of))  # one row more, where the last one ends
+
+    def entry_lists(self, kind: int) -> Iterable[int]:
+        """The lists of actions of a type's entries."""
+        row = self.type_rows[kind]
+        return [
+            self.effect_list[e] for e in self.rule_effect[self.rule_start[row] : self.rule_start[row + 1]]
+        ]
+
+    def moved(self, kind: int) -> Iterator[tuple[int, int]]:
+        """Where the events of a type lead, and their lists of actions."""
+        row = self.type_rows[kind]
+        first, last = self.rule_start[row + 1], self.rule_start[row + 1 + len(self.types[kind].events)]
+        return ((self.effect_target[e], self.effect_list[e]) for e in self.rule_effect[first:last])
+
+
+def _modes(type_: Rules) -> Iterator[tuple[tuple[str, str], int]]:
+    """Activities with alternatives in which they may run, each with the literal that says so."""
+    for shown in type_.shown:
+        if shown.kind == "mode":
+            activity, alternative = shown.name.split(".", 1)
+            yield (activity, alternative), shown.literal

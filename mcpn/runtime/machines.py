@@ -1,0 +1,253 @@
+"""What sections of one type do: a table of states and edges, or rules on bits.
+
+Both are asked alike. States are numbers; handlers that happen once, hardware and events are spoken of by
+their numbers in the type; actions are lists, by number.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator, Mapping, Set
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+
+class ControllerFileError(ValueError):
+    """A file is no controller that this runtime can run."""
+
+
+Step = tuple[int | str, int, Set[int]]
+"""The state after an event, or the outcome with which the section is left; the actions; what has happened."""
+
+
+class Machine(Protocol):
+    """What sections of one type do."""
+
+    hardware: list[str]
+    once: list[str]
+    lists: list[list[dict[str, str]]]
+    outcomes: set[str]
+
+    def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
+        """The first state and the actions, with some hardware out of service, if it may be entered so."""
+
+    def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
+        """What an event does; ``None`` where it cannot be taken."""
+
+    def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
+        """The events that can be taken."""
+
+    def shown(self, state: int) -> Mapping[str, Any]:
+        """What a state is, by the fields of :class:`mcpn.runtime.tables.Inside` and ``out_of_service``."""
+
+    def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
+        """Whether a number may be a state, with some hardware out of service."""
+
+
+class _Lists:
+    """Lists of actions, equal ones once."""
+
+    def __init__(self) -> None:
+        self.lists: list[list[dict[str, str]]] = []
+        self._known: dict[str, int] = {}
+
+    def number(self, actions: list[dict[str, str]]) -> int:
+        """The number of a list."""
+        key = json.dumps(actions)
+        if key not in self._known:
+            self._known[key] = len(self.lists)
+            self.lists.append(actions)
+        return self._known[key]
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """An edge of a machine.
+
+    Args:
+        target: The state that it leads to, or the outcome with which the section is left.
+        actions: The number of its list of actions.
+        open: Handlers that must not have happened yet, and happen with it, by their numbers.
+        happened: Those that must have happened before.
+    """
+
+    target: int | str
+    actions: int
+    open: frozenset[int]
+    happened: frozenset[int]
+
+    def allowed(self, happened: Set[int]) -> bool:
+        """Whether it can be taken with some handlers that have happened."""
+        return self.open.isdisjoint(happened) and self.happened <= happened
+
+
+class TypeTables:
+    """The machine of a type, its edges by state and event."""
+
+    def __init__(self, row: Mapping[str, Any]) -> None:
+        self.hardware: list[str] = row["hardware"]
+        self.once: list[str] = row.get("once", [])
+        self.states: list[Mapping[str, Any]] = row["states"]
+        lists = _Lists()
+        self.lists = lists.lists
+        self.entries = [e and (int(e["to"]), lists.number(e["actions"])) for e in row["entries"]]
+        self.moves: list[dict[int, list[Move]]] = [{} for _ in self.states]
+        bit = {handler: number for number, handler in enumerate(self.once)}
+        targets: list[int | str] = [e[0] for e in self.entries if e]
+        for edge in row["edges"]:
+            guard = (frozenset(bit[h] for h in edge.get(key, ())) for key in ("open", "happened"))
+            move = Move(edge["to"], lists.number(edge["actions"]), *guard)
+            self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
+            targets.append(move.target)
+        inside = range(len(self.states))
+        if any(to not in inside for to in targets if isinstance(to, int)):
+            raise ControllerFileError("an edge leads to a state that is not there")
+        self.outcomes = {to for to in targets if isinstance(to, str)}
+        if len(self.entries) != 1 << len(self.hardware):
+            raise ControllerFileError("a type has not one entry for each state of its hardware")
+
+    def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
+        """The first state and the actions, with some hardware out of service, if it may be entered so."""
+        return self.entries[sum(1 << i for i in gone)]
+
+    def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
+        """What an event does; ``None`` where it cannot be taken."""
+        for move in self.moves[state].get(event, ()):
+            if move.allowed(happened):
+                return move.target, move.actions, move.open
+        return None
+
+    def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
+        """The events that can be taken."""
+        for event, moves in self.moves[state].items():
+            if any(move.allowed(happened) for move in moves):
+                yield event
+
+    def shown(self, state: int) -> Mapping[str, Any]:
+        """What a state is."""
+        return self.states[state]
+
+    def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
+        """Whether a number is a state, with some hardware out of service."""
+        if not 0 <= state < len(self.states):
+            return False
+        said: list[str] = self.states[state]["out_of_service"]
+        return set(said) == {self.hardware[i] for i in gone}
+
+
+@dataclass(frozen=True, slots=True)
+class Bits:
+    """A condition on a state: these bits are set, and no others of some."""
+
+    mask: int
+    value: int
+
+    @classmethod
+    def of(cls, literals: Collection[int], bits: int) -> Bits:
+        """That of literals: 2 i, that bit i is not set; 2 i + 1, that it is."""
+        if any(type(told) is not int or not 0 <= told < 2 * bits for told in literals):
+            raise ControllerFileError("a literal is of no bit")
+        asked = {told >> 1 for told in literals}
+        if len(asked) < len(literals):
+            raise ControllerFileError("a rule asks for one bit twice")
+        return cls(_mask(asked, bits), _mask([told >> 1 for told in literals if told & 1], bits))
+
+    def hold(self, state: int) -> bool:
+        """Whether they do in a state."""
+        return state & self.mask == self.value
+
+
+_Effect = tuple[int, int, str | None]
+"""The bits that change, the number of the list of actions, the outcome with which the section is left."""
+
+
+class RuleTables:
+    """The rules of a type."""
+
+    def __init__(self, row: Mapping[str, Any]) -> None:
+        self.hardware: list[str] = row["hardware"]
+        self.once: list[str] = row.get("once", [])
+        self.bits: int = row["bits"]
+        bits, lists = self.bits, _Lists()
+        self.lists = lists.lists
+        self.idle = _mask(row["idle"], bits)
+        status = [(_mask(s["changes"], bits), Bits.of([s["when"]], bits)) for s in row["status"]]
+        if len(status) != len(self.hardware) + len(self.once):
+            raise ControllerFileError("a type has not one status for each of its hardware and handlers")
+        self.of_hardware, self.of_once = status[: len(self.hardware)], status[len(self.hardware) :]
+        self.show = [(s["kind"], s["name"], Bits.of([s["when"]], bits)) for s in row["shown"]]
+        if not {kind for kind, _, _ in self.show} <= {*_LISTS, *_MODES}:
+            raise ControllerFileError("a type shows something that is unknown here")
+        self.effects = [_effect(e, bits, lists) for e in row["effects"]]
+        self.outcomes = {to for _, _, to in self.effects if to is not None}
+        numbers = [(rule["do"], self.effects) for rule in (*row["entries"], *row["rules"])]
+        numbers += [(rule["event"], row["events"]) for rule in row["rules"]]
+        if any(number not in range(len(of)) for number, of in numbers):
+            raise ControllerFileError("a rule is of an event, or does an effect, that is not there")
+        self.entries = [(Bits.of(rule["if"], bits), self.effects[rule["do"]]) for rule in row["entries"]]
+        self.rules: list[list[tuple[Bits, _Effect]]] = [[] for _ in row["events"]]
+        for rule in row["rules"]:
+            self.rules[rule["event"]].append((Bits.of(rule["if"], bits), self.effects[rule["do"]]))
+
+    def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
+        """The first state and the actions, with some hardware out of service, if it may be entered so."""
+        state = self.idle
+        for of, true in ((self.of_hardware, gone), (self.of_once, happened)):
+            for i in true:
+                state ^= of[i][0]
+        for bits, (changes, actions, _) in self.entries:
+            if bits.hold(state):
+                return state ^ changes, actions
+        return None
+
+    def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
+        """What an event does; ``None`` where it cannot be taken."""
+        for bits, (changes, actions, to) in self.rules[event]:
+            if bits.hold(state):
+                after = state ^ changes
+                now = {i for i, (_, when) in enumerate(self.of_once) if when.hold(after)}
+                return after if to is None else to, actions, now
+        return None
+
+    def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
+        """The events that can be taken."""
+        for event, rules in enumerate(self.rules):
+            if any(bits.hold(state) for bits, _ in rules):
+                yield event
+
+    def shown(self, state: int) -> Mapping[str, Any]:
+        """What a state is."""
+        lists: dict[str, list[str]] = {kind: [] for kind in _LISTS}
+        modes: dict[str, dict[str, str]] = {kind: {} for kind in _MODES}
+        for kind, name, when in self.show:
+            if when.hold(state):
+                if kind in modes:
+                    activity, alternative = name.split(".", 1)
+                    modes[kind][activity] = alternative
+                else:
+                    lists[kind].append(name)
+        return {**lists, **modes}
+
+    def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
+        """Whether a number may be a state: what its bits say of hardware and handlers is so."""
+        return 0 <= state < 1 << self.bits and all(
+            when.hold(state) == (i in true)
+            for of, true in ((self.of_hardware, gone), (self.of_once, happened))
+            for i, (_, when) in enumerate(of)
+        )
+
+
+_LISTS, _MODES = ("objectives", "pending", "done", "refused"), ("mode", "waiting")
+
+
+def _effect(row: Mapping[str, Any], bits: int, lists: _Lists) -> _Effect:
+    actions = row["actions"]
+    if type(actions) is not list or any(type(action["do"]) is not str for action in actions):
+        raise ControllerFileError("an effect orders what is no list of actions")
+    return _mask(row["changes"], bits), lists.number(actions), row.get("to")
+
+
+def _mask(numbers: Collection[int], bits: int) -> int:
+    if any(type(number) is not int or not 0 <= number < bits for number in numbers):
+        raise ControllerFileError("a bit has a number that is none of a state's")
+    return sum(1 << number for number in set(numbers))

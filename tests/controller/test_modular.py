@@ -1,0 +1,202 @@
+"""The modular controller beside the hierarchical one, on all states that either comes to."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+
+from mcpn.controller.generate import generate
+from mcpn.controller.modular import ModularController
+from mcpn.controller.targets.json import document, write_json
+from mcpn.errors import LimitError, SemanticsError
+from mcpn.mission.model import Mission, Objective
+from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller as Runtime
+from mcpn.runtime import ControllerFileError, Refused, SnapshotError
+from mcpn.runtime.machines import RuleTables
+from mcpn.testing import missions
+from tests.draws import composed, fewer
+from tests.judge import drawn
+from tests.small import activity, hw, mission, robot
+
+MOST = 3_000
+"""States that are walked through, of each mission."""
+
+
+def place(runtime: Runtime) -> tuple[object, ...]:
+    return runtime.section, runtime._state, runtime.out_of_service, runtime.happened, runtime.outcome
+
+
+def fitting(runtime: Runtime) -> list[int]:
+    """By event of the section that runs, how many effects its rules have that fit."""
+    section = runtime._section
+    if section is None:
+        return []
+    machine = section.machine
+    assert isinstance(machine, RuleTables)
+    return [len({effect for bits, effect in rules if bits.hold(runtime._state)}) for rules in machine.rules]
+
+
+def side_by_side(mission_net: MissionNet, modular: ModularController, most: int = MOST) -> int:
+    """Holds the two controllers against each other; says in how many pairs of states."""
+    tables = generate(mission_net, max_states=MOST)
+    one, other = (
+        Runtime.from_document(json.loads(json.dumps(document(c, mission_net))), log=1)
+        for c in (tables, modular)
+    )
+    known = {(place(one), place(other))}
+    stack = [(one.snapshot(), other.snapshot())]
+    while stack and len(known) < most:
+        here = stack.pop()
+        one.restore(here[0])
+        other.restore(here[1])
+        assert one.state == other.state
+        assert [*one.mode.items()] == [*other.mode.items()]
+        possible = one.possible
+        assert possible == other.possible
+        assert max(fitting(other), default=0) <= 1
+        for refused in sorted(one._tables.known - {*possible})[:3]:
+            for runtime in (one, other):
+                with pytest.raises(Refused):
+                    runtime.handle(refused)
+        for text in possible:
+            one.restore(here[0])
+            other.restore(here[1])
+            expected, found = one.handle(text), other.handle(text)
+            assert expected == found, text
+            assert [a.parameters for a in expected] == [a.parameters for a in found]
+            pair = place(one), place(other)
+            assert pair[0][2:] == pair[1][2:]
+            if pair not in known:
+                known.add(pair)
+                stack.append((one.snapshot(), other.snapshot()))
+    return len(known)
+
+
+def check(of: Mission) -> None:
+    mission_net = composed(of)
+    try:
+        modular = generate(mission_net, "modular")
+        pairs = side_by_side(mission_net, modular)
+    except (LimitError, SemanticsError) as error:
+        event(type(error).__name__)
+        return
+    event("all states" if pairs < MOST else "some states")
+
+
+@fewer(0.25)
+@given(st.one_of(drawn.ANY, drawn.INTERRUPTED, drawn.IN_ROUNDS, drawn.APART, drawn.SAYING))
+def test_any_mission(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.25)
+@given(st.one_of(drawn.SHARING, drawn.DISJOINT, drawn.WIDE, drawn.CHAINS))
+def test_missions_of_branches_and_chains(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.25)
+@given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True, outputs=3))
+def test_missions_with_declared_events(of: Mission) -> None:
+    check(of)
+
+
+def test_ulysse(ulysse_net: MissionNet) -> None:
+    assert side_by_side(ulysse_net, generate(ulysse_net, "modular")) == 260
+
+
+def test_a_section_of_much_hardware_is_not_listed() -> None:
+    """24 resources, of which any may be out of service when the section is entered."""
+    ways = [[(f"h{8 * i + j}",) for j in range(8)] for i in range(3)]
+    of = robot(hw(*(h for way in ways for (h,) in way)), *(activity(f"a{i}", *ways[i]) for i in range(3)))
+    mission_net = compose(mission(of, Objective(name="o", activities=("a0", "a1", "a2"))))
+    with pytest.raises(LimitError, match="states: a machine lists every state"):
+        generate(mission_net)
+    found = generate(mission_net, "modular")
+    # Each activity finds one of eight alternatives, or none.
+    assert [len(type_.entries) for type_ in found.types] == [9**3]
+    runtime = Runtime.from_document(document(found, mission_net))
+    for i in range(3):
+        for j in range(i):
+            assert runtime.handle(f"h{8 * i + j}_EV_OOS") == ()
+    assert len(runtime.handle("MISSION_EV_START")) == 6
+    assert runtime.mode == {"a0": "a0_0", "a1": "a1_1", "a2": "a2_2"}
+    said = [str(a) for a in runtime.handle("h17_EV_RD")]
+    assert said == []
+    assert [str(a) for a in runtime.handle("h18_EV_OOS")] == ["release h18", "select a2 a2_1"]
+    assert [str(a) for a in runtime.handle("h17_EV_OOS")] == ["release h17", "select a2 a2_3"]
+
+
+@pytest.fixture(scope="module")
+def of_ulysse(ulysse_net: MissionNet) -> dict[str, Any]:
+    said: dict[str, Any] = json.loads(write_json(generate(ulysse_net, "modular"), ulysse_net))
+    return said
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        ("bits",),
+        ("idle",),
+        ("status",),
+        ("shown",),
+        ("effects",),
+        ("entries",),
+        ("rules",),
+        ("rules", 0, "if"),
+        ("rules", 0, "do"),
+        ("rules", 0, "event"),
+        ("effects", 0, "changes"),
+        ("effects", 0, "actions"),
+        ("shown", 0, "kind"),
+        ("status", 0, "when"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("wrong", [None, 10_000, -1, [10_000], [-1], "x", [{}]], ids=str)
+def test_a_file_that_is_damaged_is_refused(
+    path: tuple[str | int, ...], wrong: object, of_ulysse: dict[str, Any]
+) -> None:
+    said = json.loads(json.dumps(of_ulysse))
+    at = said["types"][0]
+    *way, last = path
+    for key in way:
+        at = at[key]
+    at[last] = wrong
+    if path == ("bits",) and wrong == 10_000:  # a state may have more bits than are spoken of
+        Runtime.from_document(said)
+        return
+    with pytest.raises(ControllerFileError):
+        Runtime.from_document(said)
+
+
+def test_a_snapshot_holds_what_its_bits_say(of_ulysse: dict[str, Any]) -> None:
+    runtime = Runtime.from_document(of_ulysse)
+    runtime.handle("MISSION_EV_START")
+    whole = json.loads(runtime.snapshot())
+    assert whole["section"] is not None
+    section = runtime._section
+    assert section is not None
+    assert isinstance(section.machine, RuleTables)
+    for state in (-1, 1 << section.machine.bits, "0", None, True, 1.0):
+        with pytest.raises(SnapshotError):
+            runtime.restore(json.dumps(whole | {"state": state}))
+    for hardware in section.hardware:
+        with pytest.raises(SnapshotError):
+            runtime.restore(json.dumps(whole | {"out_of_service": [hardware]}))
+    runtime.restore(json.dumps(whole))
+
+
+def test_the_bound_is_of_the_rules_that_one_event_may_look_at(ulysse_net: MissionNet) -> None:
+    found = generate(ulysse_net, "modular")
+    most = 0
+    for type_ in found.types:
+        for event_ in range(-1, len(type_.events)):
+            most = max(most, sum(rule.event == event_ for rule in (*type_.entries, *type_.rules)))
+    assert found.most[0] == 2 * most
+    assert f"looks at {2 * most} rules" in found.size
