@@ -168,12 +168,12 @@ def of_natural(parameter: str) -> Callable[[int], Mission]:
 
 FAMILIES: dict[str, tuple[Callable[[int], Mission], tuple[int, ...]]] = {
     "ladder": (ladder, (6, 10, 20, 30)),
-    "producers": (producers, (4, 6, 8)),
+    "producers": (producers, (4, 8, 12)),
     "share": (share, (2, 4, 6, 8)),
-    "drivers": (drivers, (2, 3, 4, 5)),
+    "drivers": (drivers, (2, 4, 5, 6)),
     "sites": (of_natural("sites"), (5, 100, 1000)),
-    "branches": (of_natural("branches"), (2, 3, 4, 5)),
-    "hardware": (of_natural("hardware"), (8, 16, 24)),
+    "branches": (of_natural("branches"), (2, 3, 4, 5, 6)),
+    "hardware": (of_natural("hardware"), (8, 16, 24, 40)),
     "data": (of_natural("data"), (5, 8, 10, 20)),
 }
 

@@ -4,13 +4,13 @@ Usage: ``python experiments/lockstep.py [--events N] [--seed S] [--generated G] 
 [MISSION.xml ...]``
 
 The net is run to completion event by event (:mod:`mcpn.controller.simulator`); it knows no machine. Against
-it run, flat and hierarchical, minimised and not: the Python runtime, the compiled C, the generated Python;
-on the first ``--qt`` events of each mission SCXML in Qt's interpreter (needs ``mcpn[targets]``). Compared are
-actions, mode, possible events and outcome; of SCXML actions and active states, those of the runtime. A tenth
-of the events are impossible or unknown. Missions: those given (the five of this folder by default), generated
-ones without contention (:mod:`missions`), and drawn ones that contend, or that declared events interrupt
-(:mod:`mcpn.testing`). A form with more than 20,000 states is left out, and said to be. The first difference
-ends it.
+it run, flat and hierarchical, minimised and not, and modular: the Python runtime, the compiled C, the
+generated Python; on the first ``--qt`` events of each mission SCXML in Qt's interpreter (needs
+``mcpn[targets]``; the modular form has none). Compared are actions, mode, possible events and outcome; of
+SCXML actions and active states, those of the runtime. A tenth of the events are impossible or unknown.
+Missions: those given (the five of this folder by default), generated ones without contention
+(:mod:`missions`), and drawn ones that contend, or that declared events interrupt (:mod:`mcpn.testing`). A
+form with more than 20,000 states is left out, and said to be. The first difference ends it.
 With its defaults it takes some five minutes.
 """
 
@@ -29,14 +29,15 @@ from collections.abc import Iterator
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from missions import Parameters
 from missions import generate as generate_mission
 
-from mcpn.controller.generate import generate
+from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.minimise import minimise
+from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
@@ -114,7 +115,7 @@ def runtime_lines(said: dict[str, Any], events: list[str]) -> Iterator[str]:
             head = f"taken: {'; '.join(map(str, runtime.handle(event)))}".strip()
         except Refused as refused:
             head = "refused:" if refused.known else "unknown:"
-        place = runtime.section, runtime._state, runtime.out_of_service, runtime.outcome
+        place = runtime.section, runtime._state, runtime.out_of_service, runtime.happened, runtime.outcome
         if place not in rests:
             mode = " ".join(sorted(f"{a}.{w}" for a, w in runtime.mode.items()))
             rests[place] = f"{mode} | {' '.join(runtime.possible)} | {runtime.outcome or '-'}"
@@ -138,7 +139,8 @@ def python_lines(text: str, events: list[str]) -> Iterator[str]:
             head = f"taken: {said}".strip()
         except refused:
             head = "refused:" if event in known else "unknown:"
-        place = controller.section, controller.state, frozenset(controller.out_of_service)
+        happened = getattr(controller, "happened", None)
+        place = controller.section, controller.state, frozenset(controller.out_of_service), happened
         if place not in rests:
             mode = " ".join(sorted(f"{a}.{w}" for a, w in controller.mode.items()))
             rests[place] = f"{mode} | {' '.join(controller.possible())} | {controller.outcome or '-'}"
@@ -209,21 +211,21 @@ def compare(what: str, events: list[str], expected: list[str], found: Iterator[s
             sys.exit(f"{what}: event {count}, {event}:\n  net        {wanted}\n  controller {line}")
 
 
-def variants(mission_net: MissionNet, max_states: int) -> tuple[dict[str, Controller], dict[str, str]]:
+def variants(mission_net: MissionNet, max_states: int) -> tuple[dict[str, AnyController], dict[str, str]]:
     """The controllers that a mission has, and why a form is left out."""
-    found, left_out = {}, {}
-    for form in ("flat", "hierarchical"):
+    found, left_out = dict[str, AnyController](), dict[str, str]()
+    forms: tuple[Form, ...] = get_args(Form)
+    for form in forms:
         try:
             if form == "flat" and composite_space(mission_net).everything.count() > max_states:
                 raise LimitError("the composite has counted its states")
-            controller = generate(
-                mission_net, "flat" if form == "flat" else "hierarchical", max_states=max_states
-            )
+            controller = generate(mission_net, form, max_states=max_states)
         except (SemanticsError, LimitError) as error:
             left_out[form] = type(error).__name__
             continue
         found[form] = controller
-        found[f"{form}, minimised"] = minimise(controller)
+        if isinstance(controller, Controller):
+            found[f"{form}, minimised"] = minimise(controller)
     return found, left_out
 
 
@@ -233,7 +235,10 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
     Both are 0 if it has no controller, or none of some size.
     """
     controllers, left_out = variants(mission_net, MOST_STATES)
-    if max((controller.states for controller in controllers.values()), default=0) < FEWEST_STATES:
+    tables = [controller for controller in controllers.values() if isinstance(controller, Controller)]
+    if max((controller.states for controller in tables), default=FEWEST_STATES) < FEWEST_STATES:
+        return 0, 0
+    if not controllers:
         return 0, 0
     started = time.process_time()
     in_qt = 0
@@ -252,16 +257,17 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
             )
             ((_, text),) = files(controller, mission_net, "python").items()
             compare(f"{what}, Python", events, expected, python_lines(text, events))
-            if qt and find_spec("PySide6"):
+            if qt and find_spec("PySide6") and isinstance(controller, Controller):
                 ((_, text),) = files(controller, mission_net, "scxml").items()
                 some = events[:qt]
                 wanted = wanted_of_qt(controller, said, some, expected)
                 compare(f"{what}, Qt", some, wanted, qt_lines(text, some, folder))
                 in_qt += len(wanted)
-    sizes = ", ".join(f"{form} {c.states}" for form, c in controllers.items())
+    counts = {f: c.states if isinstance(c, Controller) else c.rules for f, c in controllers.items()}
+    sizes = ", ".join(f"{form} {count}" for form, count in counts.items())
     sizes += "".join(f"; no {form} one ({error})" for form, error in left_out.items())
     seconds = time.process_time() - started
-    print(f"{name}: {len(expected)} events each; states: {sizes}; {seconds:.1f} s", flush=True)
+    print(f"{name}: {len(expected)} events each; states, or rules: {sizes}; {seconds:.1f} s", flush=True)
     return len(expected), in_qt
 
 

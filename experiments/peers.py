@@ -30,7 +30,7 @@ from pathlib import Path
 from mcpn import __version__
 from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import needs
+from mcpn.net.structure import needs
 
 COUNT, DEADLOCK = "count", "deadlock"
 FILES = ("ReachabilityFireability", "ReachabilityCardinality", "CTLFireability", "CTLCardinality")

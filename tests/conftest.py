@@ -35,8 +35,8 @@ _quiet = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_t
 for _name, _examples, _fixed in (
     ("smoke", 10, True),
     ("dev", 100, False),
-    ("ci", 150, True),
-    ("fresh", 20, False),
+    ("ci", 75, True),
+    ("fresh", 15, False),
     ("nightly", 5000, False),
 ):
     settings.register_profile(

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import networkx
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "mcpn"
@@ -60,6 +61,23 @@ def test_imports_only_point_backwards(path: Path) -> None:
         if name.startswith("mcpn."):
             target = name.split(".")[1]
             assert WAY.index(target) <= WAY.index(room), f"{path} imports {name}"
+
+
+def test_rooms_do_not_import_each_other_in_circles() -> None:
+    """At every depth: of two rooms side by side at most one imports the other, by however many between."""
+    ways: networkx.DiGraph[tuple[str, ...]] = networkx.DiGraph()
+    for path in MODULES:
+        room = path.relative_to(PACKAGE).parent.parts
+        for name in imported(path):
+            if name.startswith("mcpn."):
+                parts = tuple(name.split(".")[1:])
+                target = parts if PACKAGE.joinpath(*parts).is_dir() else parts[:-1]
+                apart = next((i for i, (a, b) in enumerate(zip(room, target, strict=False)) if a != b), None)
+                if apart is not None:
+                    ways.add_edge(room[: apart + 1], target[: apart + 1])
+    assert [
+        sorted(circle) for circle in networkx.strongly_connected_components(ways) if len(circle) > 1
+    ] == []
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))

@@ -470,7 +470,7 @@ def test_a_controller_in_two_levels_is_the_default(tmp_path: Path) -> None:
 
 
 def test_a_controller_that_is_too_large_is_told_by_its_size(tmp_path: Path) -> None:
-    run = mcpn("controller", ULYSSE, "-o", tmp_path / "out", "--max-states", 10)
+    run = mcpn("controller", ULYSSE, "--hierarchical", "-o", tmp_path / "out", "--max-states", 10)
     assert run.returncode == 2
     assert "section coral_head.manual_moving has 36 states" in run.stderr  # 12 inside, 8 before, 16 after
     assert not (tmp_path / "out").exists()

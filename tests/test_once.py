@@ -15,6 +15,7 @@ from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Controller
 from mcpn.controller.minimise import minimise
+from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
@@ -102,9 +103,9 @@ def happens(found: MissionNet, *events: str) -> list[tuple[str, ...]]:
     return running
 
 
-def controllers(found: MissionNet) -> list[Controller]:
+def controllers(found: MissionNet) -> list[AnyController]:
     made = [generate(found, "flat"), generate(found, "hierarchical")]
-    return [*made, *map(minimise, made)]
+    return [*made, *map(minimise, made), generate(found, "modular")]
 
 
 def holding(found: MissionNet, engine: Engine) -> dict[str, bool | None]:
@@ -210,6 +211,8 @@ def test_one_written_handler_in_two_branches_is_taken_by_both_at_one_event(tmp_p
 def test_in_scxml(text: str, tmp_path: Path) -> None:
     found = drawn(tmp_path, text)
     for number, controller in enumerate(controllers(found)):
+        if not isinstance(controller, Controller):
+            continue
         traced = Traced(document(controller, found))
         events = random_events(traced, random.Random(7), 60, noise=0)
         path = tmp_path / f"{number}.scxml"
