@@ -168,6 +168,31 @@ def test_two_branches_want_one_resource() -> None:
     )
 
 
+def test_objectives_that_begin_in_turn_are_not_what_clashes() -> None:
+    """Where an activity switches back, what one objective starts may come before the other begins."""
+    either = (Alternative(name="near", consumes=("h",)), Alternative(name="far"))
+    film = Activity(name="film", switch_back=True, alternatives=either)
+    blocks = (
+        Objective(name="census", activities=("film",)),
+        Objective(name="road", activities=("advance",), mandatory=False),
+    )
+    robots = (
+        Robot(
+            name="r",
+            hardware=(Hardware(name="h", faulty=False),),
+            activities=(film, activity("advance", "h")),
+        ),
+    )
+    clash = clash_of(
+        Mission(name="m", robots=robots, blocks=(Parallel(name="both", retries=1, blocks=blocks),))
+    )
+    rivals = (
+        Rival("activity", "advance", ("both_try1.road",)),
+        Rival("activity", "film", ("both_try1.census",)),
+    )
+    assert clash == Clash("hardware", ("h",), rivals, "branches", "both_try1")
+
+
 def test_two_activities_of_one_objective() -> None:
     clash = clash_of(
         Mission(

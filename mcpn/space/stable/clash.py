@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import permutations, product
 
 from mcpn.errors import ConfluenceError
 from mcpn.mission.flatten import ParallelSection
@@ -142,8 +142,29 @@ def find_clash(mission_net: MissionNet, error: ConfluenceError) -> Clash:
     marking = net.initial
     for name in first[:parted]:
         marking = net.fire(marking, net.transition_index[name])
-    rivals = [net.transitions[net.transition_index[run[parted]]] for run in (first, second)]
-    return _Finding(mission_net, marking).clash(rivals[0], rivals[1])
+    rest = [[net.transitions[net.transition_index[name]] for name in run[parted:]] for run in (first, second)]
+    return _Finding(mission_net, marking).clash(*_rivals(*rest))
+
+
+def _rivals(first: Sequence[Transition], second: Sequence[Transition]) -> tuple[Transition, Transition]:
+    """The first two firings, one of each run, of which one takes what the other needs.
+
+    They are those at which the runs part, but where priorities hold back what follows the other one: then
+    those two share no token, and the runs go on to two that do.
+    """
+    pairs = sorted(product(range(len(first)), range(len(second))), key=lambda pair: (sum(pair), pair))
+    for i, j in pairs:
+        one, other = first[i], second[j]
+        if one != other and _contended(one, other):
+            return one, other
+    return first[0], second[0]
+
+
+def _contended(one: Transition, other: Transition) -> list[int]:
+    """Places of the tokens that one of them takes and the other needs."""
+    takes = [{p for p, _ in t.consume} for t in (one, other)]
+    needs = [{p for p, _ in (*t.consume, *t.read)} for t in (one, other)]
+    return sorted(takes[0] & needs[1] | takes[1] & needs[0])
 
 
 class _Finding:
@@ -185,9 +206,7 @@ class _Finding:
 
     def _contended(self, one: Transition, other: Transition) -> Iterator[tuple[str, str]]:
         """Elements of the tokens that one of them takes and the other needs."""
-        takes = [{p for p, _ in t.consume} for t in (one, other)]
-        needs = [{p for p, _ in (*t.consume, *t.read)} for t in (one, other)]
-        for place in sorted(takes[0] & needs[1] | takes[1] & needs[0]):
+        for place in _contended(one, other):
             origin = self.mission_net.net.places[place].provenance
             if origin is not None:
                 yield origin.kind, origin.name
