@@ -27,7 +27,7 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.settling import Orders, settled
+from mcpn.space.stable.completion import Orders, settled
 
 SIZES = {
     "ladder": (10, 30),

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.space.stable.settling import LISTING
+from mcpn.space.stable.completion import LISTING
 from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
 

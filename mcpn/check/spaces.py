@@ -18,7 +18,7 @@ from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
-from mcpn.space.stable.settling import LISTING
+from mcpn.space.stable.completion import LISTING
 from mcpn.steps import step
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.settling import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
-from mcpn.space.stable.settling import LISTING
+from mcpn.space.stable.completion import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.stable.completion import LISTING
 from mcpn.steps import step
 
 if TYPE_CHECKING:

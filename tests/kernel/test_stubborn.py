@@ -20,7 +20,7 @@ from mcpn.net.compose import compose
 from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.settling import Walk, settled
+from mcpn.space.stable.completion import Walk, settled
 from mcpn.testing import missions
 from tests.net.nets import cascades, conflicting_nets, falls, nets, reachable
 from tests.shares import returns_early

@@ -23,7 +23,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.local.exploring import explore_local
 from mcpn.space.markings.explicit import KernelNet, explore
 from mcpn.space.stable.alternatives import by_reduction, direct
-from mcpn.space.stable.settling import Orders, settled
+from mcpn.space.stable.completion import Orders, settled
 from tests.kernel.test_stubborn import judged_alike
 from tests.net.seeding import Fault, Seed, single
 from tests.net.test_handling import wide

@@ -16,7 +16,7 @@ from mcpn.net.events import Event
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.markings.explicit import explore
 from mcpn.space.markings.graph import StateGraph
-from mcpn.space.stable import settling
+from mcpn.space.stable import completion
 from mcpn.space.stable.alternatives import by_reduction, direct
 from tests.net.nets import nets, reachable
 from tests.shares import returns_early
@@ -97,7 +97,7 @@ def test_premises_are_decided_as_by_plain_search(drawn: PetriNet) -> None:
         with pytest.raises(expected) as walked:
             direct(net)
         # As where too much is behind the event to be listed.
-        with pytest.raises(expected) as kept, mock.patch.object(settling, "MOST_LISTED", 0):
+        with pytest.raises(expected) as kept, mock.patch.object(completion, "MOST_LISTED", 0):
             direct(net)
         for caught in (reduced.value, walked.value, kept.value):
             if isinstance(caught, DivergenceError):

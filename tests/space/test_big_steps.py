@@ -19,7 +19,7 @@ from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.stable import big_steps
 from mcpn.space.stable.big_steps import BigStepSpace, reach_in_big_steps
-from mcpn.space.stable.settling import settled
+from mcpn.space.stable.completion import settled
 from mcpn.testing import missions
 from mcpn.testing.stacks import stacked_missions
 from tests.draws import composed, fewer

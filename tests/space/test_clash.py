@@ -17,7 +17,7 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.run import Completion
 from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.space.stable.clash import Clash, Rival, explained, find_clash
-from mcpn.space.stable.settling import fault_after
+from mcpn.space.stable.completion import fault_after
 from mcpn.testing import missions
 from tests import small
 from tests.draws import fewer

@@ -25,15 +25,15 @@ from mcpn.space.local.composing import composite_space
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import AlternativesGraph, by_reduction, direct, direct_with_proof
 from mcpn.space.stable.clash import find_clash
+from mcpn.space.stable.commutation import open_conflicts
+from mcpn.space.stable.completion import PROOF_BY_MARKINGS, fault_after
 from mcpn.space.stable.confluence import (
     PROOF_BY_JOINING,
     PROOF_OF_ENDS,
     proof_of_conflicts,
     prove_confluent,
 )
-from mcpn.space.stable.nearest import fault_by, nearest_fault
-from mcpn.space.stable.ranks import open_conflicts
-from mcpn.space.stable.settling import PROOF_BY_MARKINGS, fault_after
+from mcpn.space.stable.falsification import fault_by, nearest_fault
 from mcpn.testing import missions
 from tests.net.nets import cascades, conflicting_nets, graph_of, nets, reachable, reordered
 from tests.shares import returns_early

@@ -193,8 +193,8 @@ def test_transient_markings(monkeypatch: pytest.MonkeyPatch) -> None:
     assert explore(net).states == 28
 
     def built(max_states: int) -> None:
-        monkeypatch.setattr("mcpn.space.stable.settling.TRANSIENT_OF_A_STATE", 0)
-        monkeypatch.setattr("mcpn.space.stable.settling.LEAST_TRANSIENT", max_states)
+        monkeypatch.setattr("mcpn.space.stable.completion.TRANSIENT_OF_A_STATE", 0)
+        monkeypatch.setattr("mcpn.space.stable.completion.LEAST_TRANSIENT", max_states)
         assert direct(net).states == 2
 
     assert_exact(built, 7, "more than {limit} transient markings")

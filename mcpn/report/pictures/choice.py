@@ -53,7 +53,7 @@ def _alternatives(mission_net: MissionNet) -> Drawing:
     from mcpn.report.pictures.machines import alternatives_drawing
     from mcpn.space.stable.alternatives import direct_with_proof
     from mcpn.space.stable.clash import in_mission_words
-    from mcpn.space.stable.settling import LISTING
+    from mcpn.space.stable.completion import LISTING
     from mcpn.steps import step
 
     step(LISTING)

@@ -29,8 +29,8 @@ from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.nearest import nearest_fault
-from mcpn.space.stable.settling import DEFAULT_MAX_STATES, LISTING
+from mcpn.space.stable.completion import DEFAULT_MAX_STATES, LISTING
+from mcpn.space.stable.falsification import nearest_fault
 from mcpn.steps import step
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.stable.big_steps import BigStepSpace, Steps, reach_in_big_steps
-from mcpn.space.stable.ranks import open_conflicts
+from mcpn.space.stable.commutation import open_conflicts
 
 
 @dataclass

@@ -1,9 +1,9 @@
 """Where a mission comes to an event without one outcome: the second premise of composition.
 
 The symbolic proof (:mod:`mcpn.space.stable.confluence`) is tried on the local net of each type, from every
-state of its hardware. Where it leaves conflicts open, they are looked for in what the mission passes and
-followed both ways (:mod:`mcpn.space.stable.joining`); where internal evolution may have no end, a marking is
-looked for from which it has none.
+state of its hardware. Where it leaves conflicts open, those in markings that the mission passes are judged by
+local confluence (:mod:`mcpn.space.stable.local_confluence`). Where internal evolution may have no end, a
+marking is looked for from which it has none.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from mcpn.space.local.exploring import Explored
 from mcpn.space.local.glued import CompositeSet, Parts
 from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
+from mcpn.space.stable.completion import fault_after
 from mcpn.space.stable.confluence import endless_runs, prove_confluent
-from mcpn.space.stable.joining import EndlessRun, parting_among
-from mcpn.space.stable.nearest import fault_by
-from mcpn.space.stable.patterns import without_one_end
-from mcpn.space.stable.settling import fault_after
+from mcpn.space.stable.falsification import fault_by
+from mcpn.space.stable.local_confluence import EndlessRun, parting_among
+from mcpn.space.stable.representatives import without_one_end
 from mcpn.steps import step
 
 

@@ -21,7 +21,7 @@ from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.symbolic import chained
 from mcpn.space.local.exploring import Explored
 from mcpn.space.local.layout import Layout, idle_places, remembered
-from mcpn.space.stable.settling import DEFAULT_MAX_STATES
+from mcpn.space.stable.completion import DEFAULT_MAX_STATES
 
 if TYPE_CHECKING:
     from mcpn.space.stable.alternatives import AlternativesGraph

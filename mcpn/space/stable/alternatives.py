@@ -21,8 +21,7 @@ from mcpn.net.events import Event
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet, Progress
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
-from mcpn.space.stable.nearest import nearest_fault
-from mcpn.space.stable.settling import (
+from mcpn.space.stable.completion import (
     DEFAULT_MAX_STATES,
     PROOF_BY_MARKINGS,
     confluence_error,
@@ -30,6 +29,7 @@ from mcpn.space.stable.settling import (
     judged,
     settled,
 )
+from mcpn.space.stable.falsification import nearest_fault
 
 State = TypeVar("State", bound=Hashable)
 

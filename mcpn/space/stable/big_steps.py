@@ -1,10 +1,10 @@
 """Big steps: what events make of stable states, internal evolution included, each an event of the store.
 
-A big step is of every stable marking that marks some places and leaves some others empty: it is run to
-completion from one of them, and what is looked at on the way tells which others behave like it. So few of
-them cover many states, and no transient marking is kept. From each, enough orders of internal transitions
-are tried to prove that the event has one outcome (:mod:`mcpn.space.stable.settling`), for all states that it
-is of.
+A big step applies to every stable marking that marks certain places and leaves certain others empty. It is
+computed from one such marking, by running the event to completion; the places that were read on the way are
+its condition, and all markings that agree on them behave alike. So few big steps cover many states, and no
+transient marking is kept. Each is tried in enough orders of internal transitions to prove that the event has
+one outcome in all of these markings (:mod:`mcpn.space.stable.completion`).
 
 Big steps of an event that fit one state make the same of it. Together they are a decision diagram over what
 they do to each level of the store (``kernel/src/diagrams/choices.cpp``).

@@ -1,15 +1,16 @@
 """The symbolic proof that internal evolution is confluent, without exploring its interleavings.
 
-The direct way follows one interleaving. That is sound where in every reachable marking, transient ones
-included, any two enabled internal transitions commute: firing one leaves the other enabled, or both give the
-same marking. Then every internal run from a marking that ends has the same length and the same end (*random
-descent*, Newman 1942; van Oostrom 2007), so that the end of the one run that is followed proves termination
-of them all. Where transitions have several ranks, so do the steps that must commute.
+To follow one interleaving is sound where in every reachable marking, transient ones included, any two enabled
+internal transitions commute: firing one leaves the other enabled, or both give the same marking. Then all
+internal runs from a marking that ends have the same length and the same end (*random descent*, Newman 1942;
+van Oostrom 2007), so that termination of the one run that is followed proves termination of all of them.
+Where transitions have several ranks, the steps that must commute have ranks, too.
 
-Transitions whose arcs cannot conflict are passed over; for each other pair, queries on the diagram of
-reachable markings ask whether it leaves that open (:mod:`mcpn.space.stable.ranks`). Pairs of one rank that
-are left are joined (:mod:`mcpn.space.stable.joining`): where both ways always lead to the same marking again,
-that proves the same. With several ranks, what is left is explored (:mod:`mcpn.space.stable.patterns`).
+Pairs of transitions whose arcs cannot conflict need no query. For each other pair, queries on the diagram of
+reachable markings decide whether it commutes everywhere (:mod:`mcpn.space.stable.commutation`). Pairs that
+need not commute are judged by local confluence, where all have one rank
+(:mod:`mcpn.space.stable.local_confluence`); else what is behind them is explored
+(:mod:`mcpn.space.stable.representatives`).
 """
 
 from __future__ import annotations
@@ -23,17 +24,17 @@ from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import mask_of
-from mcpn.space.stable.joining import EndlessRun, Joining, Parting, parting_among
-from mcpn.space.stable.nearest import nearest_fault
-from mcpn.space.stable.patterns import without_one_end
-from mcpn.space.stable.ranks import open_conflicts
-from mcpn.space.stable.settling import (
+from mcpn.space.stable.commutation import open_conflicts
+from mcpn.space.stable.completion import (
     DEFAULT_MAX_STATES,
     PROOF_BY_MARKINGS,
     confluence_error,
     fault_after,
     judged,
 )
+from mcpn.space.stable.falsification import nearest_fault
+from mcpn.space.stable.local_confluence import EndlessRun, Joining, Parting, parting_among
+from mcpn.space.stable.representatives import without_one_end
 
 PROOF_OF_ENDS = "symbolic: internal transitions conflict in no reachable marking; each leads to a stable one"
 PROOF_BY_JOINING = (

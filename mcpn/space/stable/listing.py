@@ -9,7 +9,7 @@ from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
 from mcpn.space.markings.graph import pack
 from mcpn.space.stable.alternatives import AlternativesGraph, numbered
-from mcpn.space.stable.settling import DEFAULT_MAX_STATES
+from mcpn.space.stable.completion import DEFAULT_MAX_STATES
 
 
 def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:

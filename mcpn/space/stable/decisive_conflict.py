@@ -1,4 +1,4 @@
-"""Where two runs part for good: the firings that decide which stable marking internal evolution ends in."""
+"""The decisive conflict: the two firings that decide in which stable marking internal evolution ends."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ from mcpn.net.events import What
 from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import mask_of, unsafe_after
-from mcpn.space.stable.joining import EndlessRun, Joining, Parting
-from mcpn.space.stable.settling import Walk, confluence_error, divergence_error, settled
+from mcpn.space.stable.completion import Walk, confluence_error, divergence_error, settled
+from mcpn.space.stable.local_confluence import EndlessRun, Joining, Parting
 
 FIRINGS = 50_000
 """Firings after which the search gives up; about a second."""
@@ -25,7 +25,7 @@ WAYS = 30
 """Markings behind one event from which every order is tried."""
 
 MOST_NEAR = 100
-"""Stable ends behind one event that are looked for, with :data:`settling.LEAST_TRANSIENT` markings."""
+"""Stable ends behind one event that are looked for, with ``completion.LEAST_TRANSIENT`` markings."""
 
 HARDWARE = {What.OUT_OF_SERVICE, What.REPAIRED, What.LOST}
 

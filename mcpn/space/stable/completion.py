@@ -1,11 +1,14 @@
-"""Runs each event to completion in the kernel, and tells the errors of events without one outcome.
+"""Run to completion: from a stable marking through an event to the next one, in the kernel.
 
-In one order of internal transitions, which is sound where internal evolution is confluent; or in enough of
-them, which proves it: a transition that may go first whatever comes after fires alone (*stubborn sets*,
-Valmari 1989; ``papers/mcpn.md``, Proposition 3), and where none is found all ways are explored, depth first,
-and the one stable end of the marking is remembered (``kernel/src/markings/settling.hpp``). That stops at an
-unsafe firing, at one that closes a circle, or at a marking that two ways leave for different ends. Everything
-behind both was judged then, and each has one end, so that these two transitions decide the outcome.
+Internal transitions fire in one order, which is sound where internal evolution is confluent, or in enough
+orders to prove that it is. In a marking where one transition commutes with everything that may fire before
+it, only that one is fired (*stubborn sets*, Valmari 1989; ``papers/mcpn.md``, Proposition 3). Elsewhere every
+enabled one is, depth first, and the kernel keeps the one stable end of each marking
+(``kernel/src/markings/settling.hpp``).
+
+Exploration stops at an unsafe firing, at a firing that closes a cycle, and at a marking two of whose
+transitions lead to different ends. All markings after these two were explored before, and each has one end:
+so the two transitions decide the outcome, and the error names them.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import DEFAULT_MAX_MEMORY, KernelNet, Progress
 from mcpn.space.markings.firing import MaskedNet, mask_of, unsafe_after
 from mcpn.space.run import Completion
-from mcpn.space.stable.parting import parting_runs
+from mcpn.space.stable.decisive_conflict import parting_runs
 
 PROOF_BY_MARKINGS = (
     "behind each event enough orders of internal transitions explored; all have one stable end"

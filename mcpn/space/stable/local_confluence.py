@@ -1,11 +1,14 @@
 """Local confluence: whether two internal transitions in conflict lead to the same marking again.
 
 Where every two enabled internal transitions either commute or lead to a common marking again, and internal
-evolution ends, every transient marking has one stable end (Newman 1942). It is enough to look at conflicts
-where nothing else is left to fire (:func:`calm`), and there to follow one run behind each of both transitions
-until both come to the same marking. If they never do, both ends are outcomes of the same event. If they do,
-the part of the two runs that matters joins the two transitions in every marking that has the tokens for it,
-so that all such markings are done at once. No interleavings are listed.
+evolution ends, every transient marking has one stable end (Newman's lemma, 1942). Conflicts are judged only
+in markings that enable nothing but transitions in conflict (:func:`calm`).
+
+In such a marking, one run is followed from each of the two transitions until both runs are in the same
+marking. If they never are, the event has two outcomes. If they are, firings that both runs make and neither
+needs are left out. The tokens that the rest consumes or reads are a sufficient condition: in every marking
+that has them the same two runs lead to a common marking. So one pair of runs decides a set of markings, and
+no interleavings are listed.
 """
 
 from __future__ import annotations
@@ -18,7 +21,7 @@ from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.diagrams.encoding import Encoding, distinct
 from mcpn.space.markings.firing import MaskedNet, mask_of
-from mcpn.space.stable.ranks import open_pairs
+from mcpn.space.stable.commutation import open_pairs
 
 DECIDING_WAYS = 3_000
 """Markings behind a parting from which every order is tried before it is taken for one that decides."""
@@ -304,7 +307,7 @@ def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -
         EndlessRun: An internal run need not end.
     """
     contended = distinct(encoding.events[t] for pair in conflicts for t in pair)
-    assert len(encoding.internal_ranks) <= 1, "ranks are another matter: see mcpn.space.stable.ranks"
+    assert len(encoding.internal_ranks) <= 1, "ranks are another matter: see mcpn.space.stable.commutation"
     internal = chain.from_iterable(encoding.internal_ranks)
     free = dict.fromkeys(event for event in internal if event not in contended)
     conditions = [c for t, c in encoding.enabling.items() if c is not None and encoding.events.get(t) in free]

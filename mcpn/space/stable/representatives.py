@@ -15,7 +15,7 @@ from mcpn._kernel import Zdd
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.markings.explicit import KernelNet
-from mcpn.space.stable.settling import MOST_ENDS, settled
+from mcpn.space.stable.completion import MOST_ENDS, settled
 
 
 def without_one_end(encoding: Encoding, begun: Zdd) -> Marking | None:

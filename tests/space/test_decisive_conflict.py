@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.stable import settling
+from mcpn.space.stable import completion
 from mcpn.space.stable.alternatives import direct
-from mcpn.space.stable.parting import parting_runs
-from mcpn.space.stable.settling import fault_after
+from mcpn.space.stable.completion import fault_after
+from mcpn.space.stable.decisive_conflict import parting_runs
 from tests.space.runs import assert_parts, markings_of
 
 Graph = dict[int, dict[int, int]]
@@ -111,7 +111,7 @@ def machine(graph: Graph, behind: int, *, beside: bool, overfull: int | None) ->
     return builder.build()
 
 
-@pytest.mark.parametrize("listed", [settling.MOST_LISTED, 0])
+@pytest.mark.parametrize("listed", [completion.MOST_LISTED, 0])
 @given(graphs(), st.integers(0, 2), st.booleans(), st.none() | st.integers(0, 6))
 def test_every_interleaving_is_judged(
     listed: int, graph: Graph, behind: int, beside: bool, overfull: int | None
@@ -131,7 +131,7 @@ def test_every_interleaving_is_judged(
         if holds
     }
     event(f"{sorted(kind.__name__ for kind in possible)}")
-    with mock.patch.object(settling, "MOST_LISTED", listed):
+    with mock.patch.object(completion, "MOST_LISTED", listed):
         told: list[SemanticsError | None] = [fault_after(net, events)]
         try:
             direct(net)
