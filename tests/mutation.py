@@ -78,7 +78,7 @@ pl -> ?-1 *2 ( ) ! & | AG EF A[ U
 WORDS = [*_PRINTED.split(), " ", "\t", "\r", "\n", "\x85", "\u202e", "\u0661", "\U0001f680"]
 _OPTIONS = """
 --max-states --engine --order --save-order --seed --import-root --objective --severity --fmeca --openpsa
---method -o --target --properties --examination --fair --scn --jobs --formula --no-proof --on
+--method -o --target --properties --examination --fair --scn --jobs --no-proof --on
 --structure
 """
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -46,9 +47,12 @@ def test_json_of_ulysse() -> None:
 
 
 def test_one_objective_alone() -> None:
-    found = output("causes", ULYSSE, "--objective", "transect.diving", "--formula")
+    found = output("causes", ULYSSE, "--objective", "transect.diving")
     assert list(found["objectives"]) == ["transect.diving"]
-    assert found["formulas"]["transect.diving"] == "thruster_actuator | GPS_sensor & IMU_sensor"
+    assert found["objectives"]["transect.diving"]["cut_sets"] == [
+        ["thruster_actuator"],
+        ["GPS_sensor", "IMU_sensor"],
+    ]
 
 
 def test_unknown_objectives_are_told_with_the_known_ones() -> None:
@@ -107,6 +111,23 @@ def test_rates(tmp_path: Path) -> None:
     assert found["risk"]["success"] == pytest.approx(1 / 1.5)
     assert found["risk"]["importance"] == {"H": pytest.approx(1.0)}
     assert found["risk"]["unrated"] == []
+
+
+def test_without_scipy_rates_name_their_extra_and_the_rest_is_answered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "m.xml"
+    path.write_text(TIMED)
+    for name in ("chain", "linear", "risk", "section_chains"):
+        monkeypatch.delitem(sys.modules, f"mcpn.check.causes.{name}", raising=False)
+    for name in ("scipy", "scipy.linalg", "scipy.sparse", "scipy.sparse.linalg"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert mcpn("causes", path).returncode == 0
+    run = mcpn("causes", path, "--rates")
+    assert (run.returncode, run.stderr) == (2, "error: probabilities need scipy: pip install 'mcpn[risk]'\n")
+    page = tmp_path / "page.html"
+    assert mcpn("report", path, "-o", page).returncode == 0
+    assert "No numbers of risk: probabilities need scipy" in page.read_text()
 
 
 def test_events_without_a_rate_are_named(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ PRINTED = {
     "check dead.net": "check-net",
     "check dead.net --structure": "check-structure",
     "causes mission.xml": "causes",
-    "causes mission.xml --formula --objective transect.diving": "causes",
+    "causes mission.xml --objective transect.diving": "causes",
     "causes contended.xml": "error",
     "alternatives contended.xml": "error",
     "states unbounded.net": "error",

@@ -20,7 +20,7 @@ from tests.conftest import ROOT
 
 PYPROJECT = ROOT / "pyproject.toml"
 pytestmark = pytest.mark.skipif(not PYPROJECT.is_file(), reason="needs the checkout or a source distribution")
-USERS = ("distributed", "pictures", "pyeda", "report", "testing")
+USERS = ("distributed", "pictures", "pyeda", "report", "risk", "testing")
 """The extras that users take; the others are for work on mcpn itself."""
 
 

@@ -44,9 +44,10 @@ MOST_TOLD = 50
 @click.option("--fmeca", type=FILE, help="Write the FMECA table: .csv or .json.")
 @click.option("--openpsa", type=FILE, help="Write a fault tree in the Open-PSA format (XML).")
 @click.option(
-    "--rates", is_flag=True, help="Compute probabilities from the rates and durations of the mission."
+    "--rates",
+    is_flag=True,
+    help="Compute probabilities from the rates and durations of the mission (needs mcpn[risk]).",
 )
-@click.option("--formula", is_flag=True, help="Prove each condition a minimal formula (needs mcpn[pyeda]).")
 @click.option(
     "--severity",
     "severities",
@@ -66,7 +67,6 @@ def causes(
     fmeca: Path | None,
     openpsa: Path | None,
     rates: bool,
-    formula: bool,
     severities: tuple[str, ...],
     jobs: int,
     scheduler: str | None,
@@ -109,10 +109,6 @@ def causes(
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)
         rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
-    goals = {found.mission.name: found.mission, **found.objectives}
-    formulas = (
-        {name: report.minimal_formula(goal.cut_sets) for name, goal in goals.items()} if formula else {}
-    )
     numbers = None
     if rates:
         from mcpn.check.causes.risk import risk
@@ -125,15 +121,11 @@ def causes(
         report.save_fmeca(rows, fmeca, classes)
     if as_json:
         document: dict[str, Any] = report.causes_object(found, runs=short)
-        if formulas:
-            document["formulas"] = formulas
         if numbers is not None:
             document["risk"] = asdict(numbers)
         emit_json(document | choice_object(every.choice) | {"seconds": time.perf_counter() - started})
         return
     report.print_causes(found)
-    for name, text in formulas.items():
-        click.echo(f"{name}: {text}")
     if rows:
         report.print_fmeca([r for r in rows if not objectives or r.objective in objectives], classes)
     if numbers is not None:

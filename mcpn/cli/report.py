@@ -28,6 +28,8 @@ from mcpn.errors import InputError, McpnError, Source
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from mcpn.check.causes.prospects import Prospects
+    from mcpn.check.causes.risk import Risk
     from mcpn.check.spaces import Asked
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.mission.model import Mission
@@ -111,7 +113,6 @@ def findings(
         SemanticsError: A section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
-    from mcpn.check.causes.risk import risk as find_risk
     from mcpn.check.verdicts.mission import check
     from mcpn.mission.facts.warnings import find_warnings
     from mcpn.report.local import local_pictures
@@ -162,9 +163,15 @@ def findings(
     notes += missing
     risk = None
     if causes is not None and _has_rates(mission_net.mission):
-        risk = tried("numbers of risk", lambda: find_risk(causes.prospects, MOST_STATES))
+        risk = tried("numbers of risk", lambda: _risk(causes.prospects))
     warnings = list(dict.fromkeys(warnings))
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
+
+
+def _risk(prospects: Prospects[Any]) -> Risk:
+    from mcpn.check.causes.risk import risk  # an extra
+
+    return risk(prospects, MOST_STATES)
 
 
 def _has_rates(mission: Mission) -> bool:

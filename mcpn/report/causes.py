@@ -14,7 +14,7 @@ from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes, GoalCauses, Survival
 from mcpn.check.causes.fmeca import Row
 from mcpn.check.causes.prospects import CriticalEvent
-from mcpn.errors import InputError, LimitError, SemanticsError, Source
+from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
@@ -31,9 +31,6 @@ Classes = Mapping[Severity, str]
 """A user's own names of the severity classes."""
 
 STANDARD: Classes = {severity: severity.words for severity in Severity}
-
-MAX_TERMS = 2000
-"""The most products of which a minimal formula is looked for."""
 
 COLUMNS = (
     "hardware",
@@ -63,41 +60,6 @@ def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
     if () in cut_sets:
         return f"{name} can never succeed"
     return f"{name} fails if " + ", or if ".join(map(enumeration, cut_sets))
-
-
-def minimal_formula(losing: Sequence[CutSet]) -> str:
-    """The minimal sum of products of a function, found by espresso and proved equivalent to it by a solver.
-
-    A monotone function has just one, the sum of its minimal solutions.
-
-    Args:
-        losing: Products whose sum is the function, each of names of hardware; they need not be minimal.
-
-    Returns:
-        For example ``thruster_actuator | GPS_sensor & IMU_sensor``, smaller products first, then in
-        alphabetical order; ``0`` never, ``1`` always.
-
-    Raises:
-        LimitError: pyeda is not installed, or the function has more than :data:`MAX_TERMS` products.
-        SemanticsError: The solver finds the formula and the function to differ.
-    """
-    if not losing or () in losing:
-        return "1" if losing else "0"
-    if len(losing) > MAX_TERMS:
-        raise LimitError(f"{len(losing)} products: more than {MAX_TERMS}, the limit on products of a formula")
-    try:
-        from pyeda.boolalg.expr import And, Or, Xor, exprvar
-        from pyeda.boolalg.minimization import espresso_exprs
-    except ImportError as error:
-        raise LimitError('minimal formulas need pyeda: pip install "mcpn[pyeda]"') from error
-    names = sorted({name for product in losing for name in product})
-    variables = {name: exprvar("hardware", number) for number, name in enumerate(names)}
-    function = Or(*(And(*(variables[name] for name in product)) for product in losing))
-    (minimised,) = espresso_exprs(function.to_dnf())
-    if Xor(function, minimised).satisfy_one() is not None:
-        raise SemanticsError("espresso's formula differs from the function that it minimises")
-    products = [sorted(names[variable.indices[0]] for variable in cube) for cube in minimised.cover]
-    return " | ".join(" & ".join(product) for product in sorted(products, key=lambda p: (len(p), p)))
 
 
 # --- objects -------------------------------------------------------------------------------------------

@@ -16,9 +16,8 @@ from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import splu
 
+from mcpn.check.causes.linear import csc_array, csr_array, splu
 from mcpn.check.causes.prospects import Prospects
 from mcpn.net.events import What
 from mcpn.net.sections import Element

@@ -23,10 +23,9 @@ from typing import Any
 
 import networkx as nx
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from mcpn.check.causes.chain import CHUNK, Chain, Floats, Listed, totals
+from mcpn.check.causes.linear import LinearOperator, gmres, lu_factor, lu_solve
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.mission.model import FAIL, SUCCEED
