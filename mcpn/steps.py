@@ -1,27 +1,101 @@
 """Which step of the work is under way: announced by what takes time, shown by who watches.
 
-Steps are messages of the logger ``mcpn.steps`` at level INFO. Nobody hears them by default; a program that
-uses the package as a library listens with a handler of its own. The command line listens without logging.
+Steps are messages of the logger ``mcpn.steps`` at level INFO, as :class:`WorkStep`, whose text is its words.
+Nobody hears them by default; a program that uses the package as a library listens with a handler of its own.
+The command line listens without logging.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
 
-HEARERS: list[Callable[[str], None]] = []
+
+class Doing(Enum):
+    """Kinds of steps, and the words for them; what stands in braces is a field of :class:`WorkStep`."""
+
+    ANSWERING = "answering {question}"
+    CHECKING_EXITS = "checking what section {section} hands on"
+    COUNTING = "counting what happens, and looking for what is never used"
+    DECIDING = "looking for a run that decides {question}"
+    EXPLAINING = "explaining an event with two outcomes"
+    EXPLORING = "exploring section {section}"
+    FINDING_CAUSES = "finding the causes of failure of {objective}"
+    FINDING_CLASH = "looking for a clash near the start of the mission"
+    FINDING_EFFECTS = "finding what the failure of {hardware} does during {objective}"
+    FINDING_MODES = "finding the functioning modes"
+    FINDING_NEEDS = "finding what hardware the mission needs"
+    FINDING_STUCK = "looking for states from which the mission cannot end"
+    FINDING_SURVIVAL = "finding what the mission survives from the start on"
+    FINDING_SURVIVAL_FROM = "finding what the mission survives from section {section} on"
+    JOINING = "joining the sections"
+    LISTING = "listing the stable states, and proving that each event has one outcome"
+    LISTING_MARKINGS = "listing the markings"
+    MAKING_DIAGRAM = "making a diagram of all markings"
+    PROVING = "proving that each event has one outcome"
+    PROVING_JUNCTION = "proving the way from section {section} to {successor} confluent"
+    PROVING_SECTION = "proving section {section} confluent"
+
+
+@dataclass(frozen=True, slots=True)
+class WorkStep:
+    """A step of the work, and what it is about.
+
+    Args:
+        doing: What is being done.
+        section: With which section of the mission.
+        successor: With which one after it.
+        objective: With which objective, or ``the mission``.
+        hardware: With which hardware resource.
+        question: For which verdict or formula.
+        number: The how manieth step of its kind.
+        total: How many there are of it.
+    """
+
+    doing: Doing
+    section: str | None = None
+    successor: str | None = None
+    objective: str | None = None
+    hardware: str | None = None
+    question: str | None = None
+    number: int = 1
+    total: int = 1
+
+    def __str__(self) -> str:
+        said = self.doing.value.format(
+            section=self.section,
+            successor=self.successor,
+            objective=self.objective,
+            hardware=self.hardware,
+            question=self.question,
+        )
+        return f"{said} (type {self.number} of {self.total})" if self.total > 1 else said
+
+
+HEARERS: list[Callable[[WorkStep], None]] = []
 """Who is told of each step, beside the logger."""
 
 
-def step(doing: str) -> None:
-    """Announces a step.
-
-    Args:
-        doing: What is being done, as in "exploring section dive".
-    """
+def step(
+    doing: Doing,
+    *,
+    section: str | None = None,
+    successor: str | None = None,
+    objective: str | None = None,
+    hardware: str | None = None,
+    question: str | None = None,
+    number: int = 1,
+    total: int = 1,
+) -> None:
+    """Announces a step, by the fields of :class:`WorkStep`."""
+    if not HEARERS and "logging" not in sys.modules:  # nobody has a handler
+        return
+    announced = WorkStep(doing, section, successor, objective, hardware, question, number, total)
     for hear in HEARERS:
-        hear(doing)
-    if "logging" in sys.modules:  # else nobody has a handler
+        hear(announced)
+    if "logging" in sys.modules:
         import logging
 
-        logging.getLogger("mcpn.steps").info("%s", doing)
+        logging.getLogger("mcpn.steps").info("%s", announced)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.space.stable.completion import LISTING
+from mcpn.steps import Doing
 from mcpn.workers import executor_of
 from tests.conftest import ULYSSE, interruptible
 
@@ -125,7 +125,7 @@ main()
     code, said = ENDS[number]
     assert (run.returncode, run.stdout) == (code, "")
     # Arrays are loaded by the step that lists states in them, which is told then.
-    step = rf"\nwhile {LISTING} \(\d+ s of \d+ s\)\nanother engine may be quicker: .*"
+    step = rf"\nwhile {Doing.LISTING.value} \(\d+ s of \d+ s\)\nanother engine may be quicker: .*"
     assert re.fullmatch(said + (step if module == "numpy" else ""), run.stderr.strip())
 
 

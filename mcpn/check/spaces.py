@@ -18,8 +18,7 @@ from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
-from mcpn.space.stable.completion import LISTING
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -251,7 +250,7 @@ def stable_states(
     net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
     if mission_net is not None and (found := _too_much_hardware(mission_net, by.limit)):
         raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
-    step(LISTING)  # before arrays are loaded, which takes its time
+    step(Doing.LISTING)  # before arrays are loaded, which takes its time
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import direct_with_proof
 
@@ -263,7 +262,7 @@ def markings_by(
     net: PetriNet, by: Choice, progress: Progress | None = None, *, tokens: bool = True
 ) -> ArraySpace | DiagramMarkings:
     """The markings graph of a net; see :func:`space_of`."""
-    step("listing the markings" if by.engine == "explicit" else "making a diagram of all markings")
+    step(Doing.LISTING_MARKINGS if by.engine == "explicit" else Doing.MAKING_DIAGRAM)
     if by.engine == "explicit":
         from mcpn.space.arrays import ArraySpace
 
@@ -285,7 +284,7 @@ def alternatives_by(
     markings: ArraySpace | DiagramMarkings, max_states: int, *, proof: bool = True
 ) -> tuple[Space[Any], str]:
     """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
-    step("proving that each event has one outcome")
+    step(Doing.PROVING)
     if not isinstance(markings, DiagramMarkings):
         from mcpn.space.stable.alternatives import by_reduction
 

@@ -16,8 +16,7 @@ from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash import in_mission_words
 from mcpn.space.stable.completion import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
-from mcpn.space.stable.completion import LISTING
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -97,7 +96,7 @@ def generate(
                 f"{faulty} hardware resources that may fail have 2^{faulty} states and a flat controller has "
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
-        step(LISTING)
+        step(Doing.LISTING)
         with in_mission_words(mission_net):
             graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
         return flat_controller(mission_net, graph)

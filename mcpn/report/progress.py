@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from mcpn.steps import HEARERS
+from mcpn.steps import HEARERS, Doing, WorkStep
 
 SILENT_SECONDS = 1.0
 """What ends sooner shows no progress."""
@@ -68,14 +67,14 @@ class UnderWay:
     """Hears which step is announced (:mod:`mcpn.steps`)."""
 
     def __init__(self) -> None:
-        self.doing: str | None = None
+        self.step: WorkStep | None = None
         self.since = self.started = time.monotonic()
         self._before = (0, 0)
         self._latest = (0, 0)
 
-    def hear(self, doing: str) -> None:
+    def hear(self, step: WorkStep) -> None:
         """Begins a step; numbers that were told before are not its own."""
-        self.doing, self.since, self._before = doing, time.monotonic(), self._latest
+        self.step, self.since, self._before = step, time.monotonic(), self._latest
 
     def telling(self, told: Callable[[int, int, float], str]) -> Callable[[int, int, float], str]:
         """What a line says: the step, and how far it is where it has told numbers of its own.
@@ -86,36 +85,33 @@ class UnderWay:
 
         def line(one: int, other: int, seconds: float) -> str:
             self._latest = one, other
-            if self.doing is None:
+            if self.step is None:
                 return told(one, other, seconds)
             spent = time.monotonic() - self.since
             if told is sections or self._latest == self._before:
-                return f"{self.doing}, {duration(spent)}; {duration(seconds)} in all"
-            return f"{self.doing}: {told(one, other, spent)}"
+                return f"{self.step}, {duration(spent)}; {duration(seconds)} in all"
+            return f"{self.step}: {told(one, other, spent)}"
 
         return line
 
     def interrupted(self) -> list[str]:
         """What is said of work that ends before its time: the step, and what to try."""
-        if self.doing is None:
+        if self.step is None:
             return []
         now = time.monotonic()
         spent = f"{duration(now - self.since)} of {duration(now - self.started)}"
-        found = [f"while {self.doing} ({spent})"]
-        section = _SECTION.search(self.doing)
-        if "clash" in self.doing:
-            found.append("the warnings above name what several activities want at the same time: begin there")
-        elif section is not None:
-            found.append(
-                f"if this step always takes the time, make section {section[1]} smaller (fewer activities in "
-                'one block, hardware with faulty="false") or check a mission with it alone'
+        lines = [f"while {self.step} ({spent})"]
+        if self.step.doing is Doing.FINDING_CLASH:
+            lines.append("the warnings above name what several activities want at the same time: begin there")
+        elif self.step.section is not None:
+            lines.append(
+                f"if this step always takes the time, make section {self.step.section} smaller (fewer "
+                'activities in one block, hardware with faulty="false") or check a mission with it alone'
             )
         else:
-            found.append("another engine may be quicker: --engine local, symbolic or explicit")
-        return found
+            lines.append("another engine may be quicker: --engine local, symbolic or explicit")
+        return lines
 
-
-_SECTION = re.compile(r"section (\S+)")
 
 _heard: list[UnderWay] = []
 """Who listens now, the innermost last; after an interruption who has listened then."""
@@ -176,8 +172,8 @@ class Steps:
     def line(self, seconds: float) -> str:
         """The step and how far it is, after so many seconds of the whole work."""
         spent = time.monotonic() - self._since
-        if self.heard is not None and self.heard.doing is not None and self.heard.since >= self._since:
-            how_far = f"{self._name}: {self.heard.doing}, {duration(time.monotonic() - self.heard.since)}"
+        if self.heard is not None and self.heard.step is not None and self.heard.since >= self._since:
+            how_far = f"{self._name}: {self.heard.step}, {duration(time.monotonic() - self.heard.since)}"
         elif self._told is None or self._at == (0, 0):
             how_far = f"{self._name}, {duration(spent)}"
         else:

@@ -26,7 +26,7 @@ from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
-from mcpn.steps import step
+from mcpn.steps import Doing, WorkStep, step
 from tests.commands import mcpn
 from tests.conftest import ULYSSE
 
@@ -141,18 +141,18 @@ def test_the_step_that_is_announced_is_named() -> None:
     with listening() as heard:
         of_sections, of_states = heard.telling(sections), heard.telling(exploring)
         assert of_states(0, 0, 2.0) == "exploring, 2 s"
-        step("exploring section dive (type 1 of 2)")
+        step(Doing.EXPLORING, section="dive", number=1, total=2)
         assert of_sections(0, 0, 2.0) == "exploring section dive (type 1 of 2), 0 s; 2 s in all"
         assert of_sections(1, 2, 2.0) == "exploring section dive (type 1 of 2), 0 s; 2 s in all"
-        step("proving section dive confluent")
+        step(Doing.PROVING_SECTION, section="dive")
         assert of_sections(1, 2, 9.0) == "proving section dive confluent, 0 s; 9 s in all"
-        step("listing the markings")  # the numbers are still those of the step before
+        step(Doing.LISTING_MARKINGS)  # the numbers are still those of the step before
         assert of_states(1, 2, 9.0) == "listing the markings, 0 s; 9 s in all"
         assert of_states(7, 9, 9.0).startswith("listing the markings: exploring: 7 states, 9 edges")
         steps = Steps(heard)
         steps.begin("verdicts", counted)
         assert steps.line(9.0) == "verdicts, 0 s; 9 s in all"
-        step("finding the functioning modes")
+        step(Doing.FINDING_MODES)
         assert steps.line(9.0) == "verdicts: finding the functioning modes, 0 s; 9 s in all"
 
 
@@ -163,6 +163,13 @@ def test_every_engine_announces_its_steps(
     with caplog.at_level(logging.INFO, "mcpn.steps"):
         found = check(ulysse_net, engine=engine)
     steps = [record.getMessage() for record in caplog.records]
+    announced = [record.args[0] for record in caplog.records if isinstance(record.args, tuple)]
+    assert [s.question for s in announced if isinstance(s, WorkStep) and s.doing is Doing.DECIDING] == [
+        "deadlock_free",
+        "success_reachable",
+        "can_always_finish",
+        "failure_reachable",
+    ]
     assert "finding the functioning modes" in steps
     assert "looking for a run that decides can_always_finish" in steps
     proving = "proving that each event has one outcome"

@@ -22,7 +22,7 @@ from mcpn.notebook import Told
 from mcpn.space.algebra import Space
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -151,11 +151,11 @@ def find_causes(
     (living, dying), choice = answered(
         spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
-    step("finding what hardware the mission needs")
+    step(Doing.FINDING_NEEDS)
     prospects, cuts = Prospects(mission_net, living), CutSets(mission_net, dying)
 
     def causes(goal: Goal[Any], dying: Goal[Any], section: Section | None = None) -> GoalCauses:
-        step(f"finding the causes of failure of {'the mission' if section is None else goal.name}")
+        step(Doing.FINDING_CAUSES, objective="the mission" if section is None else goal.name)
         found = cuts.found(dying, section)
         return GoalCauses(
             goal.name,
@@ -168,7 +168,7 @@ def find_causes(
 
     def survival(section: Section | None) -> Survival:
         name = None if section is None else section.name
-        step(f"finding what the mission survives from {f'section {name}' if name else 'the start'} on")
+        step(Doing.FINDING_SURVIVAL_FROM if name else Doing.FINDING_SURVIVAL, section=name)
         lost = cuts.defeating(cuts.mission, Moment.ENTRY if section else Moment.START, section)
         cut_sets, survived = cuts.minimal(lost), cuts.images.everything - lost
         always = at_most = None

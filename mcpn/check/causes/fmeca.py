@@ -23,7 +23,7 @@ from mcpn.net.events import What
 from mcpn.net.templates import Role
 from mcpn.space.algebra import Alike, S, Space
 from mcpn.space.images import ImageStore
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 Others: TypeAlias = tuple[str, ...]
 """Other hardware that is out of service already, sorted."""
@@ -130,7 +130,7 @@ class _Table(Generic[S]):
         for hardware in self.prospects.hardware:
             for name, goal in self.prospects.objectives.items():
                 if goal.running and (objectives is None or name in objectives):
-                    step(f"finding what the failure of {hardware} does during {name}")
+                    step(Doing.FINDING_EFFECTS, hardware=hardware, objective=name)
                     facts = self.facts(hardware, goal)
                     if facts is not None:
                         yield self.row(hardware, goal, facts)

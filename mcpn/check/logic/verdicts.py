@@ -29,7 +29,7 @@ from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.goal import FALSE, TRUE, Formula
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from mcpn.check.logic.contest import Property
@@ -308,7 +308,7 @@ class _Answers:
         # A typed formula is asked as it was written: so is the run that shows it.
         meaning, questions = (self.asked if self.typed else self.waiting)[name], self.questions
         if self.typed:
-            step(f"answering {name}")
+            step(Doing.ANSWERING, question=name)
         if isinstance(meaning, tuple):
             return largest(questions.space, Counter(meaning))
         if isinstance(meaning, str):

@@ -27,7 +27,7 @@ from mcpn.space.algebra import S, Space
 from mcpn.space.markings.explicit import Progress, count
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash import explained
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -237,7 +237,7 @@ def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
     name = "safe"
     if not isinstance(error, UnsafeError):
         name = "confluent"
-        step("explaining an event with two outcomes")
+        step(Doing.EXPLAINING)
         if isinstance(error, ConfluenceError):
             error = explained(mission_net, error)
     net, index = mission_net.net, mission_net.net.transition_index
@@ -262,12 +262,12 @@ def _verdicts(
         known.append(Verdict("safe", True, "no firing puts a second token in a place"))
         known.append(Verdict("bounded", True, "a 1-safe net is bounded"))
         known += _reachability(mission_net, space, settles=alternatives is not None)
-        step("counting what happens, and looking for what is never used")
+        step(Doing.COUNTING)
         firings = space.firings(space.everything)
         never = _unselectable(mission_net, space, firings)
         found = f"{len(never)} found" if never else "nothing found"
         known.append(Verdict("unselectable", bool(never), found))
-        step("finding the functioning modes")
+        step(Doing.FINDING_MODES)
     by_name = {verdict.name: verdict for verdict in known}
     return MissionCheck(
         mission_net,
@@ -285,7 +285,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     """Verdicts that a run to some states decides."""
     success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
     finished = success | failure
-    step("looking for states from which the mission cannot end")
+    step(Doing.FINDING_STUCK)
     goals = {
         "deadlock_free": space.dead - finished,
         "success_reachable": success,
@@ -293,7 +293,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         "failure_reachable": failure,
     }
     for name, goal in goals.items():
-        step(f"looking for a run that decides {name}")
+        step(Doing.DECIDING, question=name)
         good, found, nothing = RUNS[name]
         run = None
         if goal:

@@ -53,10 +53,9 @@ def _alternatives(mission_net: MissionNet) -> Drawing:
     from mcpn.report.pictures.machines import alternatives_drawing
     from mcpn.space.stable.alternatives import direct_with_proof
     from mcpn.space.stable.clash import in_mission_words
-    from mcpn.space.stable.completion import LISTING
-    from mcpn.steps import step
+    from mcpn.steps import Doing, step
 
-    step(LISTING)
+    step(Doing.LISTING)
     with in_mission_words(mission_net):
         return alternatives_drawing(mission_net, direct_with_proof(mission_net.net))
 

@@ -29,9 +29,9 @@ from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
 from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.completion import DEFAULT_MAX_STATES, LISTING
+from mcpn.space.stable.completion import DEFAULT_MAX_STATES
 from mcpn.space.stable.falsification import nearest_fault
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -69,7 +69,7 @@ def composite_space(
     """
     usage = mission_net.usage
     if usage.contentions and not may_die:
-        step("looking for a clash near the start of the mission")
+        step(Doing.FINDING_CLASH)
         error = nearest_fault(mission_net.net)  # a clash near the start is found at once
         if error is not None:
             raise error
@@ -86,7 +86,7 @@ def composite_space(
     dying = [net.net if may_die else None for net in nets.values()]
     results = _explored([net.net for net in immortal.values()], dying, executor)
     for number, name in enumerate(nets, 1):
-        step(f"exploring section {name}" + (f" (type {number} of {len(nets)})" if len(nets) > 1 else ""))
+        step(Doing.EXPLORING, section=name, number=number, total=len(nets))
         with in_section(name):
             explored[name] = next(results)
         if progress:
@@ -95,9 +95,9 @@ def composite_space(
     layout = Layout(whole.mission_net, max(len(known.space.encoding.places) for known in explored.values()))
     types = {name: SectionType(parts[name], net, explored[name], layout) for name, net in nets.items()}
     for name, type_ in types.items():
-        step(f"checking what section {name} hands on")
+        step(Doing.CHECKING_EXITS, section=name)
         type_.check_premise(name, explored[name])
-    step("joining the sections")
+    step(Doing.JOINING)
     stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
     if not may_die:  # what may die behaves as what may not
@@ -160,7 +160,7 @@ def local_graph(
 
     local, _ = forgetful(part_of(mission_net, name).net())
     limit = DEFAULT_MAX_STATES if max_states is None else max_states
-    step(LISTING)
+    step(Doing.LISTING)
     with in_section(name), in_mission_words(local):
         return local, direct_with_proof(local.net, max_states=limit)
 

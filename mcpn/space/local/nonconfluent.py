@@ -27,7 +27,7 @@ from mcpn.space.stable.confluence import endless_runs, prove_confluent
 from mcpn.space.stable.falsification import fault_by
 from mcpn.space.stable.local_confluence import EndlessRun, parting_among
 from mcpn.space.stable.representatives import without_one_end
-from mcpn.steps import step
+from mcpn.steps import Doing, step
 
 
 def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType, Explored]) -> None:
@@ -40,7 +40,7 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
     # What is small is known soon: an error is found before large sections are proved.
     for type_, known in sorted(explored.items(), key=lambda pair: pair[1].space.reachable.nodes()):
         stages = [stage for stage in composite.sections.values() if stage.type is type_]
-        step(f"proving section {stages[0].name} confluent")
+        step(Doing.PROVING_SECTION, section=stages[0].name)
         conflicts = known.conflicts
         if known.ends and not conflicts:
             continue
@@ -129,7 +129,7 @@ def refuse_open_junctions(composite: CompositeSpace) -> None:
         LimitError: A limit was hit.
     """
     for first, second in sharing_pairs(composite):
-        step(f"proving the way from section {first.name} to {second.name} confluent")
+        step(Doing.PROVING_JUNCTION, section=first.name, successor=second.name)
         part = junction_part(composite.mission_net.usage, first, second)
         prove_confluent(part.net(composite.whole.templates).net)
 

@@ -30,9 +30,6 @@ PROOF_BY_MARKINGS = (
 
 Orders: TypeAlias = Literal["one", "enough", "every"]
 
-LISTING = "listing the stable states, and proving that each event has one outcome"
-"""The step of who asks for both (:mod:`mcpn.steps`)."""
-
 DEFAULT_MAX_STATES = 5_000_000
 """Stable states that an alternatives graph may have."""
 
