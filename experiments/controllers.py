@@ -25,19 +25,19 @@ from missions import Parameters
 from missions import generate as generate_mission
 
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
-from mcpn.runtime import Controller as Runtime
+from mcpn.runtime import TableController as Runtime
 
 HERE = Path(__file__).parent
 
 
-def events_of(controller: Controller, mission_net: MissionNet, count: int | None) -> list[str]:
+def events_of(controller: TableController, mission_net: MissionNet, count: int | None) -> list[str]:
     """A random run, or one that takes every edge; an empty event begins again."""
     if count is None:
         sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -83,7 +83,7 @@ int main(void)
 """
 
 
-def measure(name: str, controller: Controller, mission_net: MissionNet, count: int | None) -> None:
+def measure(name: str, controller: TableController, mission_net: MissionNet, count: int | None) -> None:
     """Prints a row for one controller."""
     texts = files(controller, mission_net, "c")
     prefix = next(n for n in texts if n.endswith(".h")).removesuffix(".h")

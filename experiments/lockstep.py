@@ -35,7 +35,7 @@ from missions import Parameters
 from missions import generate as generate_mission
 
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
@@ -47,8 +47,8 @@ from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
-from mcpn.runtime import Controller as Runtime
 from mcpn.runtime import Refused
+from mcpn.runtime import TableController as Runtime
 from mcpn.runtime.tables import Tables
 from mcpn.space.local.composing import composite_space
 from mcpn.testing import missions as drawn
@@ -180,7 +180,7 @@ def qt_lines(text: str, events: list[str], folder: Path) -> Iterator[str]:
 
 
 def wanted_of_qt(
-    controller: Controller, said: dict[str, Any], events: list[str], expected: list[str]
+    controller: TableController, said: dict[str, Any], events: list[str], expected: list[str]
 ) -> list[str]:
     """The actions of the net, and the states in which the document's own names put the runtime."""
     sections = identifiers([section.name for section in controller.sections], prefix="section_")
@@ -224,7 +224,7 @@ def variants(mission_net: MissionNet, max_states: int) -> tuple[dict[str, AnyCon
             left_out[form] = type(error).__name__
             continue
         found[form] = controller
-        if isinstance(controller, Controller):
+        if isinstance(controller, TableController):
             found[f"{form}, minimised"] = minimise(controller)
     return found, left_out
 
@@ -235,7 +235,7 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
     Both are 0 if it has no controller, or none of some size.
     """
     controllers, left_out = variants(mission_net, MOST_STATES)
-    tables = [controller for controller in controllers.values() if isinstance(controller, Controller)]
+    tables = [controller for controller in controllers.values() if isinstance(controller, TableController)]
     if max((controller.states for controller in tables), default=FEWEST_STATES) < FEWEST_STATES:
         return 0, 0
     if not controllers:
@@ -257,13 +257,13 @@ def run(name: str, mission_net: MissionNet, count: int, qt: int, seed: int) -> t
             )
             ((_, text),) = files(controller, mission_net, "python").items()
             compare(f"{what}, Python", events, expected, python_lines(text, events))
-            if qt and find_spec("PySide6") and isinstance(controller, Controller):
+            if qt and find_spec("PySide6") and isinstance(controller, TableController):
                 ((_, text),) = files(controller, mission_net, "scxml").items()
                 some = events[:qt]
                 wanted = wanted_of_qt(controller, said, some, expected)
                 compare(f"{what}, Qt", some, wanted, qt_lines(text, some, folder))
                 in_qt += len(wanted)
-    counts = {f: c.states if isinstance(c, Controller) else c.rules for f, c in controllers.items()}
+    counts = {f: c.states if isinstance(c, TableController) else c.rules for f, c in controllers.items()}
     sizes = ", ".join(f"{form} {count}" for form, count in counts.items())
     sizes += "".join(f"; no {form} one ({error})" for form, error in left_out.items())
     seconds = time.process_time() - started

@@ -18,7 +18,7 @@ import mcpn
 from mcpn.check.causes.find import Causes
 from mcpn.check.logic.questions import Answer
 from mcpn.check.verdicts.mission import MissionCheck
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.mission.model import Mission
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.space.summary import SpaceSummary
@@ -59,7 +59,7 @@ def test_a_users_type_checker_sees_what_they_give() -> None:
     assert_type(mcpn.states(mission), SpaceSummary)
     assert_type(mcpn.ctl(mission, "EF success"), Answer)
     assert_type(mcpn.causes(mission), Causes)
-    assert_type(mcpn.controller(mission), Controller)
+    assert_type(mcpn.controller(mission), TableController)
     assert_type(mcpn.picture(mission), Drawing)
     assert (Path(mcpn.__file__).parent / "py.typed").is_file()
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mcpn.check.spaces import Choice, Engine, space_of
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import minimise
 from mcpn.controller.modular import AnyController
 from mcpn.controller.simulator import Simulation
@@ -211,7 +211,7 @@ def test_one_written_handler_in_two_branches_is_taken_by_both_at_one_event(tmp_p
 def test_in_scxml(text: str, tmp_path: Path) -> None:
     found = drawn(tmp_path, text)
     for number, controller in enumerate(controllers(found)):
-        if not isinstance(controller, Controller):
+        if not isinstance(controller, TableController):
             continue
         traced = Traced(document(controller, found))
         events = random_events(traced, random.Random(7), 60, noise=0)

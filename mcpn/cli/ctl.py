@@ -28,7 +28,7 @@ from mcpn.cli.shared import (
 
 if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer, Questions
-    from mcpn.check.logic.verdicts import Verdict
+    from mcpn.check.logic.verdicts import ContestAnswer
     from mcpn.check.spaces import Asked, On
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
@@ -134,7 +134,7 @@ def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet
 
 def _of_contest(
     questions: Questions, properties: tuple[Path, ...], examinations: tuple[str, ...]
-) -> Iterator[Verdict]:
+) -> Iterator[ContestAnswer]:
     """The answers to property files, all of which are understood first, and to examinations."""
     if properties or examinations:
         from mcpn.check.logic.contest import read_properties
@@ -152,7 +152,7 @@ def _write_scenario(answer: Answer, path: Path) -> None:
     write_atomically(path, scenario(answer.witness))
 
 
-def _contest_object(verdict: Verdict) -> dict[str, Any]:
+def _contest_object(verdict: ContestAnswer) -> dict[str, Any]:
     """The answer to a property of the contest: a truth value, or a bound."""
     truth = {"TRUE": True, "FALSE": False}.get(verdict.value)
     answer: dict[str, Any] = {"formula": verdict.name, "holds": truth, "witness": None}

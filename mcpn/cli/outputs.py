@@ -67,7 +67,7 @@ def controller(
         raise click.UsageError("--minimise merges states of machines: a modular controller has none")
     without_threads_of_numpy()
     from mcpn.controller.generate import generate
-    from mcpn.controller.hierarchy import Controller
+    from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
@@ -87,7 +87,7 @@ def controller(
             executor=executor,
         )
     size = found.size
-    if smallest and isinstance(found, Controller):
+    if smallest and isinstance(found, TableController):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
     texts = files(found, mission_net, target)

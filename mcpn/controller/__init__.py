@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal, overload
 
 if TYPE_CHECKING:
     from mcpn.controller.generate import Form
-    from mcpn.controller.hierarchy import Controller
+    from mcpn.controller.hierarchy import TableController
     from mcpn.controller.modular import AnyController, ModularController
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
@@ -32,7 +32,7 @@ class Generate(ModuleType):
         form: Literal["flat", "hierarchical"] = "hierarchical",
         *,
         max_states: int | None = None,
-    ) -> Controller: ...
+    ) -> TableController: ...
     @overload
     def __call__(
         self, of: Mission | MissionNet, form: Literal["modular"], *, max_states: int | None = None

@@ -23,7 +23,7 @@ VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start")
 
 
 @dataclass(frozen=True, slots=True)
-class Action:
+class PlannedAction:
     """One order of the controller to the robot.
 
     Args:
@@ -61,7 +61,7 @@ class Ordering:
             for alternative in activity.alternatives
         }
 
-    def actions(self, before: Situation, after: Situation, passage: Passage) -> Iterator[Action]:
+    def actions(self, before: Situation, after: Situation, passage: Passage) -> Iterator[PlannedAction]:
         """The actions of one event.
 
         Args:
@@ -76,18 +76,18 @@ class Ordering:
         }
         stopped = {a for a in before.mode if a not in after.mode or a in passage.idled}
         first = self._order(before, before.mode)
-        yield from (Action("stop", a) for a in first if a in stopped)
+        yield from (PlannedAction("stop", a) for a in first if a in stopped)
         released = [k for a in first if a in changed for k in self._hardware[a, before.mode[a]]]
-        yield from (Action("release", hardware=k) for k in dict.fromkeys(released))
+        yield from (PlannedAction("release", hardware=k) for k in dict.fromkeys(released))
         begun = [
             a for a in self._order(after, after.mode)[::-1] if a not in before.mode or a in changed | stopped
         ]
         objective = {a: name for name in after.objectives for a in self._named[name]}
         for a in begun:
-            yield Action("select", a, after.mode[a], objective=objective.get(a))
+            yield PlannedAction("select", a, after.mode[a], objective=objective.get(a))
         for a in begun:
             if a not in before.mode or a in stopped:
-                yield Action("start", a, objective=objective.get(a))
+                yield PlannedAction("start", a, objective=objective.get(a))
 
     def _order(self, situation: Situation, activities: Mapping[str, str]) -> Sequence[str]:
         """Activities of a situation, consumers before what they consume, in the order of its section."""

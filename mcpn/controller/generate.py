@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, overload
 
-from mcpn.controller.hierarchy import Controller, flat_controller, hierarchical_controller
+from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
 from mcpn.controller.sizes import DEFAULT_MAX_STATES, rather_rules, standing, too_large
@@ -38,7 +38,7 @@ def generate(
     told: Callable[[str], object] | None = None,
     executor: Executor | None = None,
     composite: CompositeSpace | None = None,
-) -> Controller: ...
+) -> TableController: ...
 @overload
 def generate(
     mission_net: MissionNet,

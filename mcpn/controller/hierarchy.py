@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.controller.actions import Action
+from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller
 from mcpn.controller.sizes import refuse_entries
 from mcpn.mission.model import FAIL, SUCCEED
@@ -56,7 +56,7 @@ class Move:
     source: int
     event: int
     target: int | str
-    actions: tuple[Action, ...]
+    actions: tuple[PlannedAction, ...]
     guard: Guard = ALWAYS
 
 
@@ -70,7 +70,7 @@ class Entry:
     """
 
     target: int
-    actions: tuple[Action, ...]
+    actions: tuple[PlannedAction, ...]
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class PlacedMachine:
 
 
 @dataclass(frozen=True)
-class Controller(Drawn):
+class TableController(Drawn):
     """A mission controller, flat or hierarchical.
 
     Args:
@@ -161,7 +161,7 @@ class Controller(Drawn):
 
 def hierarchical_controller(
     composite: CompositeSpace, listed: Mapping[SectionType, AlternativesGraph]
-) -> Controller:
+) -> TableController:
     """Generates the controller of a mission with a machine for each type of section.
 
     Args:
@@ -179,7 +179,7 @@ def hierarchical_controller(
     ]
     sections = placed_machines(composite, {type_: types[number].events for type_, number in numbers.items()})
     mission_net = composite.mission_net
-    return Controller(
+    return TableController(
         mission_net.mission.name,
         "hierarchical",
         composite.layout.hardware,
@@ -208,7 +208,7 @@ def placed_machines(
     return tuple(sections)
 
 
-def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Controller:
+def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> TableController:
     """Generates the controller of a mission as one machine.
 
     Args:
@@ -224,7 +224,7 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     name = mission_net.mission.name
     routes = {"success": SUCCEED, "failure": FAIL}
     whole = PlacedMachine(name, 0, {kind: {} for kind in NAMED}, machine.events, routes)
-    return Controller(name, "flat", hardware, name, (whole,), (machine,))
+    return TableController(name, "flat", hardware, name, (whole,), (machine,))
 
 
 def section_machine(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from mcpn.check.verdicts.modes import Situation, said_by
-from mcpn.controller.actions import Action, Ordering
+from mcpn.controller.actions import Ordering, PlannedAction
 from mcpn.controller.run import Passage, Runner
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
@@ -21,7 +21,7 @@ from mcpn.space.stable.alternatives import AlternativesGraph
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class MachineEdge:
     """What the controller does on an event.
 
     Args:
@@ -36,7 +36,7 @@ class Edge:
     event: Event
     transition: int
     target: int
-    actions: tuple[Action, ...]
+    actions: tuple[PlannedAction, ...]
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Machine:
 
     mission: str
     states: tuple[Situation, ...]
-    edges: tuple[Edge, ...]
+    edges: tuple[MachineEdge, ...]
     waiting: frozenset[int]
     initial: int = 0
 
@@ -92,7 +92,7 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
             if passage.marking != packed[target]:
                 assert alternatives.proof is None, "every interleaving ends in the same stable marking"
                 target = numbers.get(passage.marking, target)
-            edges.append(Edge(source, event, label, target, ordering.actions(source, target, passage)))
+            edges.append(MachineEdge(source, event, label, target, ordering.actions(source, target, passage)))
     beginning = 1 << mission_net.beginning
     waiting = frozenset(n for n, marking in enumerate(packed) if marking & beginning)
     return Machine(mission_net.mission.name, states, tuple(edges), waiting)
@@ -127,9 +127,9 @@ class Ordered:
             for s in states
         ]
         """By state, the number of all that actions depend on."""
-        self._known: dict[object, tuple[Action, ...]] = {}
+        self._known: dict[object, tuple[PlannedAction, ...]] = {}
 
-    def actions(self, source: int, target: int, passage: Passage) -> tuple[Action, ...]:
+    def actions(self, source: int, target: int, passage: Passage) -> tuple[PlannedAction, ...]:
         """The actions of an event between two states."""
         key = self._alike[source], self._alike[target], passage.left, passage.idled
         if key not in self._known:

@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
 
-from mcpn.controller.hierarchy import Controller, Move, SectionMachine
+from mcpn.controller.hierarchy import Move, SectionMachine, TableController
 from mcpn.net.forgetful import Guard
 
 
-def minimise(controller: Controller) -> Controller:
+def minimise(controller: TableController) -> TableController:
     """The same controller with machines as small as they can be.
 
     Args:

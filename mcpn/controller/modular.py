@@ -21,8 +21,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from mcpn.controller.actions import Action
-from mcpn.controller.hierarchy import Controller, PlacedMachine
+from mcpn.controller.actions import PlannedAction
+from mcpn.controller.hierarchy import PlacedMachine, TableController
 from mcpn.net.events import Event
 from mcpn.notebook import Drawn
 
@@ -41,7 +41,7 @@ class Effect:
     """
 
     changes: tuple[int, ...]
-    actions: tuple[Action, ...]
+    actions: tuple[PlannedAction, ...]
     to: str | None = None
 
 
@@ -193,5 +193,5 @@ class ModularController(Drawn):
         )
 
 
-AnyController = Controller | ModularController
+AnyController = TableController | ModularController
 """A controller of whatever form."""

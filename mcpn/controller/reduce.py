@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from mcpn._kernel import Zdd
-from mcpn.controller.actions import Action
+from mcpn.controller.actions import PlannedAction
 
-Ordered = tuple[tuple[Action, ...], str | None]
+Ordered = tuple[tuple[PlannedAction, ...], str | None]
 """What is ordered, and the outcome with which the section is left."""
 
 Short = tuple[int, tuple[int, ...], int, Ordered]

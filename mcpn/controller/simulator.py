@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from mcpn.check.verdicts.modes import Situation, situation
-from mcpn.controller.actions import Action, Ordering
+from mcpn.controller.actions import Ordering, PlannedAction
 from mcpn.controller.run import Runner
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
@@ -42,7 +42,7 @@ class Change:
     event: Event
     before: Situation
     after: Situation
-    actions: tuple[Action, ...]
+    actions: tuple[PlannedAction, ...]
 
 
 class Simulation:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from mcpn.check.causes.find import Causes
 from mcpn.check.verdicts.mission import MissionCheck
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.errors import McpnError
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Mission
@@ -56,7 +56,7 @@ def _drawing(what: object) -> Drawing | None:
             return drawing(objectives_picture(what, "Objectives graph"))
         case AlternativesGraph():
             return graph_drawing(what)
-        case Controller():
+        case TableController():
             return controller_drawing(what)
     return None
 

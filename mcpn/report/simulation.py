@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.controller.actions import Action
+from mcpn.controller.actions import PlannedAction
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.net.compose import MissionNet
 from mcpn.report.words import event_in_words
@@ -60,7 +60,7 @@ def change_lines(change: Change, mission_net: MissionNet) -> Iterator[str]:
             yield from _wrapped(f"  {verb}", ", ".join(items))
 
 
-def _item(action: Action) -> str:
+def _item(action: PlannedAction) -> str:
     if action.hardware is not None:
         return action.hardware
     alternative = action.alternative

@@ -20,7 +20,7 @@ What it promises:
 from mcpn.runtime.controller import Controller, Step
 from mcpn.runtime.machines import ControllerFileError
 from mcpn.runtime.queue import AsyncController, EventQueue, QueueFull
-from mcpn.runtime.tables import Action, Parameter, Refused, SnapshotError
+from mcpn.runtime.tables import Action, ParameterValue, Refused, SnapshotError
 
 __all__ = [
     "Action",
@@ -28,7 +28,7 @@ __all__ = [
     "Controller",
     "ControllerFileError",
     "EventQueue",
-    "Parameter",
+    "ParameterValue",
     "QueueFull",
     "Refused",
     "SnapshotError",

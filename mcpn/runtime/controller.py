@@ -19,9 +19,9 @@ from mcpn.runtime.tables import (
     Action,
     Inside,
     Refused,
-    Section,
     SnapshotError,
     Tables,
+    TableSection,
     read,
 )
 
@@ -78,7 +78,7 @@ class Controller:
         self.slowest = 0.0
         self.seconds = 0.0
         self._phase = BEFORE
-        self._section: Section | None = None
+        self._section: TableSection | None = None
         self._state = 0
         self._out_of_service: set[str] = set()
         self._happened: set[str] = set()

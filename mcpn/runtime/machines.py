@@ -20,7 +20,7 @@ Step = tuple[int | str, int, Set[int]]
 """The state after an event, or the outcome with which the section is left; the actions; what has happened."""
 
 
-class Machine(Protocol):
+class MachineProtocol(Protocol):
     """What sections of one type do."""
 
     hardware: list[str]
@@ -61,7 +61,7 @@ class _Lists:
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class TableMove:
     """An edge of a machine.
 
     Args:
@@ -91,12 +91,12 @@ class TypeTables:
         lists = _Lists()
         self.lists = lists.lists
         self.entries = [e and (int(e["to"]), lists.number(e["actions"])) for e in row["entries"]]
-        self.moves: list[dict[int, list[Move]]] = [{} for _ in self.states]
+        self.moves: list[dict[int, list[TableMove]]] = [{} for _ in self.states]
         bit = {handler: number for number, handler in enumerate(self.once)}
         targets: list[int | str] = [e[0] for e in self.entries if e]
         for edge in row["edges"]:
             guard = (frozenset(bit[h] for h in edge.get(key, ())) for key in ("open", "happened"))
-            move = Move(edge["to"], lists.number(edge["actions"]), *guard)
+            move = TableMove(edge["to"], lists.number(edge["actions"]), *guard)
             self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
             targets.append(move.target)
         inside = range(len(self.states))

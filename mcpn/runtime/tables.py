@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.machines import ControllerFileError, Machine, RuleTables, TypeTables
+from mcpn.runtime.machines import ControllerFileError, MachineProtocol, RuleTables, TypeTables
 
 FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4), 4
 ENDS = {"succeed": "success", "fail": "failure"}
@@ -37,7 +37,7 @@ class Refused(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class ParameterValue:
     """A value for the control laws, as the mission says it.
 
     Args:
@@ -70,7 +70,7 @@ class Action:
     alternative: str | None = None
     hardware: str | None = None
     objective: str | None = None
-    parameters: tuple[Parameter, ...] = field(default=(), compare=False)
+    parameters: tuple[ParameterValue, ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
         parts = (self.verb, self.activity or self.hardware, self.alternative)
@@ -89,7 +89,7 @@ class Inside:
     refused: tuple[str, ...] = ()
 
 
-class Section:
+class TableSection:
     """A section with the tables of its type; what is of its own names is made when it is first asked for.
 
     Args:
@@ -98,7 +98,7 @@ class Section:
         laws: Parameters by what they are of.
     """
 
-    def __init__(self, row: Mapping[str, Any], machine: Machine, laws: Laws) -> None:
+    def __init__(self, row: Mapping[str, Any], machine: MachineProtocol, laws: Laws) -> None:
         self.name: str = row["name"]
         self.type: int = row["type"]
         self.routes: dict[str, str] = row["routes"]
@@ -212,7 +212,7 @@ class Laws:
         self.activities: Mapping[str, Any] = document["activities"]
         self.objectives: Mapping[str, Any] = document["objectives"]
 
-    def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[Parameter, ...]:
+    def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[ParameterValue, ...]:
         """Those in force for an alternative: the objective's, the alternative's, the activity's, by name."""
         found: dict[str, Any] = {}
         if activity is not None and activity in self.activities:
@@ -221,7 +221,7 @@ class Laws:
             found |= said["alternatives"].get(alternative, {"parameters": {}})["parameters"]
         if objective is not None and objective in self.objectives:
             found |= self.objectives[objective]["parameters"]
-        return tuple(Parameter(name, p["value"], p["unit"]) for name, p in found.items())
+        return tuple(ParameterValue(name, p["value"], p["unit"]) for name, p in found.items())
 
 
 class Tables:
@@ -246,7 +246,7 @@ class Tables:
             self.hardware: list[str] = document["hardware"]
             laws = Laws(document)
             types = [make(row) for row in document["types"]]
-            sections = [Section(row, types[row["type"]], laws) for row in document["sections"]]
+            sections = [TableSection(row, types[row["type"]], laws) for row in document["sections"]]
             self.sections = {section.name: section for section in sections}
             self.once = {handler for section in sections for handler in section.once}
             self.initial = self.sections[document["initial"]]

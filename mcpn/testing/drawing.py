@@ -13,7 +13,7 @@ TEXTS = st.text(
 )
 
 
-class Drawing:
+class MissionDrawer:
     """Draws one mission, part by part; names are numbered.
 
     Args:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from hypothesis import strategies as st
 
 from mcpn.mission.model import Activity, Alternative, Hardware, Software
-from mcpn.testing.drawing import Drawing
+from mcpn.testing.drawing import MissionDrawer
 from mcpn.testing.shape import Shape
 
 
@@ -28,7 +28,7 @@ class Island:
     startable: list[str] = field(default_factory=list)
 
 
-class RobotDrawing(Drawing):
+class RobotDrawing(MissionDrawer):
     """Draws the robot of a mission."""
 
     def __init__(self, draw: st.DrawFn, shape: Shape) -> None:

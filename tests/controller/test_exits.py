@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import is_bisimulation, minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
@@ -34,11 +34,11 @@ def watch() -> MissionNet:
 
 
 @pytest.fixture(scope="module")
-def both(watch: MissionNet) -> list[Controller]:
+def both(watch: MissionNet) -> list[TableController]:
     return [generate(watch, "flat"), generate(watch)]
 
 
-def test_routes_are_by_outcome(both: list[Controller]) -> None:
+def test_routes_are_by_outcome(both: list[TableController]) -> None:
     flat, hierarchical = both
     assert [dict(s.routes) for s in flat.sections] == [{"success": "succeed", "failure": "fail"}]
     routes = {s.name: dict(s.routes) for s in hierarchical.sections}
@@ -50,7 +50,7 @@ def test_routes_are_by_outcome(both: list[Controller]) -> None:
     assert routes["back"]["on storm"] == "succeed"
 
 
-def test_an_exit_stops_all_that_runs(both: list[Controller]) -> None:
+def test_an_exit_stops_all_that_runs(both: list[TableController]) -> None:
     exits = 0
     for machine in both[1].types:
         for move in machine.moves:
@@ -62,7 +62,7 @@ def test_an_exit_stops_all_that_runs(both: list[Controller]) -> None:
     assert exits > 20
 
 
-def test_an_inner_handler_comes_first(watch: MissionNet, both: list[Controller]) -> None:
+def test_an_inner_handler_comes_first(watch: MissionNet, both: list[TableController]) -> None:
     for controller in both:
         runtime = Runtime.from_document(document(controller, watch))
         for event in ("MISSION_EV_START", "OBJ_out_EV_OK", "leak_EV"):
@@ -78,7 +78,7 @@ def test_an_inner_handler_comes_first(watch: MissionNet, both: list[Controller])
         assert (runtime.outcome, runtime.section) == ("failure", None)
 
 
-def test_flat_hierarchical_and_the_net_do_the_same(watch: MissionNet, both: list[Controller]) -> None:
+def test_flat_hierarchical_and_the_net_do_the_same(watch: MissionNet, both: list[TableController]) -> None:
     small = [minimise(controller) for controller in both]
     for controller in both:
         assert all(is_bisimulation(machine, partition(machine)) for machine in controller.types)
@@ -88,7 +88,7 @@ def test_flat_hierarchical_and_the_net_do_the_same(watch: MissionNet, both: list
 
 @pytest.mark.parametrize("target", ["c", "python", "scxml"])
 def test_every_edge_in_every_target(
-    target: str, watch: MissionNet, both: list[Controller], tmp_path: Path
+    target: str, watch: MissionNet, both: list[TableController], tmp_path: Path
 ) -> None:
     made: list[AnyController] = []
     made += both if target == "scxml" else [*both, generate(watch, "modular")]
@@ -104,7 +104,7 @@ def test_every_edge_in_every_target(
                 continue  # the interpreter is slow, and the exits are the other form's
             path = tmp_path / f"{number}.scxml"
             path.write_text(next(iter(texts.values())))
-            assert isinstance(controller, Controller)
+            assert isinstance(controller, TableController)
             check("Qt", path, controller, traced, events)
             continue
         traced.restart()
@@ -137,7 +137,7 @@ def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
     assert Generated(next(iter(files(controller, mission_net, "python").values()))).lines(given) == expected
 
 
-def test_an_exit_without_a_route_is_no_controller(watch: MissionNet, both: list[Controller]) -> None:
+def test_an_exit_without_a_route_is_no_controller(watch: MissionNet, both: list[TableController]) -> None:
     said: dict[str, Any] = document(both[1], watch)
     del said["sections"][0]["routes"]["on storm"]
     with pytest.raises(ControllerFileError):

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from mcpn.controller.actions import VERBS, Action
+from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.generate import generate
 from mcpn.controller.machine import Machine, controller
 from mcpn.controller.targets.json import write_json
@@ -21,7 +21,7 @@ def machine(ulysse_net: MissionNet) -> Machine:
     return controller(ulysse_net, direct(ulysse_net.net))
 
 
-def step(machine: Machine, state: int, event: str) -> tuple[int, tuple[Action, ...]]:
+def step(machine: Machine, state: int, event: str) -> tuple[int, tuple[PlannedAction, ...]]:
     (edge,) = [e for e in machine.edges if e.source == state and e.event == Event.parse(event)]
     return edge.target, edge.actions
 
@@ -40,14 +40,14 @@ def test_losing_the_gps_selects_the_imu(machine: Machine) -> None:
         "thruster_driver",
         "manual_moving",
     }
-    assert Action("select", "localisation", "gps_localisation") in actions
+    assert PlannedAction("select", "localisation", "gps_localisation") in actions
     state, actions = step(machine, state, "GPS_sensor_EV_OOS")
     assert actions == (
-        Action("stop", "gps_driver"),
-        Action("release", hardware="GPS_sensor"),
-        Action("select", "imu_driver", "imu_driver"),
-        Action("select", "localisation", "imu_localisation"),
-        Action("start", "imu_driver"),
+        PlannedAction("stop", "gps_driver"),
+        PlannedAction("release", hardware="GPS_sensor"),
+        PlannedAction("select", "imu_driver", "imu_driver"),
+        PlannedAction("select", "localisation", "imu_localisation"),
+        PlannedAction("start", "imu_driver"),
     )
     assert machine.states[state].out_of_service == ("GPS_sensor",)
     state, actions = step(machine, state, "IMU_sensor_EV_OOS")
@@ -73,7 +73,7 @@ def test_between_two_sections_everything_is_stopped(machine: Machine) -> None:
     assert names["stop"] == ["manual_moving", "localisation", "thruster_driver", "gps_driver"]
     assert names["start"] == [*shared, "isopheric_observation"] == names["select"]
     assert [a.hardware for a in actions if a.verb == "release"] == ["thruster_actuator", "GPS_sensor"]
-    assert actions[-1] == Action(
+    assert actions[-1] == PlannedAction(
         "start", "isopheric_observation", objective="coral_head.isopheric_observation"
     )
 
@@ -91,10 +91,10 @@ def test_a_retried_activity_is_stopped_and_started_again() -> None:
     again, actions = step(machine, state, "OBJ_x_EV_FAIL")
     assert again == state
     assert actions == (
-        Action("stop", "a"),
-        Action("release", hardware="H"),
-        Action("select", "a", "a", objective="x"),
-        Action("start", "a", objective="x"),
+        PlannedAction("stop", "a"),
+        PlannedAction("release", hardware="H"),
+        PlannedAction("select", "a", "a", objective="x"),
+        PlannedAction("start", "a", objective="x"),
     )
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.controller.actions import Action
+from mcpn.controller.actions import PlannedAction
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import Entry, Move, SectionMachine
 from mcpn.controller.minimise import is_bisimulation, minimise, partition, quotient
@@ -38,7 +38,7 @@ def machines(draw: st.DrawFn) -> SectionMachine:
             source,
             event,
             draw(st.integers(0, size - 1) | st.sampled_from(["success", "failure"])),
-            draw(st.sampled_from([(), (Action("stop", "x"),)])),
+            draw(st.sampled_from([(), (PlannedAction("stop", "x"),)])),
         )
         for source in range(size)
         for event in range(2)
@@ -116,7 +116,7 @@ def test_twins_are_merged_and_one_difference_keeps_them_apart(
     for at, move in enumerate(mine):
         other = "failure" if move.target == "success" else "success"
         for differs in (
-            replace(move, actions=(*move.actions, Action("stop", "other"))),
+            replace(move, actions=(*move.actions, PlannedAction("stop", "other"))),
             replace(move, guard=Guard(("handler",), ())),
             replace(move, guard=Guard((), ("handler",))),
             replace(move, target=other),
@@ -184,5 +184,5 @@ def test_a_changed_machine_is_no_longer_told_alike(ulysse_net: MissionNet) -> No
     for number, move in enumerate(machine.moves):
         if classes.count(classes[move.source]) > 1:
             broken = list(machine.moves)
-            broken[number] = replace(move, actions=(*move.actions, Action("stop", "nothing")))
+            broken[number] = replace(move, actions=(*move.actions, PlannedAction("stop", "nothing")))
             assert not is_bisimulation(replace(machine, moves=tuple(broken)), classes)

@@ -25,7 +25,7 @@ from mcpn.runtime import (
     Controller,
     ControllerFileError,
     EventQueue,
-    Parameter,
+    ParameterValue,
     QueueFull,
     Refused,
     SnapshotError,
@@ -62,7 +62,7 @@ def test_parameters_travel_with_the_alternative(controller: Controller) -> None:
     controller.handle(START)
     (select,) = [a for a in controller.handle(*DIVING) if a.alternative == "diving"]
     assert select.objective == "transect.diving"
-    assert Parameter("depth", "10", "m") in select.parameters
+    assert ParameterValue("depth", "10", "m") in select.parameters
 
 
 def test_a_refused_event_changes_nothing_and_is_told(controller: Controller) -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from mcpn.controller.generate import generate
-from mcpn.controller.hierarchy import Controller
+from mcpn.controller.hierarchy import TableController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.controller.targets.names import identifiers
@@ -29,7 +29,7 @@ from tests.controller.traces import Traced, random_events, tour
 INTERPRETERS = {"Qt": qt, "python-statemachine": python_statemachine}
 
 
-def expected(controller: Controller, traced: Traced, events: list[str]) -> Answers:
+def expected(controller: TableController, traced: Traced, events: list[str]) -> Answers:
     """What the runtime does, in the words of SCXML."""
     sections = identifiers([s.name for s in controller.sections], prefix="section_")
     hardware = identifiers(controller.hardware, prefix="hardware_")
@@ -50,7 +50,7 @@ def expected(controller: Controller, traced: Traced, events: list[str]) -> Answe
     return found
 
 
-def check(name: str, path: Path, controller: Controller, traced: Traced, events: list[str]) -> None:
+def check(name: str, path: Path, controller: TableController, traced: Traced, events: list[str]) -> None:
     answers = INTERPRETERS[name](path, [event_name(event) for event in events])
     assert answers == expected(controller, traced, events)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.controller.actions import Action
+from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
@@ -13,7 +13,7 @@ from mcpn.mission.renaming import renamed
 from mcpn.mission.validate import find_errors
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.sections import section_part
-from mcpn.net.templates.names import Names
+from mcpn.net.templates.names import NetNames
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 
@@ -63,7 +63,7 @@ def numbered(found: MissionNet, machine: Machine) -> list[tuple[object, ...]]:
     hardware = {h.name: i for i, h in enumerate(found.mission.hardware)}
     objectives = {section.name: i for i, section in enumerate(found.graph.walk())}
 
-    def told(action: Action) -> tuple[object, ...]:
+    def told(action: PlannedAction) -> tuple[object, ...]:
         return (
             action.verb,
             activities.get(action.activity or ""),
@@ -90,7 +90,7 @@ def test_what_may_coincide_is_written_with_its_kind() -> None:
     elements = [("hardware", "camera"), ("software", "a"), ("software", "b"), ("software", "a_b")]
     elements += [("activity", "camera"), ("activity", "film"), ("activity", "film_err1")]
     elements += [("objective", "x"), ("objective", "x_ok"), ("objective", "OBJ_x")]
-    names = Names(elements)
+    names = NetNames(elements)
     assert names.of("hardware", "camera", "error") == "camera_error"
     assert names.of("activity", "camera", "error") == "activity:camera:error"
     assert names.of("activity", "film", "wait1") == "film_wait1"

@@ -23,7 +23,7 @@ from mcpn.report.pictures import drawing as drawing_module
 from mcpn.report.pictures import graph as graphs
 from mcpn.report.pictures import graphviz
 from mcpn.report.pictures.choice import KINDS, drawn
-from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, Placed, lay_out
+from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, Placed, lay_out
 from mcpn.report.pictures.machines import sections_of
 from mcpn.report.pictures.nets import interface, net_picture, units_picture
 from mcpn.report.pictures.objectives import MOST_SECTIONS, objectives_picture
@@ -205,7 +205,7 @@ def test_texts_that_graphviz_would_read() -> None:
     """Backslashes, references of HTML, quotes and braces are text."""
     evil = 'a\\N "b" <B>c</B> &amp; {d|e} \\l ☃ \u202e'
     nodes = [Node("x", (evil,), "node", cluster="c"), Node("y", (evil,), "node")]
-    graph = Graph(evil, nodes, [Edge("x", "y", "arc", (evil,))], [Cluster("c", evil)])
+    graph = Graph(evil, nodes, [Arrow("x", "y", "arc", (evil,))], [Cluster("c", evil)])
     root = etree.fromstring(graphs.drawing(graph).svg.encode())
     assert [text.text for text in root.iter(f"{SVG}text")].count(evil) == 4
 

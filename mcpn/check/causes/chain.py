@@ -35,7 +35,7 @@ UNKNOWNS = 1 << 12
 """Unknowns of systems that are solved together, unless one alone has more."""
 
 
-class Listed:
+class ListedChain:
     """The states of a section, or of the whole mission, and what the model asks of them without numbers.
 
     Args:
@@ -155,7 +155,7 @@ class Chain:
 
     def __init__(
         self,
-        listed: Listed,
+        listed: ListedChain,
         rates: Sequence[tuple[float, float]],
         ending: Sequence[tuple[float, float]],
     ) -> None:

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from mcpn.check.causes.chain import Listed
+from mcpn.check.causes.chain import ListedChain
 from mcpn.check.causes.prospects import Prospects
-from mcpn.check.causes.section_chains import Outlook, Section, Sections
+from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.model import FAIL, SUCCEED
@@ -119,10 +119,12 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         if not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL}
-        whole = Section(Listed(prospects, hardware), hardware, tuple(prospects.sections.values()), routes)
+        whole = ChainSection(
+            ListedChain(prospects, hardware), hardware, tuple(prospects.sections.values()), routes
+        )
         return Sections({"": whole}, "", hardware)
     known: dict[SectionType, Prospects[ArraySet]] = {}
-    listed = cache(Listed)
+    listed = cache(ListedChain)
     sections = {}
     # An event without a rate never happens, and so nothing that it makes happen once has happened.
     rated = {event.name for event in net.mission.events if event.rate}
@@ -141,7 +143,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             known[kind] = Prospects(kind.forgetful(kept)[0], ArraySpace(kind.listed(kept, max_states)))
         again = tuple(exit_ for exit_, route in placed.routes.items() if route == name)
         objectives = tuple(placed.part.graph.walk())
-        sections[name] = Section(
+        sections[name] = ChainSection(
             listed(known[kind], carried(kind.part), again), carried(placed.part), objectives, placed.routes
         )
     once = tuple(("once", name) for name in space.layout.once)

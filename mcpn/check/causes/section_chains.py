@@ -24,7 +24,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from mcpn.check.causes.chain import CHUNK, Chain, Floats, Listed, totals
+from mcpn.check.causes.chain import CHUNK, Chain, Floats, ListedChain, totals
 from mcpn.check.causes.linear import LinearOperator, gmres, lu_factor, lu_solve
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
@@ -43,7 +43,7 @@ PRECISION = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class ChainSection:
     """A section of a mission, or the whole mission as one.
 
     Args:
@@ -53,7 +53,7 @@ class Section:
         routes: By exit, the section that it leads to, or the mission's own exit.
     """
 
-    listed: Listed
+    listed: ListedChain
     carried: tuple[Element, ...]
     objectives: Sequence[ElementarySection]
     routes: Mapping[str, str]
@@ -82,7 +82,7 @@ class Sections:
         LimitError: Too much hardware must be remembered.
     """
 
-    def __init__(self, sections: Mapping[str, Section], entry: str, carried: Sequence[Element]) -> None:
+    def __init__(self, sections: Mapping[str, ChainSection], entry: str, carried: Sequence[Element]) -> None:
         self.entry = entry
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(sections)

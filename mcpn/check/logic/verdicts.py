@@ -50,7 +50,7 @@ LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ContestAnswer:
     """An answer to a question of the contest.
 
     Args:
@@ -77,7 +77,7 @@ Meaning: TypeAlias = Formula | tuple[int, ...] | str
 
 def answer_all(
     questions: Questions, properties: Iterable[Property] = (), examinations: Iterable[str] = ()
-) -> Iterator[Verdict]:
+) -> Iterator[ContestAnswer]:
     """Answers properties, of one file or several, and examinations, on one space.
 
     Args:
@@ -144,7 +144,7 @@ class _Answers:
         self.local: LocalCheck | None = None
         self.rounds = 0
 
-    def all(self) -> Iterator[Verdict]:
+    def all(self) -> Iterator[ContestAnswer]:
         """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
         questions, store = self.questions, None
         yield from self.one_safe_at_sight()
@@ -198,17 +198,17 @@ class _Answers:
 
     # --- what waits ---
 
-    def answer(self, name: str, value: int, *ways: str) -> Verdict:
+    def answer(self, name: str, value: int, *ways: str) -> ContestAnswer:
         """The answer to what then waits no more, with the ways by which parts were decided before."""
         del self.waiting[name]
-        return Verdict(name, str(value).upper(), tuple({**self.ways[name], **dict.fromkeys(ways)}))
+        return ContestAnswer(name, str(value).upper(), tuple({**self.ways[name], **dict.fromkeys(ways)}))
 
     def parts(self) -> list[Formula]:
         """The parts whose values in the initial marking are asked for, each once, cheap ones first."""
         formulas = (asked for asked in self.waiting.values() if isinstance(asked, Formula))
         return sorted(dict.fromkeys(chain.from_iterable(map(parts_at_first, formulas))), key=_effort)
 
-    def learn(self, part: Meaning, value: bool, *ways: str) -> Iterator[Verdict]:
+    def learn(self, part: Meaning, value: bool, *ways: str) -> Iterator[ContestAnswer]:
         """Puts a value where it is asked for, and yields what that answers."""
         if isinstance(part, Formula):
             self.known.values[part] = value
@@ -219,7 +219,7 @@ class _Answers:
                 self.ways[name].update(dict.fromkeys(ways))
                 yield from self.left(name, at_first(asked, lambda at: value if at == part else None))
 
-    def left(self, name: str, rest: Formula, *ways: str) -> Iterator[Verdict]:
+    def left(self, name: str, rest: Formula, *ways: str) -> Iterator[ContestAnswer]:
         """Keeps what is left to ask of a formula, or yields the answer if nothing is."""
         self.waiting[name] = rest
         if rest in (TRUE, FALSE):
@@ -227,7 +227,7 @@ class _Answers:
 
     # --- ways ---
 
-    def one_safe_at_sight(self) -> Iterator[Verdict]:
+    def one_safe_at_sight(self) -> Iterator[ContestAnswer]:
         """Answers whether the net is 1-safe, where the initial marking or a walk shows that it is not."""
         if ONE_SAFE not in self.waiting.values():
             return
@@ -239,21 +239,21 @@ class _Answers:
         elif self.questions.engine == "auto" and searches.fits and searches.walk_unsafe(steps=WALK_STEPS):
             yield from self.learn(ONE_SAFE, False, RANDOM_WALK)
 
-    def one_safe(self) -> Iterator[Verdict]:
+    def one_safe(self) -> Iterator[ContestAnswer]:
         """Answers whether the net is 1-safe; if it is, the space is then there for all that is asked."""
         if ONE_SAFE in self.waiting.values():
             safe = self.questions.one_safe()
             engine = self.questions.choice.engine if safe else self.questions.engine
             yield from self.learn(ONE_SAFE, safe, _technique(engine))
 
-    def rewritten(self) -> Iterator[Verdict]:
+    def rewritten(self) -> Iterator[ContestAnswer]:
         """Answers what rewriting and the initial marking decide; of others keeps what is left to ask."""
         for name, formula in list(self.waiting.items()):
             if isinstance(formula, Formula):
                 how = REWRITING if self.known.simple(formula) in (TRUE, FALSE) else INITIAL_STATE
                 yield from self.left(name, self.known.rest(formula), how)
 
-    def by_search(self, *, short: bool = False) -> Iterator[Verdict]:
+    def by_search(self, *, short: bool = False) -> Iterator[ContestAnswer]:
         """Answers what asks for reachable markings by search, until it turns out that the space is small.
 
         Args:
@@ -278,7 +278,7 @@ class _Answers:
         most = self.questions.max_states
         return budget if most is None else replace(budget, states=min(budget.states, most))
 
-    def by_need(self, steps: int, *, searched: bool = True, runs: bool = False) -> Iterator[Verdict]:
+    def by_need(self, steps: int, *, searched: bool = True, runs: bool = False) -> Iterator[ContestAnswer]:
         """Asks markings as they are needed, so many steps for each part.
 
         Args:

@@ -54,7 +54,7 @@ import json
 from typing import Any
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.controller.actions import Action
+from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
 from mcpn.mission.model import Parameter
@@ -176,7 +176,7 @@ def _state(state: Situation) -> dict[str, Any]:
     }
 
 
-def _action(action: Action) -> dict[str, str]:
+def _action(action: PlannedAction) -> dict[str, str]:
     parts = (
         ("do", action.verb),
         ("activity", action.activity),

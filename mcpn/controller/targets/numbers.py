@@ -14,7 +14,7 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from mcpn.controller.actions import VERBS, Action
+from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.modular import AnyController, Rules
 from mcpn.mission.model import FAIL, SUCCEED, Parameter
@@ -142,7 +142,7 @@ class Numbers(Generic[Type]):
         """The most that a table counts in a type, of what shares its numbers with elements."""
         raise NotImplementedError
 
-    def _said(self, type_: Type) -> tuple[Iterable[Sequence[Action]], Iterable[tuple[str, str]]]:
+    def _said(self, type_: Type) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
         """Lists of actions of a type, and the activities with the alternatives in which they may run."""
         raise NotImplementedError
 
@@ -153,7 +153,7 @@ class Numbers(Generic[Type]):
     def _ended(self) -> None:
         """Ends the tables of types."""
 
-    def _list(self, actions: tuple[Action, ...], own: Own) -> int:
+    def _list(self, actions: tuple[PlannedAction, ...], own: Own) -> int:
         rows = tuple(
             (
                 VERBS.index(action.verb),
@@ -258,7 +258,7 @@ class Numbers(Generic[Type]):
 
 
 def _positions(
-    lists: Iterable[Sequence[Action]], modes: Iterable[tuple[str, str]]
+    lists: Iterable[Sequence[PlannedAction]], modes: Iterable[tuple[str, str]]
 ) -> dict[str, dict[str, int]]:
     """The elements that a type speaks of, by position; in the order in which it does."""
     found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS}

@@ -21,8 +21,8 @@ from collections.abc import Sequence
 
 from lxml import etree
 
-from mcpn.controller.actions import Action
-from mcpn.controller.hierarchy import Controller, Entry, Move, PlacedMachine
+from mcpn.controller.actions import PlannedAction
+from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
 from mcpn.mission.model import FAIL, SUCCEED
@@ -34,7 +34,7 @@ NAMESPACE = "http://www.w3.org/2005/07/scxml"
 ENDS = {SUCCEED: "success", FAIL: "failure"}
 
 
-def write_scxml(controller: Controller, mission_net: MissionNet) -> dict[str, str]:
+def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[str, str]:
     """The file by name.
 
     Args:
@@ -51,7 +51,7 @@ def event_name(event: Event | str) -> str:
 
 
 class _Document:
-    def __init__(self, controller: Controller, mission_net: MissionNet) -> None:
+    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
         self.controller = controller
         self.laws = Laws(laws(mission_net))
         self.hardware = identifiers(controller.hardware, prefix="hardware_")
@@ -162,14 +162,16 @@ class _Document:
         self.choice(parent, section, f"{identifier}0", hardware[:-1], entries[:half])
         self.choice(parent, section, f"{identifier}1", hardware[:-1], entries[half:])
 
-    def order(self, transition: etree._Element, section: PlacedMachine, actions: Sequence[Action]) -> None:
+    def order(
+        self, transition: etree._Element, section: PlacedMachine, actions: Sequence[PlannedAction]
+    ) -> None:
         """Logs the actions of a transition."""
         for action in actions:
             log = _add(transition, "log", label=_label(action, section))
             if said := self.parameters(action, section):
                 log.set("expr", said)
 
-    def parameters(self, action: Action, section: PlacedMachine) -> str:
+    def parameters(self, action: PlannedAction, section: PlacedMachine) -> str:
         """Those in force for a selection, as a string of ECMAScript."""
         if action.alternative is None:
             return ""
@@ -190,7 +192,7 @@ def _add(parent: etree._Element, tag: str, **attributes: str) -> etree._Element:
     return element
 
 
-def _label(action: Action, section: PlacedMachine) -> str:
+def _label(action: PlannedAction, section: PlacedMachine) -> str:
     """An action in the section's own names."""
     names = section.names
     if action.hardware is not None:

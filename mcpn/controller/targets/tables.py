@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from mcpn.controller.actions import Action
-from mcpn.controller.hierarchy import Controller, Move, SectionMachine
+from mcpn.controller.actions import PlannedAction
+from mcpn.controller.hierarchy import Move, SectionMachine, TableController
 from mcpn.controller.modular import ModularController, Rules
 from mcpn.controller.targets.numbers import Numbers, Own, Pool
 from mcpn.net.compose import MissionNet
@@ -21,7 +21,7 @@ from mcpn.net.compose import MissionNet
 class MachineNumbers(Numbers[SectionMachine]):
     """Tables of machines: states, entries, moves and modes."""
 
-    def __init__(self, controller: Controller, mission_net: MissionNet) -> None:
+    def __init__(self, controller: TableController, mission_net: MissionNet) -> None:
         self.machines = controller.types
         self.type_states: list[int] = []  # the first row of a type in move_start and mode_start
         self.type_entries: list[int] = []
@@ -51,7 +51,9 @@ class MachineNumbers(Numbers[SectionMachine]):
     def _size(self, type_: SectionMachine) -> int:
         return len(type_.states)
 
-    def _said(self, type_: SectionMachine) -> tuple[Iterable[Sequence[Action]], Iterable[tuple[str, str]]]:
+    def _said(
+        self, type_: SectionMachine
+    ) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
         lists = [e.actions for e in type_.entries if e] + [m.actions for m in type_.moves]
         return lists, (pair for state in type_.states for pair in state.mode.items())
 
@@ -135,7 +137,7 @@ class RuleNumbers(Numbers[Rules]):
     def _size(self, type_: Rules) -> int:
         return 0
 
-    def _said(self, type_: Rules) -> tuple[Iterable[Sequence[Action]], Iterable[tuple[str, str]]]:
+    def _said(self, type_: Rules) -> tuple[Iterable[Sequence[PlannedAction]], Iterable[tuple[str, str]]]:
         return (effect.actions for effect in type_.effects), (pair for pair, _ in _modes(type_))
 
     def _type(self, type_: Rules, own: Own, left: Mapping[str, int]) -> None:

@@ -16,7 +16,7 @@ from mcpn.mission.flatten import ParallelSection
 _PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_"}
 
 
-class Names:
+class NetNames:
     """Names for all elements of a mission, the same in its net and in the nets of its parts.
 
     Args:
@@ -88,13 +88,13 @@ def _boundaries(text: str, begin: int = 0) -> Iterator[int]:
     yield len(text)
 
 
-_KNOWN: WeakKeyDictionary[Usage, Names] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Usage, NetNames] = WeakKeyDictionary()
 
 
-def names_of(usage: Usage) -> Names:
+def names_of(usage: Usage) -> NetNames:
     """The names of a mission, made once."""
     if usage not in _KNOWN:
-        _KNOWN[usage] = Names(_elements(usage))
+        _KNOWN[usage] = NetNames(_elements(usage))
     return _KNOWN[usage]
 
 

@@ -50,7 +50,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Edge:
+class Arrow:
     """A curve from one box to another.
 
     Args:
@@ -104,7 +104,7 @@ class Graph:
 
     name: str
     nodes: Sequence[Node]
-    edges: Sequence[Edge] = ()
+    edges: Sequence[Arrow] = ()
     clusters: Sequence[Cluster] = ()
     sideways: bool = False
     nested: bool = False
@@ -290,7 +290,7 @@ def _nested(graph: Graph, inside: Mapping[str, Placed]) -> Placed:
     crossing = [e for e in graph.edges if of[e.source] != of[e.target] or of[e.source] is None]
     pairs = dict.fromkeys((of[e.source] or e.source, of[e.target] or e.target) for e in crossing)
     free = [node for node in graph.nodes if node.cluster is None]
-    joints = [Edge(*pair, "arc") for pair in pairs if pair[::-1] not in pairs or pair < pair[::-1]]
+    joints = [Arrow(*pair, "arc") for pair in pairs if pair[::-1] not in pairs or pair < pair[::-1]]
     (outer,) = _layered([Graph(graph.name, [*boxes, *free], joints, sideways=graph.sideways)])
     placed = Placed(outer.width, outer.height)
     for cluster in graph.clusters:
@@ -376,7 +376,7 @@ def _question(graph: Graph) -> Question:
     return {"sideways": graph.sideways, "nodes": nodes, "clusters": clusters, "edges": edges}
 
 
-def _label(edge: Edge) -> Size | None:
+def _label(edge: Arrow) -> Size | None:
     """The size of what stands beside an edge."""
     if not edge.lines:
         return None
@@ -384,7 +384,7 @@ def _label(edge: Edge) -> Size | None:
     return wide + 6, 13 * len(edge.lines) + 4
 
 
-def _curve(edge: Edge, position: str, at: Callable[[str], Point]) -> Curve:
+def _curve(edge: Arrow, position: str, at: Callable[[str], Point]) -> Curve:
     """An edge with its spline as Graphviz writes it."""
     start = end = None
     points = []

@@ -23,7 +23,7 @@ BOLD = 16.5
 
 
 @dataclass(frozen=True)
-class Frame:
+class Rectangle:
     """A rectangle with what it stands for.
 
     Args:
@@ -72,7 +72,7 @@ class Picture:
 
     width: float = 0
     height: float = 0
-    frames: list[Frame] = field(default_factory=list)
+    frames: list[Rectangle] = field(default_factory=list)
     lines: list[Line] = field(default_factory=list)
     labels: list[Label] = field(default_factory=list)
 
@@ -162,7 +162,7 @@ class _Layout:
         kind = f"block {box.kind}" + ("" if box.mandatory else " optional")
         title = f"{box.kind} {box.name}" + (f": {box.description}" if box.description else "")
         data = (("box", str(box.key)),) if box.kind == "objective" else ()
-        self.picture.frames.append(Frame(x, y, width, height, kind, shown(title, 1000), data))
+        self.picture.frames.append(Rectangle(x, y, width, height, kind, shown(title, 1000), data))
         labels = self.picture.labels
         labels.append(Label(x + PAD, y + 17, shown(box.name), "name"))
         below = y + 17
@@ -200,7 +200,9 @@ class _Layout:
             half = text_width(word) / 2 + 10
             spots[exit_name] = (middle - half, middle + half, y - GAP / 2 + EXIT / 2)
             self.picture.frames.append(
-                Frame(middle - half, y - GAP / 2, 2 * half, EXIT - 4, f"exit {word}", f"{word} of {box.name}")
+                Rectangle(
+                    middle - half, y - GAP / 2, 2 * half, EXIT - 4, f"exit {word}", f"{word} of {box.name}"
+                )
             )
             mark = {"success": "✓", "failure": "✗"}[word]
             self.picture.labels.append(
@@ -301,7 +303,7 @@ def _lanes(box: Box) -> _Lanes:
 
 
 _Data: TypeAlias = tuple[tuple[str, str], ...]
-_Cell: TypeAlias = tuple[str, list[tuple[str, _Data]], Frame]
+_Cell: TypeAlias = tuple[str, list[tuple[str, _Data]], Rectangle]
 """A name, lines of text with what a script finds them by, and a frame that has no place yet."""
 
 
@@ -318,14 +320,14 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
         if activity.produces:
             rows.append((shown(f"gives {' + '.join(activity.produces)}"), ()))
         title = f"activity {activity.name}" + (f": {activity.description}" if activity.description else "")
-        frame = Frame(0, 0, 0, 0, "block robot", shown(title, 1000), (("activity", activity.name),))
+        frame = Rectangle(0, 0, 0, 0, "block robot", shown(title, 1000), (("activity", activity.name),))
         cells.append((activity.name, rows, frame))
     y = _rows(picture, "Activities and their alternatives", cells, width, y)
     cells = []
     for hardware in mission.hardware:
         rows = [("may fail" if hardware.faulty else "never fails", ())]
         title = f"hardware {hardware.name}" + (f": {hardware.description}" if hardware.description else "")
-        frame = Frame(0, 0, 0, 0, "block hardware", shown(title, 1000), (("hardware", hardware.name),))
+        frame = Rectangle(0, 0, 0, 0, "block hardware", shown(title, 1000), (("hardware", hardware.name),))
         cells.append((hardware.name, rows, frame))
     picture.height = _rows(picture, "Hardware", cells, width, y)
 
@@ -352,7 +354,7 @@ def _rows(
         w, h = max(widths) + 2 * PAD, HEAD + ROW * len(rows) + PAD / 2
         if x > PAD and x + w > width + PAD:
             x, y, highest = float(PAD), y + highest + PAD, 0.0
-        picture.frames.append(Frame(x, y, w, h, frame.kind, frame.title, frame.data))
+        picture.frames.append(Rectangle(x, y, w, h, frame.kind, frame.title, frame.data))
         picture.labels.append(Label(x + PAD, y + 17, shown(name), "name"))
         for number, (text, data) in enumerate(rows, 1):
             picture.labels.append(

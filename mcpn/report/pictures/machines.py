@@ -11,15 +11,15 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mcpn.check.verdicts.modes import Situation, situation
-from mcpn.controller.actions import Action
-from mcpn.controller.hierarchy import Controller, SectionMachine, section_machine
+from mcpn.controller.actions import PlannedAction
+from mcpn.controller.hierarchy import SectionMachine, TableController, section_machine
 from mcpn.mission.graph import ObjectivesGraph, names_in
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.net.forgetful import forgetful
 from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
-from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
+from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
 from mcpn.report.words import what_happens
 from mcpn.space.local.composing import local_graph
@@ -36,7 +36,7 @@ MOST_LINES = 3
 
 
 @dataclass(frozen=True)
-class Passage:
+class DrawnEvent:
     """An event from one state to another.
 
     Args:
@@ -49,7 +49,7 @@ class Passage:
     source: int | None
     target: int | str
     event: Event
-    actions: tuple[Action, ...] = ()
+    actions: tuple[PlannedAction, ...] = ()
 
 
 def local_drawing(
@@ -86,13 +86,13 @@ def local_graph_drawing(
 
 def machine_drawing(machine: SectionMachine, name: str) -> Drawing:
     """The picture of a machine with its actions."""
-    passages = [Passage(m.source, m.target, machine.events[m.event], m.actions) for m in machine.moves]
+    passages = [DrawnEvent(m.source, m.target, machine.events[m.event], m.actions) for m in machine.moves]
     start = Event(What.START, "")
-    passages += [Passage(None, e.target, start, e.actions) for e in machine.entries if e]
+    passages += [DrawnEvent(None, e.target, start, e.actions) for e in machine.entries if e]
     return drawing(states_picture(name, machine.states, passages, actions=True))
 
 
-def controller_drawing(controller: Controller) -> Drawing:
+def controller_drawing(controller: TableController) -> Drawing:
     """The picture of a controller: its sections with the sizes of their machines, and the routes."""
     name = f"Controller of the mission {controller.mission}"
     if len(controller.sections) == 1:
@@ -102,12 +102,12 @@ def controller_drawing(controller: Controller) -> Drawing:
         machine = controller.types[section.type]
         sizes = f"{len(machine.states)} states, {len(machine.moves)} edges"
         nodes.append(Node(section.name, (section.name, sizes), "node", f"machine {section.type}: {sizes}"))
-    edges = [Edge("", controller.initial, "success", title="the mission starts")]
+    edges = [Arrow("", controller.initial, "success", title="the mission starts")]
     for section in controller.sections:
         for outcome, route in section.routes.items():
             kind = outcome if outcome in ("success", "failure") else "event"
             lines = () if kind == outcome else (outcome,)
-            edges.append(Edge(section.name, route, kind, lines, f"{section.name}: {outcome}"))
+            edges.append(Arrow(section.name, route, kind, lines, f"{section.name}: {outcome}"))
     reached = {edge.target for edge in edges}
     nodes += [Node(key, (word,), f"node {word}") for key, word in ENDS.items() if key in reached]
     return drawing(Graph(name, nodes, edges))
@@ -136,7 +136,7 @@ def graph_drawing(graph: AlternativesGraph) -> Drawing:
         ends = int(graph.sources[edge]), int(graph.targets[edge])
         labels.setdefault(ends, []).append(str(graph.event(edge)))
     edges = [
-        Edge(f"s{source}", f"s{target}", "arc", tuple(events[:MOST_LINES]), ", ".join(events))
+        Arrow(f"s{source}", f"s{target}", "arc", tuple(events[:MOST_LINES]), ", ".join(events))
         for (source, target), events in labels.items()
     ]
     return drawing(Graph(f"Alternatives graph of {graph.net.name}", nodes, edges))
@@ -147,7 +147,9 @@ def sections_of(graph: ObjectivesGraph) -> dict[str, str]:
     return {name: section.name for section in graph.sections for name in names_in(section)}
 
 
-def states_within(mission_net: MissionNet, graph: AlternativesGraph) -> tuple[list[Situation], list[Passage]]:
+def states_within(
+    mission_net: MissionNet, graph: AlternativesGraph
+) -> tuple[list[Situation], list[DrawnEvent]]:
     """States between start and end, and what leads to them, between them and out of them."""
     markings = [graph.marking(state) for state in range(graph.states)]
     said = [situation(mission_net, marking) for marking in markings]
@@ -165,7 +167,7 @@ def states_within(mission_net: MissionNet, graph: AlternativesGraph) -> tuple[li
         if source in exits or target in waiting:
             continue
         end: int | str = exits[target] if target in exits else new[target]
-        passages.append(Passage(new.get(source), end, graph.event(edge)))
+        passages.append(DrawnEvent(new.get(source), end, graph.event(edge)))
     return [said[n] for n in numbers], passages
 
 
@@ -181,7 +183,7 @@ def _runs(state: Situation) -> Hashable:
 def states_picture(
     name: str,
     states: Sequence[Situation],
-    passages: Sequence[Passage],
+    passages: Sequence[DrawnEvent],
     section_of: Mapping[str, str] | None = None,
     *,
     actions: bool = False,
@@ -221,7 +223,7 @@ def states_picture(
     return Graph(name, nodes, list(_edges(passages, key_of, actions)), list(clusters.values()))
 
 
-def _edges(passages: Sequence[Passage], key_of: Mapping[int, str], actions: bool) -> Iterator[Edge]:
+def _edges(passages: Sequence[DrawnEvent], key_of: Mapping[int, str], actions: bool) -> Iterator[Arrow]:
     """One curve for all events of a kind between two boxes; hardware's failure and return as one."""
     found: dict[tuple[str, str, str], dict[Event, str]] = {}
     for p in passages:
@@ -246,7 +248,7 @@ def _edges(passages: Sequence[Passage], key_of: Mapping[int, str], actions: bool
         lines = [line for text in told[:MOST_LINES] for line in text.split("\n")]
         if len(told) > MOST_LINES:
             lines.append(f"and {len(told) - MOST_LINES} more")
-        yield Edge(source, target, kind, tuple(lines), "; ".join(t.replace("\n", ": ") for t in told), both)
+        yield Arrow(source, target, kind, tuple(lines), "; ".join(t.replace("\n", ": ") for t in told), both)
 
 
 _KINDS = {What.SUCCESS: "success", What.FAILURE: "failure", What.DECLARED: "event"}
@@ -271,7 +273,7 @@ def _last(name: str) -> str:
     return name.rsplit(".", 1)[-1]
 
 
-def _order(action: Action) -> str:
+def _order(action: PlannedAction) -> str:
     what = action.activity or action.hardware or ""
     if action.verb == "select" and action.alternative not in (None, action.activity):
         return f"select {what}: {action.alternative}"

@@ -14,7 +14,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet, Provenance
 from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
-from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
+from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 from mcpn.space.local.composing import local_graph
 
 MOST_LISTED = 20_000
@@ -131,7 +131,7 @@ def units_picture(net: PetriNet, name: str) -> Graph:
             continue
         every = shared | joined.get((target, source), set())
         names = ", ".join(net.places[place].name for place in sorted(every))
-        edges.append(Edge(source, target, "joint", (f"{len(every)}",), f"interface places: {names}", back))
+        edges.append(Arrow(source, target, "joint", (f"{len(every)}",), f"interface places: {names}", back))
     return Graph(name, nodes, edges, sideways=True)
 
 
@@ -182,7 +182,7 @@ def net_picture(net: PetriNet, name: str, stable: Collection[int] | None = None)
         ends = (f"p{p}", f"t{t}") if way != "produce" else (f"t{t}", f"p{p}")
         told = (str(weight),) if weight > 1 else ()
         kind = "read" if way == "read" else "arc"
-        edges.append(Edge(*ends, kind, told, arrow=way != "read"))
+        edges.append(Arrow(*ends, kind, told, arrow=way != "read"))
     # Units of a mission are laid out one by one; those from elsewhere may be small and many.
     nested = any(place.provenance for place in net.places)
     return Graph(name, nodes, edges, list(clusters.values()), nested=nested)

@@ -9,7 +9,7 @@ from mcpn.mission.graph import ElementarySection, ObjectivesGraph, ParallelSecti
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import Drawing
-from mcpn.report.pictures.graph import Cluster, Edge, Graph, Node, drawing
+from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 
 MOST_SECTIONS = 80
 """Sections that are drawn one by one; of more, those of one block are drawn as one."""
@@ -40,7 +40,7 @@ def objectives_picture(graph: ObjectivesGraph, name: str, notes: Mapping[str, st
     drawn.gather()
     ends = [Node(key, (word,), f"node {word}") for key, word in ENDS.items() if key in drawn.reached]
     begin = Node("", ("start",), "node")
-    edges = [Edge("", drawn.first(graph), "success", title="the mission starts"), *drawn.edges]
+    edges = [Arrow("", drawn.first(graph), "success", title="the mission starts"), *drawn.edges]
     return Graph(name, [begin, *drawn.nodes, *ends], edges, drawn.clusters)
 
 
@@ -50,7 +50,7 @@ class _Drawn:
     def __init__(self, notes: Mapping[str, str]) -> None:
         self.notes = notes
         self.nodes: list[Node] = []
-        self.edges: list[Edge] = []
+        self.edges: list[Arrow] = []
         self.clusters: list[Cluster] = []
         self.reached: set[str] = set()
 
@@ -72,7 +72,7 @@ class _Drawn:
                 else:
                     target = self.first(graph, route)
                 title = f"{section.name}: {', '.join(lines) or kind} leads to {ENDS.get(route, route)}"
-                self.edges.append(Edge(self.last(section), target, kind, lines, title))
+                self.edges.append(Arrow(self.last(section), target, kind, lines, title))
 
     def gather(self) -> None:
         """Draws an event as one box where it interrupts so many sections that its curves would hide them."""
@@ -85,7 +85,7 @@ class _Drawn:
                 key = f"event {number}"
                 self.nodes.append(Node(key, (*lines, f"in any of {count} sections"), "node", title))
                 self.edges = [edge for edge in self.edges if edge not in gone]
-                self.edges.append(Edge(key, target, "event", title=title))
+                self.edges.append(Arrow(key, target, "event", title=title))
 
     def _block(self, section: ParallelSection, cluster: str | None) -> None:
         """A parallel block: a frame with its branches, a box where they begin and one where they end."""
@@ -101,7 +101,7 @@ class _Drawn:
         ]
         for branch in section.branches:
             word = () if branch.mandatory else ("optional",)
-            self.edges.append(Edge(fork, self.first(branch.graph), "arc", word, f"{branch.name} begins"))
+            self.edges.append(Arrow(fork, self.first(branch.graph), "arc", word, f"{branch.name} begins"))
             self.level(branch.graph, dict.fromkeys(ENDS, join), key)
 
     def first(self, graph: ObjectivesGraph, name: str | None = None) -> str:
@@ -145,9 +145,9 @@ def _by_block(graph: ObjectivesGraph, name: str) -> Graph:
                 counts[source, target, kind] += 1
     ends = {target for _, target, _ in counts} & ENDS.keys()
     nodes += [Node(key, (ENDS[key],), f"node {ENDS[key]}") for key in ENDS if key in ends]
-    edges = [Edge("", group_of[graph.entry], "success", title="the mission starts")]
+    edges = [Arrow("", group_of[graph.entry], "success", title="the mission starts")]
     edges += [
-        Edge(source, target, kind, (f"{count}",) if count > 1 else (), f"{count} routes on {kind}")
+        Arrow(source, target, kind, (f"{count}",) if count > 1 else (), f"{count} routes on {kind}")
         for (source, target, kind), count in counts.items()
     ]
     return Graph(name, nodes, edges)

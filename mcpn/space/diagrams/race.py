@@ -43,7 +43,7 @@ NEAR = 2.0
 Result = TypeVar("Result", covariant=True)
 
 
-class Runner(Protocol[Result]):
+class Racer(Protocol[Result]):
     """One way to a result, that can be stopped and go on."""
 
     @property
@@ -81,12 +81,12 @@ class Race(Generic[Result]):
         first_budget: Steps of the first runner in the first round.
     """
 
-    runners: Iterator[Runner[Result]]
+    runners: Iterator[Racer[Result]]
     memory: int
     workers: int
     first_budget: int = FIRST_BUDGET
     limit: MemoryLimit | None = None
-    _drawn: list[Runner[Result]] = field(default_factory=list)
+    _drawn: list[Racer[Result]] = field(default_factory=list)
     _out: set[int] = field(default_factory=set)
 
     def run(self) -> Result | None:

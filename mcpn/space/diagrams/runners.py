@@ -18,7 +18,7 @@ from mcpn.errors import UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.order import Order, candidates
-from mcpn.space.diagrams.symbolic import Encode, Listed, SymbolicSpace, close
+from mcpn.space.diagrams.symbolic import Encode, ListedMarkings, SymbolicSpace, close
 from mcpn.space.markings.explicit import Counts, KernelNet
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ class OneByOne:
         name = f"{self.name}, after exploring one by one"
         sizes = Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
         graph = prepared.graph(found)
-        listed = Listed(graph.markings, graph if len(graph.offsets) else None)
+        listed = ListedMarkings(graph.markings, graph if len(graph.offsets) else None)
         if not self.net.priorities:
             return SymbolicSpace(encoding, listed, None, name, self.order, 0, sizes)
         reachable = listed.put_on(encoding)

@@ -37,7 +37,7 @@ Encode: TypeAlias = Callable[[PetriNet, Order, int], Encoding]
 """Puts a net on the levels of a store, given an order of places and the bytes that the store may take."""
 
 
-class Listed:
+class ListedMarkings:
     """Markings that were listed one by one: rows of bits, put on a diagram when it is asked for.
 
     Args:
@@ -71,7 +71,7 @@ class SymbolicSpace:
     """
 
     encoding: Encoding
-    reached: Zdd | Listed
+    reached: Zdd | ListedMarkings
     stable: Zdd | None
     order: str
     places: Order
@@ -81,7 +81,7 @@ class SymbolicSpace:
     @property
     def listed(self) -> StateGraph | None:
         """The graph of the markings, where they were listed with their firings."""
-        return self.reached.graph if isinstance(self.reached, Listed) else None
+        return self.reached.graph if isinstance(self.reached, ListedMarkings) else None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A space goes from process to process as tables of its diagrams."""

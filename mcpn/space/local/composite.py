@@ -14,7 +14,7 @@ from mcpn.net.petri import Marking
 from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.diagrams.base import layers_back
 from mcpn.space.images import ImageStore
-from mcpn.space.local.glued import CompositeSet, Filter, Glued, Member, Parts
+from mcpn.space.local.glued import CompositeSet, Filter, Glued, Member, SectionSets
 from mcpn.space.local.layout import remembered
 from mcpn.space.local.sections import NOWHERE, Kind
 
@@ -70,7 +70,7 @@ class CompositeSpace(Glued):
 
     def marked(self, places: Collection[int]) -> CompositeSet:
         """States that mark at least one of some places."""
-        found, parts = Parts(), self.everything.parts
+        found, parts = SectionSets(), self.everything.parts
         for place in places:
             anywhere = self.layout.idle[place] or place in self.layout.status
             for name in parts if anywhere else self.holders("places", place):
@@ -213,12 +213,12 @@ class CompositeSpace(Glued):
 
     def _hops(
         self, begin: Member, goal: CompositeSet, within: CompositeSet, allowed: Filter
-    ) -> list[tuple[Parts, Parts]] | None:
+    ) -> list[tuple[SectionSets, SectionSets]] | None:
         """By number of sections to leave before the goal: from which states, and to which."""
-        hops: list[tuple[Parts, Parts]] = []
-        seen, targets = Parts(), Parts(goal.parts)
+        hops: list[tuple[SectionSets, SectionSets]] = []
+        seen, targets = SectionSets(), SectionSets(goal.parts)
         while targets:
-            closed = Parts()
+            closed = SectionSets()
             for name, target in targets.items():
                 found = self.stages[name].type.reaching(target, within.of(name), allowed(name))
                 closed.add(name, found - seen.get(name, self.empty))

@@ -25,7 +25,7 @@ Member = tuple[str, tuple[int, ...]]
 """A state: its section, and its marked levels with the section's own slots unmarked."""
 
 
-class Parts(dict[str, Zdd]):
+class SectionSets(dict[str, Zdd]):
     """A set of states in the making: by section, a diagram that is not empty."""
 
     def add(self, name: str, part: Zdd) -> bool:
@@ -174,9 +174,9 @@ class Glued:
         routes = (route for route in stage.routes.values() if route in parts)
         return stage.ends({route: self.stages[route].entries(parts[route]) for route in routes})
 
-    def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> Parts:
+    def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
         """States of a set with an event that leads out of their section, into another set."""
-        found = Parts()
+        found = SectionSets()
         for name in dict.fromkeys(stage for route in into for stage in self.into[route]):
             if name in within.parts:
                 stage = self.stages[name]
@@ -184,9 +184,9 @@ class Glued:
                 found.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
         return found
 
-    def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> Parts:
+    def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
         """States of a set just after an event that leads into their section, out of another set."""
-        found = Parts()
+        found = SectionSets()
         for name, part in states.items():
             for route, hardware in self.stages[name].leave(part, allowed(name)):
                 if route in within.parts:
@@ -251,7 +251,7 @@ class Glued:
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = self.everything if along is None else along
-        allowed, found = self.filtered(transitions, guards), Parts(goal.parts)
+        allowed, found = self.filtered(transitions, guards), SectionSets(goal.parts)
 
         def work(name: str) -> Iterator[str]:
             found[name] = self.stages[name].type.reaching(found[name], within.of(name), allowed(name))
@@ -270,7 +270,7 @@ class Glued:
     ) -> CompositeSet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
-        allowed, found = self.filtered(transitions, guards), Parts((begin & within).parts)
+        allowed, found = self.filtered(transitions, guards), SectionSets((begin & within).parts)
 
         def work(name: str) -> Iterator[str]:
             found[name] = self.stages[name].type.reached(found[name], within.of(name), allowed(name))

@@ -19,7 +19,7 @@ from mcpn.space.diagrams.encoding import distinct
 from mcpn.space.diagrams.evolution import behind, leading, passing
 from mcpn.space.local.composite import CompositeSpace, TwoOutcomes
 from mcpn.space.local.exploring import Explored
-from mcpn.space.local.glued import CompositeSet, Parts
+from mcpn.space.local.glued import CompositeSet, SectionSets
 from mcpn.space.local.section_type import ALL, SectionType
 from mcpn.space.local.sections import Stage
 from mcpn.space.stable.completion import fault_after
@@ -84,7 +84,7 @@ def _raise_before(
     ending = leading(encoding, here, passing(encoding, transient))
     for stage in stages:
         for t in type_.graph.waiting:
-            before, met = ending.images([encoding.undoing[t]]), Parts()
+            before, met = ending.images([encoding.undoing[t]]), SectionSets()
             if t != type_.net.start:
                 met.add(stage.name, before & everything.of(stage.name))
             else:
