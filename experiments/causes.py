@@ -21,17 +21,17 @@ import plots
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
+from mcpn.check.logic.syntax import parse
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.report.causes import fmeca_rows
 from mcpn.report.pictures.plots import Curves
+from mcpn.sentences import enumeration
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.stable.clash import enumeration
 
 ULYSSE = Path(__file__).parent / "ulysse" / "mission.xml"
 

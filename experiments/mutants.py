@@ -56,7 +56,7 @@ AREAS = {
     "mcpn/space/local": "tests/space/test_local.py tests/check/test_local.py tests/space tests/test_once.py",
     "mcpn/space/search": "tests/space/search tests/check/test_contest.py tests/check/test_properties.py",
     "mcpn/check": "tests/check",
-    "mcpn/check/logic": "tests/check/test_language.py tests/check/test_ctl.py tests/check",
+    "mcpn/check/logic": "tests/check/test_syntax.py tests/check/test_ctl.py tests/check",
     "mcpn/controller": "tests/controller tests/test_once.py",
     "mcpn/runtime": "tests/controller/test_runtime.py tests/controller/test_sessions.py tests/controller",
     "mcpn/report": "tests/report tests/test_cli.py",

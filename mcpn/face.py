@@ -95,7 +95,7 @@ def ctl(
 
     Args:
         of: The mission or the net.
-        formula: As :mod:`mcpn.check.logic.language` describes it.
+        formula: As :mod:`mcpn.check.logic.syntax` describes it.
         on: Whether it speaks of all ``markings``, or of ``alternatives``: stable states and events. By
             default the latter of a mission, the former of a net.
         fair: ``progress``, or formulas that hold again and again on the paths that count.

@@ -19,6 +19,7 @@ WAY = [
     "files",
     "xmlio",
     "notebook",
+    "sentences",
     "steps",
     "cluster",
     "workers",

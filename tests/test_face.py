@@ -65,7 +65,7 @@ def test_a_users_type_checker_sees_what_they_give() -> None:
 
 
 def test_rooms_can_be_called_whatever_was_imported_first() -> None:
-    first = "import mcpn.check.logic.language, mcpn.controller.machine, mcpn"
+    first = "import mcpn.check.logic.syntax, mcpn.controller.machine, mcpn"
     second = "print(callable(mcpn.check), callable(mcpn.controller), callable(mcpn.ctl))"
     run = subprocess.run(
         [sys.executable, "-c", f"{first}\n{second}"], capture_output=True, text=True, check=True

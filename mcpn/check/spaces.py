@@ -17,7 +17,7 @@ from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress, explore
+from mcpn.space.markings.explicit import MAX_MARKINGS, Progress, explore
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class Choice:
     @property
     def limit(self) -> int:
         """The most states that it lists."""
-        return DEFAULT_MAX_STATES if self.max_states is None else self.max_states
+        return MAX_MARKINGS if self.max_states is None else self.max_states
 
     def beside(self, most: int) -> int:
         """The most states of another graph that it lists: its limit, or another one where states are few."""
@@ -220,7 +220,7 @@ def space_of(
         raise InputError.at(None, message)
     if on == "markings":
         return markings_by(net, by, progress, tokens=tokens)
-    from mcpn.space.stable.clash import in_mission_words
+    from mcpn.space.stable.clash_words import in_mission_words
 
     with in_mission_words(mission_net):
         if by.engine == "local":

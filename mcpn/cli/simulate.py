@@ -55,9 +55,9 @@ def simulate(
     All that is shown is computed by the mission's net, not by its controller. Events are read from standard
     input, unless a file or a number of random ones is given.
     """
-    from mcpn.controller.simulator import DEFAULT_MAX_STATES, Simulation
+    from mcpn.controller.simulator import MAX_VISITED, Simulation
 
-    simulation = Simulation(mission_net_of(mission, import_root), max_states or DEFAULT_MAX_STATES)
+    simulation = Simulation(mission_net_of(mission, import_root), max_states or MAX_VISITED)
     session = _Session(simulation, quiet=as_json)
     if events is not None:
         session.replay(events)

@@ -145,7 +145,7 @@ def alternatives(
     from mcpn.check.spaces import answered, space_of
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import AlternativesGraph
-    from mcpn.space.stable.clash import in_mission_words
+    from mcpn.space.stable.clash_words import in_mission_words
     from mcpn.space.stable.listing import written_out
 
     without_threads_of_numpy()

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Literal, overload
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
-from mcpn.controller.sizes import DEFAULT_MAX_STATES, rather_rules, standing, too_large
+from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, standing, too_large
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.space.local.composing import composite_space
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.stable.alternatives import direct_with_proof
-from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.completion import DEFAULT_MAX_STATES as DEFAULT_MAX_FLAT
+from mcpn.space.stable.clash_words import in_mission_words
+from mcpn.space.stable.completion import MAX_STABLE_STATES
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def generate(
     """
     if form == "flat":
         faulty = sum(h.faulty for h in mission_net.mission.hardware)
-        limit = DEFAULT_MAX_FLAT if max_states is None else max_states
+        limit = MAX_STABLE_STATES if max_states is None else max_states
         if 1 << faulty > limit:
             raise LimitError(
                 f"{faulty} hardware resources that may fail have 2^{faulty} states and a flat controller has "
@@ -107,7 +107,7 @@ def generate(
         return modular_controller(composite)
     names = standing(composite)
     if form == "hierarchical":
-        if error := too_large(names, DEFAULT_MAX_STATES if max_states is None else max_states):
+        if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
             raise error
     elif error := rather_rules(names, max_states):
         if told:

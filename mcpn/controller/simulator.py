@@ -18,7 +18,7 @@ from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 
-DEFAULT_MAX_STATES = 200_000
+MAX_VISITED = 200_000
 """Stable markings that one search may look at."""
 
 MOST_CUT = 3
@@ -53,7 +53,7 @@ class Simulation:
         max_states: How many stable markings one search may look at.
     """
 
-    def __init__(self, mission_net: MissionNet, max_states: int = DEFAULT_MAX_STATES) -> None:
+    def __init__(self, mission_net: MissionNet, max_states: int = MAX_VISITED) -> None:
         self.mission_net = mission_net
         self.max_states = max_states
         self._runner = Runner(mission_net)

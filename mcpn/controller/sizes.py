@@ -9,7 +9,7 @@ from mcpn.errors import LimitError
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 
-DEFAULT_MAX_STATES = 1_000_000
+MAX_TABLE_STATES = 1_000_000
 """States of a section that its machine lists at most."""
 
 MOST_TABLED = 50_000
@@ -80,7 +80,7 @@ def rather_rules(names: Mapping[SectionType, str], max_states: int | None) -> Li
         LimitError: Tables are too large, and some section has no rules.
     """
     if any(type_.steps is None for type_ in names):
-        if error := too_large(names, DEFAULT_MAX_STATES if max_states is None else max_states):
+        if error := too_large(names, MAX_TABLE_STATES if max_states is None else max_states):
             raise error
         return None
     return too_large(names, MOST_TABLED if max_states is None else max_states)

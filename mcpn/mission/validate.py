@@ -9,7 +9,6 @@ from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.expansion.clashes import clashes
-from mcpn.mission.fields import find_misfits
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import (
@@ -31,6 +30,7 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.near import Hints
+from mcpn.mission.typecheck import find_misfits
 
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 

@@ -21,8 +21,8 @@ from mcpn.net.events import Event
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
 from mcpn.report.words import in_words, what_happens
+from mcpn.sentences import enumeration
 from mcpn.space.run import Run
-from mcpn.space.stable.clash import enumeration
 
 if TYPE_CHECKING:
     from mcpn.check.causes.risk import Risk

@@ -20,8 +20,8 @@ from mcpn.report.pictures.nets import net_drawing, units_drawing
 from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
+from mcpn.sentences import enumeration
 from mcpn.space.stable.alternatives import AlternativesGraph
-from mcpn.space.stable.clash import enumeration
 
 _TABLE = (
     "<table><caption>{{ caption }}</caption>"

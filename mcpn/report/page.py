@@ -23,7 +23,7 @@ from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
 from mcpn.report.words import in_words, modes_in_words, what_happens
-from mcpn.space.stable.clash import enumeration
+from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes

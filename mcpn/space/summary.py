@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
-from mcpn.space.markings.explicit import DEFAULT_MAX_STATES, Progress
+from mcpn.space.markings.explicit import MAX_MARKINGS, Progress
 
 if TYPE_CHECKING:
     from mcpn.space.diagrams.symbolic import SymbolicSpace
@@ -79,10 +79,7 @@ def summarise(
         from mcpn.space.diagrams.bounded import reach_markings
 
         return summary_of(reach_markings(net), started)
-    if engine == "explicit":
-        counts = _explicit(net, max_states or DEFAULT_MAX_STATES, progress)
-    else:
-        counts = _pyeda(net)
+    counts = _explicit(net, max_states or MAX_MARKINGS, progress) if engine == "explicit" else _pyeda(net)
     states, edges, stable, dead, tokens, in_place = counts
     seconds = time.perf_counter() - started
     sizes = len(net.places), len(net.transitions)

@@ -11,8 +11,8 @@ from typing import Any, TypeAlias
 
 from hypothesis import strategies as st
 
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
+from mcpn.check.logic.syntax import parse
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.search.goal import Formula

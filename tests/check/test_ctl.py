@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Justice
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.syntax import parse
 from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.logic.witness import explain
 from mcpn.check.spaces import Asked

@@ -17,8 +17,8 @@ from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
+from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.modes import situation
 from mcpn.errors import LimitError, SemanticsError

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 
 from mcpn.check.logic.formulas import EU
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import Names
+from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.modes import functioning_modes

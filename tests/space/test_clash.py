@@ -16,7 +16,8 @@ from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.markings.explicit import explore
 from mcpn.space.run import Completion
 from mcpn.space.stable.alternatives import by_reduction, direct
-from mcpn.space.stable.clash import Clash, Rival, explained, find_clash
+from mcpn.space.stable.clash import Clash, Rival, find_clash
+from mcpn.space.stable.clash_words import explained, sentence
 from mcpn.space.stable.completion import fault_after
 from mcpn.testing import missions
 from tests import small
@@ -160,7 +161,7 @@ def test_two_branches_want_one_resource() -> None:
     )
     rivals = Rival("activity", "advance", ("advance",)), Rival("activity", "film", ("film",))
     assert clash == Clash("hardware", ("h",), rivals, "branches", "census")
-    assert str(clash) == (
+    assert sentence(clash) == (
         "not confluent: advance (objective advance) and film (objective film), both in parallel block "
         "census, ask for h at the same moment, and what follows depends on which comes first; to change "
         "this, put the two in sequence, or let one of them use another resource, or give one of them an "
@@ -202,8 +203,8 @@ def test_two_activities_of_one_objective() -> None:
         )
     )
     assert (clash.where, clash.block) == ("objective", None)
-    assert "advance and film, both for objective x, ask for h" in str(clash)
-    assert "start them by two objectives in sequence" in str(clash)
+    assert "advance and film, both for objective x, ask for h" in sentence(clash)
+    assert "start them by two objectives in sequence" in sentence(clash)
 
 
 def test_an_activity_and_its_supplier_cannot_run_in_sequence() -> None:
@@ -216,8 +217,8 @@ def test_an_activity_and_its_supplier_cannot_run_in_sequence() -> None:
         )
     )
     assert clash.where == "chain"
-    assert "hear and see, both for objective x, ask for h" in str(clash)
-    assert "sequence" not in str(clash)
+    assert "hear and see, both for objective x, ask for h" in sentence(clash)
+    assert "sequence" not in sentence(clash)
 
 
 def test_two_branches_start_one_activity() -> None:
@@ -226,8 +227,8 @@ def test_two_branches_start_one_activity() -> None:
         Mission(name="m", robots=robot(activity("film", "h")), blocks=(Parallel(name="both", blocks=blocks),))
     )
     assert (clash.kind, clash.wanted) == ("activity", ("film",))
-    assert "objectives a and b, both in parallel block both, start activity film" in str(clash)
-    assert "an activity of its own" in str(clash)
+    assert "objectives a and b, both in parallel block both, start activity film" in sentence(clash)
+    assert "an activity of its own" in sentence(clash)
 
 
 def test_no_activity_is_stopped_while_it_changes_its_alternative() -> None:

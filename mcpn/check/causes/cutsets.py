@@ -21,7 +21,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.mortal import mortal
 from mcpn.space.algebra import Alike, S, Space
 from mcpn.space.images import ImageStore
-from mcpn.space.local.layout import remembered
+from mcpn.space.memoized import memoized
 
 CutSet = tuple[str, ...]
 """Names of hardware, in alphabetical order."""
@@ -128,7 +128,7 @@ class CutSets(Prospects[S]):
         """The sets of hardware that is dead in some states."""
         return self.space.image(states, self.places("dead", self.hardware), self.images)
 
-    @remembered
+    @memoized
     def minimal(self, family: Zdd) -> list[CutSet]:
         """The minimal members of a family, by size, then in alphabetical order: minimal cut sets.
 

@@ -22,7 +22,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.space.images import ImageStore
-from mcpn.space.local.layout import remembered
+from mcpn.space.memoized import memoized
 from mcpn.space.run import Run, transitions_of
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
@@ -152,7 +152,7 @@ class Prospects(Generic[S]):
         """States in which the mission has begun."""
         return self.space.everything - self.space.marked([self.mission_net.beginning])
 
-    @remembered
+    @memoized
     def entered(self, section: Section) -> S:
         """States at the entry of a section: just entered, or so but for failures that came at once."""
         space, first = self.space, [inner.name for inner in entries(section)]
@@ -174,7 +174,7 @@ class Prospects(Generic[S]):
         """What the edges of a run to a goal may carry."""
         return Without(self.everything if repairs else self.unrepaired, goal.ends)
 
-    @remembered
+    @memoized
     def hopeful(self, goal: Goal[S], *, repairs: bool) -> S:
         """States from which a goal can be reached; where repairs are allowed, of hardware that is alive."""
         return self.space.reaching(goal.won, goal.running, self.allowed(goal, repairs=repairs))
@@ -253,7 +253,7 @@ class Prospects(Generic[S]):
         found, names = self._alike.known((event.what, of, piece.kind), piece.names, compute)
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
 
-    @remembered
+    @memoized
     def _concerned(self, event: Event) -> set[str]:
         """Activities whose choice of alternative matters to an event.
 

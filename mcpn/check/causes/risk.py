@@ -36,7 +36,7 @@ from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
-from mcpn.space.markings.explicit import DEFAULT_MAX_STATES
+from mcpn.space.markings.explicit import MAX_MARKINGS
 from mcpn.space.stable.listing import written_out
 
 
@@ -78,7 +78,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         LimitError: There are too many states to be listed, or too much hardware to be remembered.
     """
     _refuse_unknown(prospects)
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
     rates = {

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Justice
-from mcpn.check.logic.language import parse
 from mcpn.check.logic.names import PROGRESS, Names, progress
+from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import Asked, Choice, NoSpace, On, answered, expected_small, space_of
 from mcpn.errors import InputError, UnsafeError
 from mcpn.net.petri import PetriNet
@@ -94,7 +94,7 @@ class Questions:
         )
 
     def formula(self, text: str) -> Formula:
-        """The formula of a text; it raises what :func:`mcpn.check.logic.language.parse` does."""
+        """The formula of a text; it raises what :func:`mcpn.check.logic.syntax.parse` does."""
         return parse(text, self.names)
 
     @property

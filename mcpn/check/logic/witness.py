@@ -16,8 +16,8 @@ from typing import Any, Generic, Protocol
 
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
-from mcpn.check.logic.language import show
 from mcpn.check.logic.names import Names
+from mcpn.check.logic.syntax import show
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S

@@ -26,7 +26,7 @@ from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
 from mcpn.space.markings.explicit import Progress, count
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
-from mcpn.space.stable.clash import explained
+from mcpn.space.stable.clash_words import explained
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:

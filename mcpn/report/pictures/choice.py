@@ -52,7 +52,7 @@ def _net(mission_net: MissionNet) -> Drawing:
 def _alternatives(mission_net: MissionNet) -> Drawing:
     from mcpn.report.pictures.machines import alternatives_drawing
     from mcpn.space.stable.alternatives import direct_with_proof
-    from mcpn.space.stable.clash import in_mission_words
+    from mcpn.space.stable.clash_words import in_mission_words
     from mcpn.steps import Doing, step
 
     step(Doing.LISTING)

@@ -28,8 +28,8 @@ from mcpn.space.local.nonconfluent import refuse_nonconfluent, refuse_open_junct
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.local.sections import WholeNet
 from mcpn.space.markings.explicit import Progress
-from mcpn.space.stable.clash import in_mission_words
-from mcpn.space.stable.completion import DEFAULT_MAX_STATES
+from mcpn.space.stable.clash_words import in_mission_words
+from mcpn.space.stable.completion import MAX_STABLE_STATES
 from mcpn.space.stable.falsification import nearest_fault
 from mcpn.steps import Doing, step
 
@@ -159,7 +159,7 @@ def local_graph(
     from mcpn.space.stable.alternatives import direct_with_proof  # which lists states in arrays
 
     local, _ = forgetful(part_of(mission_net, name).net())
-    limit = DEFAULT_MAX_STATES if max_states is None else max_states
+    limit = MAX_STABLE_STATES if max_states is None else max_states
     step(Doing.LISTING)
     with in_section(name), in_mission_words(local):
         return local, direct_with_proof(local.net, max_states=limit)

@@ -15,8 +15,8 @@ from mcpn.space.algebra import Edge, Guards, Piece
 from mcpn.space.diagrams.base import layers_back
 from mcpn.space.images import ImageStore
 from mcpn.space.local.glued import CompositeSet, Filter, Glued, Member, SectionSets
-from mcpn.space.local.layout import remembered
 from mcpn.space.local.sections import NOWHERE, Kind
+from mcpn.space.memoized import memoized
 
 
 class TwoOutcomes(Exception):
@@ -32,7 +32,7 @@ class CompositeSpace(Glued):
 
     # --- what states say ---
 
-    @remembered
+    @memoized
     def _holding(self, kind: Kind) -> tuple[Mapping[int, Sequence[str]], Mapping[int, list[list[str]]]]:
         """By place, or by transition, the stages with it in their control; and groups that use it alike."""
         control: dict[int, tuple[str] | list[str]] = {}

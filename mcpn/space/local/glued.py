@@ -14,9 +14,10 @@ from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Guards, Without
-from mcpn.space.local.layout import Layout, remembered
+from mcpn.space.local.layout import Layout
 from mcpn.space.local.section_type import ALL, Allowed
 from mcpn.space.local.sections import BEGIN, ENDS, Stage, WholeNet, outside
+from mcpn.space.memoized import memoized
 
 Filter: TypeAlias = Callable[[str], Allowed]
 """By section, what its edges may carry."""
@@ -151,18 +152,18 @@ class Glued:
 
         return cache(of)
 
-    @remembered
+    @memoized
     def _beside(self, wanted: frozenset[int]) -> frozenset[int]:
         """Those of some transitions that are of hardware beside sections."""
         return wanted.intersection(self.layout.toggles)
 
-    @remembered
+    @memoized
     def _local(self, wanted: frozenset[int], name: str) -> frozenset[int]:
         """Those of some transitions that a section has, in its local net: one set for all that are alike."""
         own = self.stages[name].transitions
         return self._once(frozenset([i for i, t in enumerate(own) if t in wanted]))
 
-    @remembered
+    @memoized
     def _once(self, local: frozenset[int]) -> frozenset[int]:
         """The first of equal sets."""
         return local

@@ -9,16 +9,17 @@ has happened. A section keeps its own hardware and handlers in its local places;
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cache, cached_property, partial
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
 from itertools import chain
-from typing import Concatenate, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
+from typing import Literal, NamedTuple, TypeAlias
 
 from mcpn._kernel import Store, Zdd
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.net.sections import Element
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
+from mcpn.space.memoized import memoized
 from mcpn.space.run import Completion
 
 Said: TypeAlias = Literal["oos", "dead", "happened"]
@@ -31,17 +32,6 @@ ONCE: tuple[Said, ...] = ("happened",)
 
 CHANGES = {What.OUT_OF_SERVICE: (0, 1), What.REPAIRED: (1, 0), What.LOST: (1, 2)}
 """By event of hardware, its status before and after: how many of its slots are marked."""
-
-Owner = TypeVar("Owner")
-Given = ParamSpec("Given")
-Found = TypeVar("Found")
-
-
-def remembered(
-    method: Callable[Concatenate[Owner, Given], Found],
-) -> cached_property[Callable[Given, Found]]:
-    """Makes a method that keeps what it has found for the same arguments."""
-    return cached_property(lambda owner: cast(Callable[Given, Found], cache(partial(method, owner))))
 
 
 class Toggle(NamedTuple):
@@ -124,7 +114,7 @@ class Layout:
             found[t] = Toggle(t, element, *events, self.store.condition(slots[:before], slots[before:]))
         return found
 
-    @remembered
+    @memoized
     def beside(
         self, transitions: frozenset[int] | None = None, but: tuple[Element, ...] = ()
     ) -> list[Toggle]:

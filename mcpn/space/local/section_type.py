@@ -20,8 +20,9 @@ from mcpn.space.algebra import Edge
 from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.diagrams.symbolic import chained
 from mcpn.space.local.exploring import Explored
-from mcpn.space.local.layout import Layout, idle_places, remembered
-from mcpn.space.stable.completion import DEFAULT_MAX_STATES
+from mcpn.space.local.layout import Layout, idle_places
+from mcpn.space.memoized import memoized
+from mcpn.space.stable.completion import MAX_STABLE_STATES
 
 if TYPE_CHECKING:
     from mcpn.space.stable.alternatives import AlternativesGraph
@@ -99,25 +100,25 @@ class SectionType:
 
     # --- steps and closures: inside the section, or from inside to its ends ---
 
-    @remembered
+    @memoized
     def fired(self, levels: tuple[int, ...]) -> list[tuple[Edge, Exit | None]]:
         """The edges of a local state by its own events, each with the exit that it leads to if it does."""
         exits, marks, edges = self.net.exits.items(), self.encoding.marks, self.graph.edges(levels)
         return [(edge, next((e for e, p in exits if marks(edge.target, p)), None)) for edge in edges]
 
-    @remembered
+    @memoized
     def after(self, states: Zdd, allowed: Allowed) -> Zdd:
         """States, inside or at the ends, one event of the section after some states inside."""
         return self.graph.after(states, *allowed.own)
 
-    @remembered
+    @memoized
     def before_step(self, goal: Zdd, allowed: Allowed) -> Zdd:
         """States inside with an event of the section that leads to a goal, inside or at the ends."""
         if not goal or allowed.local == frozenset():
             return self.layout.store.empty()
         return self.inside & self.graph.before(goal, *allowed.own)
 
-    @remembered
+    @memoized
     def crossing(
         self, among: Zdd, goal: Zdd, own: tuple[Element, ...]
     ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
@@ -130,21 +131,21 @@ class SectionType:
         beside = {t.transition: goal.images([t.undo], within=among) for t in self.layout.beside(None, own)}
         return {t: s for t, s in local.items() if s}, {t: s for t, s in beside.items() if s}
 
-    @remembered
+    @memoized
     def firings(self, states: Zdd, own: tuple[Element, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
         """The same with the number of states inside in which each event is enabled."""
         beside = self.layout.beside(None, own)
         counts = states.counts([toggle.condition for toggle in beside])
         return self.graph.firings(states), {t.transition: n for t, n in zip(beside, counts, strict=True)}
 
-    @remembered
+    @memoized
     def reached(self, begin: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States to which runs through a set of states inside lead from some of them."""
         steps = self.graph.ahead(along, *allowed.own)
         beside = [toggle.event for toggle in self.layout.beside(allowed.beside)]
         return chained(begin & along, [*steps, lambda states: states.saturate(beside, within=along)])
 
-    @remembered
+    @memoized
     def reaching(self, goal: Zdd, along: Zdd, allowed: Allowed) -> Zdd:
         """States from which runs through a set of states inside lead to a goal, inside or at the ends."""
         if not along:
@@ -156,17 +157,17 @@ class SectionType:
 
     # --- entry and exits: the status of all elements is handed from section to section, in slots ---
 
-    @remembered
+    @memoized
     def entered(self, before: Zdd) -> Zdd:
         """First states inside after the section is entered in some states before it."""
         return self.graph.after(before, [self.net.start])
 
-    @remembered
+    @memoized
     def entries(self, inside: Zdd) -> Zdd:
         """States before the section in which it is entered in some states inside."""
         return self.graph.before(inside, [self.net.start]) & self.before
 
-    @remembered
+    @memoized
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The status of all elements in states before the entry, or after an exit, with some own slots."""
         found, event = states.subset(unmarked=own), self.layout.store.event
@@ -174,7 +175,7 @@ class SectionType:
             found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
         return found.images([event(self._idle(exit_), [])])
 
-    @remembered
+    @memoized
     def from_slots(self, status: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The states before the entry, or after an exit, with all elements in some status: the reverse."""
         event = self.layout.store.event
@@ -222,12 +223,12 @@ class SectionType:
 
     # --- listed one by one ---
 
-    @remembered
+    @memoized
     def forgetful(self, kept: tuple[str, ...] = ()) -> tuple[MissionNet, Mapping[int, Guard]]:
         """The local net without what has happened once, some handlers aside, and its transitions' guards."""
         return forgetful(self.net, [handler for handler in self.part.once if handler not in kept])
 
-    def listed(self, kept: tuple[str, ...] = (), max_states: int = DEFAULT_MAX_STATES) -> AlternativesGraph:
+    def listed(self, kept: tuple[str, ...] = (), max_states: int = MAX_STABLE_STATES) -> AlternativesGraph:
         """The stable states of that net, one by one."""
         from mcpn.space.stable.alternatives import direct  # which lists them in arrays
 

@@ -19,8 +19,9 @@ from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.images import Bit
 from mcpn.space.local.exploring import explore_local
-from mcpn.space.local.layout import Layout, Toggle, remembered
+from mcpn.space.local.layout import Layout, Toggle
 from mcpn.space.local.section_type import ALL, Allowed, Exit, SectionType
+from mcpn.space.memoized import memoized
 
 Found = TypeVar("Found")
 
@@ -229,7 +230,7 @@ class WholeNet:
         net = part.net(self.templates)
         return mortal(net) if "dead" in type_.layout.said["hardware"] else net
 
-    @remembered
+    @memoized
     def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
         """What a type's local net, or the whole net, has of each element, in the net's order."""
         found: dict[Element, list[int]] = {}

@@ -17,7 +17,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.net.structure import changes, needs
 from mcpn.space.markings.explicit import (
     DEFAULT_MAX_MEMORY,
-    DEFAULT_MAX_STATES,
+    MAX_MARKINGS,
     Counts,
     Progress,
     count,
@@ -48,7 +48,7 @@ class TokenCounts(Counts):
 
 
 def explore_markings(
-    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
+    net: PetriNet, *, max_states: int = MAX_MARKINGS, progress: Progress | None = None
 ) -> StateGraph:
     """Builds the markings graph of a net, 1-safe or not.
 
@@ -71,7 +71,7 @@ def explore_markings(
 
 
 def count_markings(
-    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
+    net: PetriNet, *, max_states: int = MAX_MARKINGS, progress: Progress | None = None
 ) -> Counts:
     """Counts what :func:`explore_markings` builds, without keeping the edges."""
     try:
@@ -85,7 +85,7 @@ def count_markings(
 def explore_tokens(
     net: PetriNet,
     *,
-    max_states: int = DEFAULT_MAX_STATES,
+    max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
     progress: Progress | None = None,
 ) -> StateGraph:
@@ -112,7 +112,7 @@ def explore_tokens(
 def count_tokens(
     net: PetriNet,
     *,
-    max_states: int = DEFAULT_MAX_STATES,
+    max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
     progress: Progress | None = None,
 ) -> TokenCounts:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Progress: TypeAlias = Callable[[int, int], None]
 """Called about once a second with the states found and the edges fired so far."""
 
-DEFAULT_MAX_STATES = 100_000_000
+MAX_MARKINGS = 100_000_000
 DEFAULT_MAX_MEMORY = 16 << 30
 
 
@@ -112,7 +112,7 @@ class Counts:
 def explore(
     net: PetriNet,
     *,
-    max_states: int = DEFAULT_MAX_STATES,
+    max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
     progress: Progress | None = None,
 ) -> StateGraph:
@@ -138,7 +138,7 @@ def explore(
 def count(
     net: PetriNet,
     *,
-    max_states: int = DEFAULT_MAX_STATES,
+    max_states: int = MAX_MARKINGS,
     max_memory: int = DEFAULT_MAX_MEMORY,
     progress: Progress | None = None,
 ) -> Counts:

@@ -17,7 +17,9 @@ from mcpn.net.structure import needs
 OMEGA = -1
 """In the bounds of places and in markings of the coverability tree: any number of tokens."""
 
-MAX_STATES = 1_000_000
+MAX_COVERED = 1_000_000
+"""Nodes that a coverability tree may have."""
+
 REPEATED = "this run can be repeated with more and more tokens"
 
 
@@ -46,7 +48,7 @@ class Boundedness:
         return max(self.bounds, default=0) if self.bounded and self.bounds is not None else None
 
 
-def boundedness(net: PetriNet, *, max_states: int = MAX_STATES) -> Boundedness:
+def boundedness(net: PetriNet, *, max_states: int = MAX_COVERED) -> Boundedness:
     """Decides whether a net is bounded, and by what.
 
     Args:

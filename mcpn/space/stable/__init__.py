@@ -18,5 +18,6 @@ Which module is which step of the argument (``papers/mcpn.md``, section 3):
 
 Where the proof fails, :mod:`~mcpn.space.stable.falsification` looks for the nearest counterexample,
 :mod:`~mcpn.space.stable.decisive_conflict` finds the two firings that decide the outcome, and
-:mod:`~mcpn.space.stable.clash` says which elements of the mission want the same.
+:mod:`~mcpn.space.stable.clash` finds which elements of the mission want the same
+(:mod:`~mcpn.space.stable.clash_words` says it).
 """

@@ -22,7 +22,7 @@ from mcpn.net.petri import PetriNet
 from mcpn.space.markings.explicit import KernelNet, Progress
 from mcpn.space.markings.graph import Ints, Mask, StateGraph
 from mcpn.space.stable.completion import (
-    DEFAULT_MAX_STATES,
+    MAX_STABLE_STATES,
     PROOF_BY_MARKINGS,
     confluence_error,
     divergence_error,
@@ -131,7 +131,7 @@ def direct(
     net: PetriNet,
     *,
     proof: bool = True,
-    max_states: int = DEFAULT_MAX_STATES,
+    max_states: int = MAX_STABLE_STATES,
     progress: Progress | None = None,
 ) -> AlternativesGraph:
     """Builds the alternatives graph without the markings graph.
@@ -165,7 +165,7 @@ def direct(
 
 
 def direct_with_proof(
-    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, progress: Progress | None = None
+    net: PetriNet, *, max_states: int = MAX_STABLE_STATES, progress: Progress | None = None
 ) -> AlternativesGraph:
     """Builds the alternatives graph directly and proves it; of faults the nearest is told that is soon found.
 

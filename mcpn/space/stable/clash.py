@@ -2,13 +2,12 @@
 
 Two runs of a :class:`mcpn.errors.ConfluenceError` part at two internal transitions that take the same token.
 The token's element is what is wanted, the elements of the transitions are the rivals. Every engine finds its
-error on its own; the words for it are made here.
+error on its own; :mod:`mcpn.space.stable.clash_words` says the clash in a sentence.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import permutations, product
 
@@ -16,22 +15,6 @@ from mcpn.errors import ConfluenceError
 from mcpn.mission.flatten import ParallelSection
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, Provenance, Transition
-
-_RESOURCE = ("let one of them use another resource", "give one of them an alternative without {wanted}")
-REMEDIES = {
-    "hardware": (*_RESOURCE, 'declare {wanted} with shared="true"'),
-    "software": (*_RESOURCE, 'declare {wanted} without exclusive="true"'),
-    "activity": ("give one of them an activity of its own",),
-    "producer": ("put in sequence what needs its resources", "produce them by activities of their own"),
-    "stop": ("put in sequence what uses the same resources", "give it resources of its own"),
-}
-"""What a designer can change, by what is wanted."""
-
-SEQUENCE = {
-    "branches": "put the two in sequence",
-    "objective": "start them by two objectives in sequence",
-}
-"""What else, by where both run; activities of which one supplies the other cannot run in sequence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +30,6 @@ class Rival:
     kind: str
     name: str
     objectives: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        if self.kind == "objective":
-            return f"objective {self.name}"
-        return f"{self.name} ({_objectives(self.objectives)})" if self.objectives else self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,59 +52,6 @@ class Clash:
     rivals: tuple[Rival, Rival]
     where: str
     block: str | None
-
-    def __str__(self) -> str:
-        who, wanted = self._who(), enumeration(self.wanted)
-        match self.kind:
-            case "hardware" | "software":
-                said = f"{who} ask for {wanted} at the same moment"
-            case "activity":
-                said = f"{who} start {_plural('activity', 'activities', self.wanted)} at the same moment"
-            case "producer":
-                asked = next((r.name for r in self.rivals if r.kind == "software"), "its resource")
-                said = f"activity {wanted} may stop at the moment at which {asked} is asked for"
-            case "stop":
-                said = f"activity {wanted} may be stopped at the moment at which it changes its alternative"
-            case _:
-                said = f"{who} act at the same moment"
-        remedies = [remedy.format(wanted=wanted) for remedy in REMEDIES.get(self.kind, ())]
-        if self.kind not in ("producer", "stop") and self.where in SEQUENCE:
-            remedies.insert(0, SEQUENCE[self.where])
-        advice = f"; to change this, {', or '.join(remedies)}" if remedies else ""
-        return f"not confluent: {said}, and what follows depends on which comes first{advice}"
-
-    def _who(self) -> str:
-        one, other = self.rivals
-        if self.where != "branches" and one.objectives:
-            return f"{one.name} and {other.name}, both for {_objectives(one.objectives)},"
-        who = f"{one} and {other}"
-        if one.kind == other.kind == "objective":
-            who = f"objectives {one.name} and {other.name}"
-        return f"{who}, both in parallel block {self.block}," if self.block is not None else who
-
-
-def explained(mission_net: MissionNet, error: ConfluenceError) -> ConfluenceError:
-    """The error in the words of the mission.
-
-    Args:
-        mission_net: The net of the mission, or of a part of it, that the error's runs are of.
-        error: The error.
-
-    Returns:
-        An error with the same runs.
-    """
-    of = mission_net.net.transitions, mission_net.net.transition_index
-    events = [e for name in error.runs[0] if (e := of[0][of[1][name]].event) is not None]
-    return ConfluenceError(str(find_clash(mission_net, error)), error.runs, [str(event) for event in events])
-
-
-@contextmanager
-def in_mission_words(mission_net: MissionNet | None) -> Iterator[None]:
-    """Explains an error of the mission's net that is raised inside; nets of no mission have no such words."""
-    try:
-        yield
-    except ConfluenceError as error:
-        raise error if mission_net is None else explained(mission_net, error) from error
 
 
 def find_clash(mission_net: MissionNet, error: ConfluenceError) -> Clash:
@@ -233,16 +158,3 @@ class _Finding:
                 if any(sides[0] & a and sides[1] & b for a, b in permutations(inside, 2)):
                     found = section.name
         return found
-
-
-def _objectives(names: Sequence[str]) -> str:
-    return _plural("objective", "objectives", names)
-
-
-def _plural(one: str, several: str, names: Sequence[str]) -> str:
-    return f"{one if len(names) == 1 else several} {enumeration(names)}"
-
-
-def enumeration(names: Sequence[str]) -> str:
-    """Names as a list in a sentence: ``A``, ``A and B``, ``A, B and C``."""
-    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

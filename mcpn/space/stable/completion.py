@@ -30,7 +30,7 @@ PROOF_BY_MARKINGS = (
 
 Orders: TypeAlias = Literal["one", "enough", "every"]
 
-DEFAULT_MAX_STATES = 5_000_000
+MAX_STABLE_STATES = 5_000_000
 """Stable states that an alternatives graph may have."""
 
 LEAST_TRANSIENT = 100_000

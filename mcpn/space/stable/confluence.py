@@ -26,7 +26,7 @@ from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import mask_of
 from mcpn.space.stable.commutation import open_conflicts
 from mcpn.space.stable.completion import (
-    DEFAULT_MAX_STATES,
+    MAX_STABLE_STATES,
     PROOF_BY_MARKINGS,
     confluence_error,
     fault_after,
@@ -46,7 +46,7 @@ PROOF_BY_PATTERNS = (
 
 
 def prove_confluent(
-    net: PetriNet, *, max_states: int = DEFAULT_MAX_STATES, space: SymbolicSpace | None = None
+    net: PetriNet, *, max_states: int = MAX_STABLE_STATES, space: SymbolicSpace | None = None
 ) -> str:
     """Proves that internal evolution of a net is confluent and ends, without building its graph if it can.
 

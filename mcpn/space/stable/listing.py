@@ -9,7 +9,7 @@ from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
 from mcpn.space.markings.graph import pack
 from mcpn.space.stable.alternatives import AlternativesGraph, numbered
-from mcpn.space.stable.completion import DEFAULT_MAX_STATES
+from mcpn.space.stable.completion import MAX_STABLE_STATES
 
 
 def written_out(space: Space[Any], method: str, max_states: int | None = None) -> AlternativesGraph:
@@ -26,7 +26,7 @@ def written_out(space: Space[Any], method: str, max_states: int | None = None) -
     Raises:
         LimitError: It has more states than allowed.
     """
-    size, limit = space.everything.count(), DEFAULT_MAX_STATES if max_states is None else max_states
+    size, limit = space.everything.count(), MAX_STABLE_STATES if max_states is None else max_states
     if size > limit:
         raise LimitError(f"{size} states, more than {limit}: the limit on states was hit")
 

@@ -1,0 +1,21 @@
+"""Methods that keep their results, for as long as the object lives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, cached_property, partial
+from typing import Concatenate, ParamSpec, TypeVar, cast
+
+Owner = TypeVar("Owner")
+Given = ParamSpec("Given")
+Result = TypeVar("Result")
+
+
+def memoized(
+    method: Callable[Concatenate[Owner, Given], Result],
+) -> cached_property[Callable[Given, Result]]:
+    """Makes a method that keeps its result for equal arguments, in the object itself.
+
+    ``functools.cache`` on a method would keep every object alive in a table of the class.
+    """
+    return cached_property(lambda owner: cast(Callable[Given, Result], cache(partial(method, owner))))
