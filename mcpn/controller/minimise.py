@@ -16,7 +16,7 @@ from mcpn.net.forgetful import Guard
 
 
 def minimise(controller: TableController) -> TableController:
-    """The same controller with machines as small as they can be.
+    """Minimises the machines of a controller.
 
     Args:
         controller: Any controller.

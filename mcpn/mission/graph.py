@@ -225,7 +225,7 @@ class ObjectivesGraph(Drawn):
                     yield from branch.graph.all_sections()
 
     def reachable(self) -> ObjectivesGraph:
-        """The same with what no route reaches put aside."""
+        """The graph of the sections that routes from the entry reach; the others are kept apart."""
         seen, stack = {self.entry}, [self.entry]
         while stack:
             section = self.section(stack.pop())
@@ -242,7 +242,7 @@ class ObjectivesGraph(Drawn):
         return [handler for handler in dict.fromkeys(met) if handler is not None]
 
     def to_networkx(self) -> nx.MultiDiGraph[str]:
-        """The same as a networkx graph, branches of parallel blocks at nodes of their own.
+        """The graph in networkx, branches of parallel blocks at nodes of their own.
 
         Returns:
             Nodes with ``kind`` (``objective``, ``parallel``, ``exit``), objectives with ``activities``;

@@ -54,7 +54,7 @@ def find_errors(mission: Mission) -> list[Problem]:
 
 
 def valid(mission: Mission) -> Mission:
-    """The same mission, once it has been found valid.
+    """Returns the mission if it is valid.
 
     Raises:
         InputError: It is none, or it is not valid, with every problem.

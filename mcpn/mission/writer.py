@@ -33,7 +33,7 @@ def write_mission(mission: Mission) -> bytes:
 
 
 def written(mission: Mission) -> bytes:
-    """The same of a mission that need not be valid, as far as a file can say it.
+    """A file of a mission that need not be valid, as far as a file can say it.
 
     Raises:
         ValueError: A text holds a character that XML cannot.

@@ -82,7 +82,7 @@ def _wrapped(head: str, text: str) -> list[str]:
 
 
 def change_object(change: Change, mission: str) -> dict[str, Any]:
-    """The same for programs."""
+    """What an event changed, as a JSON object."""
     after = change.after
     return {
         "event": str(change.event),

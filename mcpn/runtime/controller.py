@@ -98,7 +98,7 @@ class Controller:
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any], **options: Any) -> Controller:
-        """The same from the JSON object itself."""
+        """A controller from the JSON object of a controller file."""
         return cls(Tables(document), **options)
 
     # --- what it is in ---

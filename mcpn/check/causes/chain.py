@@ -1,9 +1,10 @@
 """A section of a mission, or the whole mission taken as one, as a continuous-time Markov chain.
 
-The model is that of :mod:`mcpn.check.causes.risk`. The chain begins in the state after its entry, which the
-status of its hardware decides, and is absorbed at its exits. What a state is left to is decided by the chain
-of jumps (Kemeny, Snell, *Finite Markov Chains*, 1960, chapter 3). The Laplace transform of the time until the
-exit comes from the same linear system, with ``s`` added to the rate at which each state is left.
+The model is that of :mod:`mcpn.check.causes.risk`. The chain starts in the first state of the section, given
+the status of the hardware at its entry, and is absorbed at the exits. Probabilities of absorption are those
+of the embedded jump chain (Kemeny, Snell, *Finite Markov Chains*, 1960, chapter 3), from one linear system.
+The Laplace transform of the time to absorption solves the same system with ``s`` added to the exit rate of
+each state.
 """
 
 from __future__ import annotations

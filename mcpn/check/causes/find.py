@@ -113,7 +113,7 @@ class Causes(Told):
         return f"<causes of the mission {self.mission.name}: fails without {lost}>"
 
     def of(self, objectives: Iterable[str]) -> Causes:
-        """The same with some elementary objectives alone; an unknown one is an InputError."""
+        """The causes of some elementary objectives only; an unknown one is an InputError."""
         chosen = list(objectives)
         for name in chosen:
             if name not in self.objectives:

@@ -93,7 +93,7 @@ class _Facts(NamedTuple):
     with_others: tuple[tuple[Severity, tuple[Others, ...]], ...]
 
     def named(self, names: Mapping[str, str]) -> _Facts:
-        """The same with other names of objectives."""
+        """A copy with other names of objectives."""
         cases = [
             replace(case, elsewhere=tuple((names[name], told) for name, told in case.elsewhere))
             if case.elsewhere
@@ -138,8 +138,8 @@ class _Table(Generic[S]):
     def facts(self, hardware: str, goal: Goal[S]) -> _Facts | None:
         """What a failure does while an objective runs; found once for rounds that are equal.
 
-        They are where the objectives are alike, and the mission is lost in the same states of their sections:
-        a failure of hardware ends no section.
+        Two objectives have equal facts if their sections have one type and the mission is lost in the same
+        states of both: a failure of hardware leaves no section, so that no other section matters.
         """
         alike = self.prospects.alike(goal)
         if alike is None:
@@ -154,7 +154,7 @@ class _Table(Generic[S]):
         edges = {t: self.severities(t, goal) for t in transitions}
         if not any(edges.values()):
             return None
-        # Hardware can be repaired while an objective runs, so that each may run with all other in service.
+        # Other hardware may have been repaired by now: cases with all of it in service are always possible.
         cases = worth_telling([case for t in edges for case in self.cases(t, edges[t], hardware, goal)])
         severity = max((case.severity for case in cases), default=Severity.NO_EFFECT)
         return _Facts(cases, severity, tuple(self.with_others(list(edges.values()), severity)))

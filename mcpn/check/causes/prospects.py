@@ -62,7 +62,7 @@ class CriticalEvent:
     edges: int
 
     def named(self, names: Mapping[str, str]) -> CriticalEvent:
-        """The same with other names of objectives."""
+        """A copy with other names of objectives."""
         event = self.event
         if event.what in (What.SUCCESS, What.FAILURE):
             event = Event(event.what, names.get(event.element, event.element))
@@ -255,10 +255,10 @@ class Prospects(Generic[S]):
 
     @memoized
     def _concerned(self, event: Event) -> set[str]:
-        """Activities whose choice of alternative matters to an event.
+        """Activities whose present alternative may influence what an event does.
 
-        Those of the objective that ends; or those with an alternative that stands on the hardware, directly
-        or through others, and another that does not.
+        If an objective ends: the activities of that objective. If hardware fails or is repaired: activities
+        of which one alternative needs the hardware, itself or through its suppliers, and another does not.
         """
         usage, choosing = self.mission_net.usage, set[str]()
         if event.what in (What.SUCCESS, What.FAILURE) and event.element in self.sections:
@@ -297,9 +297,14 @@ class Prospects(Generic[S]):
         return None
 
     def most_failures(self, section: Section | None = None) -> Run | None:
-        """A short run to success in which, from the start on, as many resources fail as in any.
+        """A shortest run to success among those in which the most resources fail.
 
-        With a section: from its entry on, with all hardware in service there. ``None`` where there is none.
+        Args:
+            section: Counts failures from the entry of this section on, with all hardware in service there; by
+                default from the start of the mission.
+
+        Returns:
+            The run; ``None`` where none succeeds.
         """
         space, goal, oos = self.space, self.mission, self.places("oos", self.hardware)
         begin, prefix = space.initial.pick(), list[Edge]()
@@ -311,7 +316,7 @@ class Prospects(Generic[S]):
         here, guards, transitions = space.single(begin), self.forced, self.unrepaired
         if here & goal.won:
             return self._run(prefix)
-        # Success may be followed by failures that cost nothing any more: only edges before it count.
+        # Failures after success are no evidence of robustness: only failures before it are counted.
         before = space.reached(here, goal.running, transitions, guards)
         ends = space.after(before, transitions, guards) & goal.won
         if not ends:

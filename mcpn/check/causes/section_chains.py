@@ -1,12 +1,12 @@
 """Numbers of risk as a chain of sections over the status of the hardware; the whole mission may be one.
 
-What a section does depends on its own hardware alone, and all other hardware fails and is repaired beside it
-in continuous time. Both are independent but for the time ``T`` after which the section ends. Each resource
-beside it is a chain of two states, whose functions are spanned by two that decay as ``exp(-s t)``: the
-constant with ``s = 0``, and one with ``s`` its failures and repairs per hour together. Of a product of such
-functions the rates ``s`` add up. So the expected value at the exit of a section is, for each product, the
-transform ``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`): exact,
-and without the product of the section's states with the status of the other hardware.
+A section depends on its own hardware only; all other hardware fails and is repaired independently, while the
+section takes a random time ``T``. Each other resource is a Markov chain of two states. A function of its
+status is a sum of two eigenfunctions, whose expected values decay as ``exp(-s t)``: the constant (``s = 0``),
+and one with ``s`` = failure rate + repair rate. For a product of eigenfunctions of several resources the
+rates ``s`` add up. So the expected value of such a product at the section's exit is the Laplace transform
+``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact, and
+the product of the section's states with the status of other hardware is never built.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
 the hardware that this section and later ones use; other hardware does not matter any more. What has happened

@@ -119,10 +119,11 @@ class Evaluation(Generic[S]):
         return found
 
     def _hull_of(self, inside: S, constraints: Sequence[Justice]) -> S:
-        """The greatest set in which a run can always go on, and from each state come to meet each constraint.
+        """The states from which a fair run stays inside: a greatest fixpoint (Emerson, Lei 1986).
 
-        Of a constraint only the states that do not meet it are looked at, so that in a composite one that
-        speaks of an objective takes a step in that objective's section.
+        In each round, states without a successor in the set are dropped, then, for each constraint, those
+        from which no state that meets it is reached within the set. The second step starts from the states
+        that do not meet the constraint: in a composite these lie in few sections.
         """
         space, found = self.space, inside
         for step in count():

@@ -134,7 +134,7 @@ class MissionCheck(Told):
 
     @cached_property
     def sizes_seen(self) -> tuple[int, int] | None:
-        """The same as far as the check has made the markings graph, else ``None``."""
+        """States and edges of the markings graph; ``None`` where the check has not built it."""
         if self.markings is None:
             return None
         firings = self.markings.firings(self.markings.everything)

@@ -67,7 +67,7 @@ def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
 
 
 def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
-    """The same of a marking given as its marked places, in ascending order."""
+    """A marking in mission words, given as its marked places in ascending order."""
     said: dict[str, list[str]] = {}
     roles = mission_net.roles
     for place in marked:

@@ -15,18 +15,17 @@ MAX_OBJECTIVES = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What the blocks of one text, the mission's or a protocol's, take from around them.
+    """What the blocks of a mission, or of one use of a protocol, inherit from the blocks that enclose them.
 
     Args:
-        prefix: Qualifies names.
-        suffix: Ends the names of blocks of which there are several copies, one for each round or try.
-        depth: How many blocks stand around.
-        parameters: What the blocks around say, uses and rounds among them, the innermost of each name.
-        defaults: What the protocols around declare, the innermost of each name: it counts where no block
-            says the name.
-        handlers: Those of the blocks around, up to the mission or the branch of a parallel block, innermost
+        prefix: Stands before the names of blocks.
+        suffix: Stands after them; tells the copies of a block for each round or try.
+        depth: How many blocks enclose them.
+        parameters: By name, the value that the innermost enclosing block (or use, or round) gives.
+        defaults: By name, the default of the innermost enclosing protocol; used where no block gives a value.
+        handlers: Handlers of enclosing blocks, up to the mission or the branch of a parallel block, innermost
             first.
-        text: The protocol whose text this is; nothing in the mission's.
+        text: The name of the protocol; empty in the mission itself.
     """
 
     prefix: str = ""

@@ -1,12 +1,15 @@
 """From one objective to the next: what the next one waits for before it begins.
 
-An event that ends an objective stops its activities, and they release what they hold; that wave passes while
-the next objective already begins. The two do not compete where the wave only gives back: what is asked for
-is waited for until it is available. They may compete in some cases, and there the next is entered by a gate,
-the last of all internal transitions, when everything that stops has stopped: where an activity may still be
-evaluating when its objective ends, because it was found waiting for another's release; and where both need a
-producer that serves, which would else go on with the alternative that it has. Where an activity is started
-again at once, its start waits until it is idle. The argument stands in ``papers/composition.md``.
+An event that ends an objective stops its activities, and they release their resources while the next
+objective already begins. Mostly the two do not conflict: a release only gives back, and whoever demands a
+resource waits until it is available. They may conflict in two cases:
+
+- an activity may still be choosing its alternative when its objective ends, because it waits for a release;
+- both objectives need a producer that is running, which would otherwise keep its present alternative.
+
+In these cases the next objective begins by a *gate*: an internal transition of the last rank, which fires when
+every activity that is to stop has stopped. An activity that the next objective starts again waits until it is
+idle. ``papers/composition.md`` has the argument.
 """
 
 from __future__ import annotations

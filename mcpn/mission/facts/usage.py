@@ -278,11 +278,11 @@ class Usage:
                     yield from self._graph_demands(branch.graph)
 
     def _inside(self, activity: str) -> frozenset[tuple[str, Demand, Demand]]:
-        """Concurrent demands for one resource within the chain under one running activity.
+        """Pairs of demands for one resource that one running activity, with its suppliers, may make at a time.
 
-        They are those of one alternative, and those of what an alternative that is given up leaves behind,
-        still evaluating for the failure or return that ended it, with those of the alternative that is tried
-        next.
+        Two demands contend if they belong to one alternative. They also contend if the activity changes its
+        alternative: suppliers of the old one may still be choosing an alternative of their own when the new
+        one makes its demands.
         """
         if activity not in self._inner:
             found: set[tuple[str, Demand, Demand]] = set()

@@ -170,7 +170,7 @@ class _Control:
         pen.transition("begin", [gate, *taken], self.begin(section), read=read, rank=rank)
 
     def of_activities(self, activities: Iterable[str], part: str) -> list[str]:
-        """The same place of each of some activities."""
+        """Of each of some activities the place that its template calls ``part``."""
         return [self.canvas.place_of("activity", a, part) for a in activities]
 
     def elementary(self, section: ElementarySection) -> None:
@@ -222,7 +222,7 @@ class _Control:
             pen.transition(f"exit_{digits}", [*done, *running], self.enter(route))
 
     def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
-        """The same outcome for wide blocks, in linear size: children are taken note of in document order."""
+        """The outcome of a wide block by a net of linear size, which counts its children in document order."""
         # A block that may be halted takes note of nothing before all have ended.
         begin = 0 if self.halted(section) else len(section.branches) - 1
         all_ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
@@ -279,7 +279,7 @@ class _Control:
                 pen.transition(f"EV{number}_{name}", take, put, read=read, event=event)
 
     def of_handlers(self, handlers: Iterable[str], part: str) -> list[str]:
-        """The same place of each of some handlers that happen once."""
+        """Of each of some handlers that happen once the place that its template calls ``part``."""
         return [self.canvas.place_of("once", handler, part) for handler in handlers]
 
     def positions(self, section: Section, event: str) -> Iterator[Position]:

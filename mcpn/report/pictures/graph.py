@@ -121,7 +121,7 @@ class Item:
     y: float
 
     def moved(self, by: Point) -> Self:
-        """The same elsewhere."""
+        """A copy, moved by a vector."""
         return replace(self, x=self.x + by[0], y=self.y + by[1])
 
 
@@ -157,7 +157,7 @@ class Curve:
         return before + spline + (f"L{_said(self.end)}" if self.end else "")
 
     def moved(self, by: Point) -> Curve:
-        """The same elsewhere."""
+        """A copy, moved by a vector."""
         points = tuple(_sum(point, by) for point in self.points)
         start, end = (point and _sum(point, by) for point in (self.start, self.end))
         return replace(self, points=points, start=start, end=end)

@@ -79,7 +79,7 @@ def local_drawing(
 def local_graph_drawing(
     local: MissionNet, graph: AlternativesGraph, section: str, *, merged: bool = False
 ) -> Drawing:
-    """The same of a local graph that is there already."""
+    """Draws a local graph that has been built already."""
     name = f"Local graph of the section {section}"
     return drawing(states_picture(name, *states_within(local, graph), merged=merged))
 

@@ -32,7 +32,7 @@ def objectives_drawing(mission_net: MissionNet, notes: Mapping[str, str] | None 
 
 
 def objectives_picture(graph: ObjectivesGraph, name: str, notes: Mapping[str, str] | None = None) -> Graph:
-    """The same before it is laid out."""
+    """The picture as a graph of nodes and arrows, without positions."""
     if sum(1 for _ in graph.all_sections()) > MOST_SECTIONS:
         return _by_block(graph, name)
     drawn = _Drawn(notes or {})

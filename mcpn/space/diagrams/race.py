@@ -29,22 +29,23 @@ if TYPE_CHECKING:
 FIRST_BUDGET = 50_000
 GROWTH = 2
 SIDE_BY_SIDE = 8_000_000
-"""Budgets from which on runners work side by side; before, one that wins spares the others their turns."""
+"""Budgets from which on runners work in parallel; below, they take turns, so that a winner saves their work."""
 
 FAVOURED = 3
-"""Runners of which the second gets half, the third a third of the first one's budget; later ones get less."""
+"""Of this many runners, number *i* gets the first budget divided by *i*; later ones get ``i ** -1.5`` of it."""
 
 LEAST_BUDGET = 10_000
-"""Runners that would be given less wait for a later round: to begin takes each some time."""
+"""The least budget with which a runner begins, since beginning takes time; else it waits for a later round."""
 
 NEAR = 2.0
-"""A runner whose outlook is not beyond comes alone before the others, which are given little."""
+"""A runner with an outlook (:attr:`Racer.outlook`) of at most this works before the others, which get small
+budgets meanwhile."""
 
 Result = TypeVar("Result", covariant=True)
 
 
 class Racer(Protocol[Result]):
-    """One way to a result, that can be stopped and go on."""
+    """A computation that can be interrupted and resumed; several race for the same result."""
 
     @property
     def bytes(self) -> int:

@@ -73,7 +73,7 @@ class Staying:
 
 
 class _ByCycles:
-    """The same by what runs come to; given up where it has no advantage over layers."""
+    """EG by the cycles that runs come to; given up where that has no advantage over layers."""
 
     def __init__(self, space: Diagrams, along: Zdd, asked: Zdd | None) -> None:
         self.space = space

@@ -102,7 +102,7 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
 def _with_losses(
     encoding: Encoding, first: int, stable: Zdd, steps: Mapping[int, bytes]
 ) -> tuple[Zdd, Steps, dict[int, list[int]]]:
-    """The same where hardware may die: whatever is out of service may be lost, at any moment.
+    """Extends stable states and big steps by losses: what is out of service may be lost, at any moment.
 
     From a stable state in which some hardware is out of service, any of it may die, and nothing else changes.
     A state with hardware that has died before is one of these, since what has died is not repaired.

@@ -1,10 +1,11 @@
 """The diagram store of a composite: one for all sections, so that sets pass from section to section.
 
-The first levels hold the places of a section's local net, those of another section elsewhere in the same
-place. The last levels, the *slots*, hold the status that sections hand on: of all hardware of the mission,
-out of service, and lost for good where hardware may die; and of each handler that happens once, whether it
-has happened. A section keeps its own hardware and handlers in its local places; its own slots are left open
-(in either state), so that sections of one type have equal diagrams whatever these are called.
+The first levels hold the places of the local net of one section; all sections use the same levels. The last
+levels, the *slots*, hold the status that sections hand on: for each hardware resource of the mission whether
+it is out of service (and lost for good, where hardware may die), and for each handler that happens once
+whether it has happened. A section keeps the status of its own hardware and handlers in places of its local
+net. Its diagrams leave the slots of these unconstrained, so that sections of one type have equal diagrams
+whatever their hardware is called.
 """
 
 from __future__ import annotations
@@ -98,7 +99,7 @@ class Layout:
         return tuple(chain.from_iterable(self.slots[element] for element in elements))
 
     def opened(self, states: Zdd, slots: Iterable[int]) -> Zdd:
-        """The same with some slots, unmarked so far, in either state."""
+        """The set with some slots, which are unmarked in it, left unconstrained."""
         return states.saturate([self.store.event([], [slot]) for slot in slots])
 
     @cached_property

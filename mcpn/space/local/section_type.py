@@ -133,7 +133,7 @@ class SectionType:
 
     @memoized
     def firings(self, states: Zdd, own: tuple[Element, ...]) -> tuple[Mapping[int, int], Mapping[int, int]]:
-        """The same with the number of states inside in which each event is enabled."""
+        """How many of some states enable each event: the section's own, and those of hardware beside it."""
         beside = self.layout.beside(None, own)
         counts = states.counts([toggle.condition for toggle in beside])
         return self.graph.firings(states), {t.transition: n for t, n in zip(beside, counts, strict=True)}

@@ -133,15 +133,18 @@ class Stage(Levels):
                 yield route, self.type.to_slots(ended, self.slots, exit_)
 
     def beside(self, allowed: Allowed = ALL) -> list[Toggle]:
-        """What hardware beside it may do. What its own does changes nothing here, but looks like a step."""
+        """Failures and repairs of hardware that the section does not use.
+
+        Those of its own hardware are events of its local net.
+        """
         return self.layout.beside(allowed.beside, self.carried)
 
     def conditions(self, allowed: Allowed = ALL) -> list[int]:
-        """Conditions of the store, one for each of these."""
+        """The condition, in the store, of each event of :meth:`beside`."""
         return [toggle.condition for toggle in self.beside(allowed)]
 
     def named(self, own: Mapping[int, Found], beside: Mapping[int, Found]) -> Iterator[tuple[int, Found]]:
-        """What is found by event of its own, and of hardware beside it, by transition of the whole net."""
+        """Values of both kinds of events by transition of the whole net: renames those of the local net."""
         yield from ((self.transitions[t], found) for t, found in own.items())
         yield from beside.items()
 

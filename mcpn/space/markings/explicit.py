@@ -53,7 +53,7 @@ class KernelNet:
 
     @cached_property
     def kernel(self) -> SafeNet:
-        """The same in the kernel, its transitions numbered without those left out."""
+        """The net in the kernel, which numbers transitions without those that are left out."""
         given = []
         for i in self.transitions:
             t = self.net.safe_transitions[i]

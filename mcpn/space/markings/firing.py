@@ -83,7 +83,7 @@ class MaskedNet:
         return _bits(t for t in self.candidates if marking & self.need[t] == self.need[t])
 
     def covered_after(self, covered: int, marking: int, fired: int) -> int:
-        """The same after a firing, from what was covered before it.
+        """The transitions whose tokens are there after a firing, from those before it.
 
         Args:
             covered: What was covered before.

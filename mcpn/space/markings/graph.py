@@ -143,7 +143,7 @@ class StateGraph(Drawn):
 
     @cached_property
     def _back(self) -> tuple[Ints, Targets]:
-        """The same in rows by target: row bounds, and the state before each firing."""
+        """Edges in compressed sparse rows by target: offsets, and the source of each edge."""
         return incoming(*self._onward)
 
     def before(self, states: Mask, edges: Mask | None = None) -> Mask:

@@ -53,7 +53,7 @@ class Formula:
             stack.extend(at.operands)
 
     def mapped(self, of: Callable[[Formula], Formula]) -> Formula:
-        """The same operator with other operands: each is what ``of`` makes of it."""
+        """A goal with this operator, with ``of`` applied to each operand."""
         operands = map(of, self.operands)
         return ~next(operands) if isinstance(self, Not) else type(self)(*operands) if self.operands else self
 
@@ -189,7 +189,7 @@ def holds(goal: Goal, net: PetriNet, marking: Sequence[int]) -> bool:
 
 
 def renamed(goal: Goal, index: Callable[[int], int]) -> Goal:
-    """The same on a net whose places have other indices."""
+    """The goal, rewritten for a net in which places have other indices."""
     if isinstance(goal, AtMost):
         return AtMost(tuple((index(place), weight) for place, weight in goal.weights), goal.bound)
     return goal.mapped(partial(renamed, index=index))

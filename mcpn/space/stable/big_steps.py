@@ -52,7 +52,7 @@ def reach_in_big_steps(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, di
 
 
 def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, bytes]] | None:
-    """The same, where a limit of the kernel is an error."""
+    """As :func:`reach_in_big_steps`, but a limit of the kernel that is hit is an error."""
     net, store, count = prepared.net, encoding.store, len(prepared.net.places)
     kernel = KernelSteps(
         prepared.kernel,

@@ -99,7 +99,7 @@ class _Search:
         return None if found is None else self.parted(self.prefix, found)
 
     def settle_by_rank(self, behind: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
-        """The same where internal transitions have ranks: every interleaving is explored."""
+        """As :meth:`settle`, where internal transitions have ranks: every interleaving is explored."""
         walk = Walk(self.net)
         walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
         walk.run[:] = prefix

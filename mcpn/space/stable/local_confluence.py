@@ -122,10 +122,10 @@ class Joining:
         return known[-1]
 
     def _chase(self, marking: int, first: int, second: int) -> tuple[list[int], list[int], bool]:
-        """Two runs to one marking, or to two stable ones, and whether it is one.
+        """Extends two runs until they are in the same marking, or both in a stable one; tells which.
 
-        What only one side enables comes of what it has and the other has not: firing that first ends the
-        difference after few firings, and those of them that need little else. What both enable waits.
+        A transition that only one of the two markings enables fires first: it consumes tokens in which they
+        differ, so that the runs usually meet after few firings. Transitions that both enable fire last.
         """
         masked = self.masked
         sides = [self._Side(masked, marking, first), self._Side(masked, marking, second)]
