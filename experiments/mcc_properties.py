@@ -1,8 +1,8 @@
 """Answers the properties of Model Checking Contest nets, and compares with the contest's verdicts.
 
 Usage: ``python experiments/mcc_properties.py FOLDER [NET...]`` with a folder that holds ``formulas.tsv``,
-``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and 4 GiB of its own;
-with ``--file together`` all files and examinations of a net share one.
+``formulas_ltl.tsv``, ``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and
+4 GiB of its own; with ``--file together`` all files and examinations of a net share one.
 It takes up to a minute for each file of properties.
 """
 
@@ -28,6 +28,8 @@ FILES = (
     "ReachabilityFireability",
     "ReachabilityCardinality",
     "UpperBounds",
+    "LTLFireability",
+    "LTLCardinality",
 )
 TOGETHER = "together"
 OF_NETS = ("examinations", TOGETHER)
@@ -107,10 +109,12 @@ def main() -> None:
     with (folder / "oracles.tsv").open(newline="") as file:
         oracles = {row["model"]: row for row in csv.DictReader(file, delimiter="\t")}
     expected: dict[tuple[str, str], dict[str, str]] = {}
-    with (folder / "formulas.tsv").open(newline="") as file:
-        for row in csv.DictReader(file, delimiter="\t"):
-            if row["verdict"] != "?":
-                expected.setdefault((row["model"], row["examination"]), {})[row["formula"]] = row["verdict"]
+    for name in ("formulas.tsv", "formulas_ltl.tsv"):
+        with (folder / name).open(newline="") as file:
+            for row in csv.DictReader(file, delimiter="\t"):
+                if row["verdict"] != "?":
+                    asked = expected.setdefault((row["model"], row["examination"]), {})
+                    asked[row["formula"]] = row["verdict"]
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
     print(f"{machine}; {SECONDS} s and {GIB} GiB a file")
     totals: Counter[str] = Counter()

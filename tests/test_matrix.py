@@ -168,6 +168,9 @@ QUESTIONS: dict[str, Callable[[Engine], bool]] = {
         e, "alternatives", "A[!oos(H) U success]"
     ),
     "CTL under fairness": lambda e: answers(e, "alternatives", "AF success", "progress"),
+    "LTL, with the run and what of it repeats": lambda e: answers(
+        e, "alternatives", "success R !(F G oos(H))"
+    ),
     "CTL on all markings": lambda e: answers(e, "markings", "A[!oos(H) U success]"),
     "liveness, home markings, deadlock of a net from elsewhere": behaves,
     "cut sets at every moment": moments,

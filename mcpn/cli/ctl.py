@@ -81,7 +81,7 @@ def ctl(
     import_root: Path | None,
     as_json: bool,
 ) -> None:
-    """Answer CTL formulas on FILE: the stable states of a mission, or the markings of a net.
+    """Answer formulas of CTL and LTL on FILE: the stable states of a mission, or the markings of a net.
 
     All that one call asks shares one space, and what a search or the state equation decides needs none. Exit
     code 1 if some FORMULA does not hold; property files and examinations answer with 0 either way.

@@ -241,8 +241,8 @@ def test_an_unbounded_net_is_answered_as_far_as_few_markings_decide(tmp_path: Pa
         (element("implication", element("true")), "<implication> holds 1 elements, expected 2"),
         (element("hope"), "found <hope>, expected a formula on states"),
         (
-            element("exists-path", element("true")),
-            "found <true>, expected <finally>, <globally>, <next> or <until>",
+            element("exists-path", element("hope")),
+            "found <hope>, expected a formula on states",
         ),
         (element("is-fireable", element("place", "on")), "found <place>, expected <transition>"),
         (

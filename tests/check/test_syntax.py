@@ -7,7 +7,8 @@ from hypothesis import given
 
 from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import MAX_DEPTH, MAX_LENGTH, parse, show
+from mcpn.check.logic.syntax import MAX_DEPTH, MAX_LENGTH, parse
+from mcpn.check.logic.writing import show
 from mcpn.errors import InputError, LimitError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import NetBuilder

@@ -1,4 +1,4 @@
-"""Property files of the Model Checking Contest: CTL, reachability and upper bounds.
+"""Property files of the Model Checking Contest: CTL, linear temporal logic, reachability and upper bounds.
 
 Reference: the contest's manual of property files (https://mcc.lip6.fr/); namespace ``http://mcc.lip6.fr/``.
 """
@@ -6,15 +6,16 @@ Reference: the contest's manual of property files (https://mcc.lip6.fr/); namesp
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
 from lxml import etree
 
-from mcpn.check.logic.formulas import OPERATORS, Sum, compare, within_limit
+from mcpn.check.logic.formulas import OPERATORS, Sum, compare, every_path, some_path, within_limit
 from mcpn.check.logic.names import Names
+from mcpn.check.paths.formulas import Next, Until, always, eventually, is_of_paths
 from mcpn.errors import InputError, Source
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula
 from mcpn.xmlio import parse_xml
@@ -62,7 +63,13 @@ _CONNECTIVES = {
 }
 """By element the operator, and the number of its operands where not any will do."""
 _QUANTIFIERS = {"exists-path": "E", "all-paths": "A"}
-_PATHS = {"finally": "F", "globally": "G", "next": "X"}
+_PATHS = {"finally": "F", "globally": "G", "next": "X", "until": "U"}
+_ON_PATH: Mapping[str, Callable[..., Formula]] = {
+    "finally": eventually,
+    "globally": always,
+    "next": Next,
+    "until": Until,
+}
 
 
 class _Reader:
@@ -102,13 +109,16 @@ class _Reader:
             return Property(name, self.named(body, "place", self.lookup.place), self.source(element))
         return Property(name, within_limit(self.formula(body)), self.source(element))
 
-    def formula(self, element: etree._Element) -> Formula:
+    def formula(
+        self, element: etree._Element, inside: Callable[[etree._Element], Formula] | None = None
+    ) -> Formula:
+        """A formula on states, or one that connectives make of what ``inside`` reads."""
         match self.tag(element):
             case tag if tag in _ATOMS:
                 return _ATOMS[tag]
             case tag if tag in _CONNECTIVES:
                 operator, count = _CONNECTIVES[tag]
-                return OPERATORS[operator](*map(self.formula, self.only(element, count)))
+                return OPERATORS[operator](*map(inside or self.formula, self.only(element, count)))
             case tag if tag in _QUANTIFIERS:
                 return self.path(_QUANTIFIERS[tag], *self.only(element))
             case "is-fireable":
@@ -120,14 +130,27 @@ class _Reader:
 
     def path(self, quantifier: str, element: etree._Element) -> Formula:
         tag = self.tag(element)
+        operands = [self.on_path(part) for part in self.operands(element)] if tag in _PATHS else []
+        if operands and not any(map(is_of_paths, operands)):
+            return OPERATORS[quantifier + _PATHS[tag]](*operands)
+        of_path = _ON_PATH[tag](*operands) if operands else self.on_path(element)
+        return every_path(of_path) if quantifier == "A" else some_path(of_path)
+
+    def on_path(self, element: etree._Element) -> Formula:
+        """A formula on paths, or on states."""
+        tag = self.tag(element)
         if tag in _PATHS:
-            return OPERATORS[quantifier + _PATHS[tag]](self.formula(*self.only(element)))
-        if tag != "until":
-            raise self.error(element, "found ", ", expected <finally>, <globally>, <next> or <until>")
+            return _ON_PATH[tag](*map(self.on_path, self.operands(element)))
+        return self.formula(element, self.on_path)
+
+    def operands(self, element: etree._Element) -> list[etree._Element]:
+        """What an operator on paths is applied to."""
+        if self.tag(element) != "until":
+            return self.only(element)
         parts = self.only(element, 2)
         for part, expected in zip(parts, ("before", "reach"), strict=True):
             self.expect(part, expected)
-        return OPERATORS[f"{quantifier}U"](*(self.formula(*self.only(part)) for part in parts))
+        return [inside for part in parts for inside in self.only(part)]
 
     def sum(self, element: etree._Element) -> Sum:
         match self.tag(element):

@@ -1,7 +1,8 @@
-"""CTL over any space of states: the set of states that satisfy a formula.
+"""CTL* over any space of states: the set of states that satisfy a formula.
 
 ``EX``, ``EU`` and ``EG`` are one step back, backward reachability along a set, and the states from which a
-maximal run stays in a set; each space has its own algorithms for these (:mod:`mcpn.space.algebra`). Fair
+maximal run stays in a set; each space has its own algorithms for these (:mod:`mcpn.space.algebra`). What is
+said of whole paths is asked of the product with an automaton (:mod:`mcpn.check.paths.product`). Fair
 states are found as Emerson and Lei do (*Efficient model checking in fragments of the propositional
 mu-calculus*, LICS 1986), in one region of the space after the other, since a cycle never leaves its region.
 
@@ -14,11 +15,15 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property, reduce
 from itertools import count
 from operator import and_, or_
-from typing import Generic
+from typing import TYPE_CHECKING, Generic
 
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
+from mcpn.check.paths.formulas import SomePath
 from mcpn.space.algebra import S, Space
 from mcpn.space.search.goal import TRUE, And, AtMost, Deadlock, Fires, Formula, Not, Or, Stable
+
+if TYPE_CHECKING:
+    from mcpn.check.paths.product import Product
 
 
 class Evaluation(Generic[S]):
@@ -52,6 +57,10 @@ class Evaluation(Generic[S]):
             case EG((operand,)) if not self.fair and formula not in self._known:
                 initial = self.space.initial
                 return bool(initial & self.space.staying(self.states(operand), initial))
+            case SomePath() if formula not in self._known:
+                product, initial = self.product(formula), self.space.initial
+                accepted = product.accepted(product.reached(initial)) if product.edges else {}
+                return bool(initial & accepted.get(0, self.space.nothing))
         return bool(self.space.initial & self.states(formula))
 
     def states(self, formula: Formula) -> S:
@@ -85,7 +94,17 @@ class Evaluation(Generic[S]):
                 return space.reaching(self.states(right) & self.fair_states, self.along(left))
             case EG((operand,)):
                 return self._always(self.states(operand))
+            case SomePath():
+                return self.product(formula).accepted().get(0, space.nothing)
         raise TypeError(f"no formula: {formula!r}")
+
+    def product(self, formula: SomePath) -> Product[S]:
+        """The space beside the automaton of what some path is to satisfy."""
+        from mcpn.check.paths.automaton import translated
+        from mcpn.check.paths.product import Constraint, Product
+
+        fair = [Constraint(self.plain.states(c.states), c.transitions) for c in self.fair]
+        return Product(self.space, translated(formula.operands[0]), self.states, fair)
 
     def along(self, formula: Formula) -> S | None:
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""
@@ -169,5 +188,5 @@ class Evaluation(Generic[S]):
 
 def _effort(formula: Formula) -> int:
     """How much a formula takes: operators that need a fixpoint count most."""
-    costs: dict[type, int] = {EG: 100, EU: 10, EX: 10}
+    costs: dict[type, int] = {SomePath: 1000, EG: 100, EU: 10, EX: 10}
     return sum(costs.get(type(inside), 1) for inside in formula.walk())

@@ -1,4 +1,4 @@
-"""Formulas of CTL: Boolean connectives, ``EX``, ``EU`` and ``EG`` over conditions on markings.
+"""Formulas of CTL*: Boolean connectives, ``EX``, ``EU``, ``EG`` and "some path" over conditions on markings.
 
 Atoms and connectives are those of goals (:mod:`mcpn.space.search.goal`); every other operator is written with
 these (:data:`OPERATORS`). Names of places, transitions and elements of the mission are looked up as a formula
@@ -6,6 +6,9 @@ is read (:mod:`mcpn.check.logic.names`).
 
 Paths are maximal: infinite, or ending in a state without successors. In such a state ``EX`` of anything is
 false, ``AX`` of anything true, and ``EG f`` and ``AF f`` are what ``f`` is.
+
+What a formula on paths (:mod:`mcpn.check.paths.formulas`) says by single states alone is written in CTL
+(:func:`some_path`): so searches and closures answer most formulas of linear temporal logic, too.
 """
 
 from __future__ import annotations
@@ -15,8 +18,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from mcpn.check.paths.formulas import Next, Release, SomePath, Until, is_of_paths, normal
 from mcpn.errors import LimitError
-from mcpn.space.search.goal import FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or
 
 MAX_SIZE = 50_000
 
@@ -86,7 +90,47 @@ def compare(left: Sum, relation: str, right: Sum) -> Formula:
 
 def is_temporal(formula: Formula) -> bool:
     """Whether a formula speaks of paths."""
-    return any(isinstance(inside, EX | EU | EG) for inside in formula.walk())
+    return any(isinstance(inside, EX | EU | EG | SomePath) for inside in formula.walk())
+
+
+def says_paths(formula: Formula) -> bool:
+    """Whether an automaton is needed for some part of a formula."""
+    return any(isinstance(inside, SomePath) for inside in formula.walk())
+
+
+def some_path(formula: Formula) -> Formula:
+    """The formula on states that some path from here satisfies a formula on paths.
+
+    Args:
+        formula: On paths; on states it is what it is.
+
+    Returns:
+        A formula of CTL as far as single states tell; where they do not, :class:`SomePath` of what is left.
+    """
+    return _some(normal(formula))
+
+
+def every_path(formula: Formula) -> Formula:
+    """The formula on states that every path from here satisfies a formula on paths."""
+    return ~_some(normal(formula, wanted=False))
+
+
+def _some(formula: Formula) -> Formula:
+    if not is_of_paths(formula):
+        return formula
+    match formula:
+        case Or(operands):
+            return Or(*map(_some, operands))
+        case And(operands) if len(ahead := [f for f in operands if is_of_paths(f)]) == 1:
+            return And(*(f for f in operands if f not in ahead), _some(ahead[0]))
+        case Next((operand,)):
+            after = _some(operand)
+            return Or(And(DEADLOCK, after), EX(after))
+        case Until((left, right)) if not is_of_paths(left):
+            return EU(left, _some(right))
+        case Release((left, right)) if not is_of_paths(right):
+            return Or(EU(right, And(right, _some(left))), EG(right)) if left != FALSE else EG(right)
+    return SomePath(formula)
 
 
 def within_limit(formula: Formula) -> Formula:

@@ -10,6 +10,7 @@ from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.simplify import at_first, simplified
 from mcpn.check.logic.witness import Explanation, NoRun, Witness
+from mcpn.check.paths.formulas import SomePath
 from mcpn.net.petri import EVENTS, Marking, PetriNet
 from mcpn.space.algebra import Edge
 from mcpn.space.run import Completion
@@ -160,4 +161,7 @@ class _ByRuns(Explanation):
         raise NoRun
 
     def stay(self, operand: Formula) -> None:
+        raise NoRun
+
+    def show_path(self, formula: SomePath) -> None:
         raise NoRun

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import Justice
+from mcpn.check.paths.formulas import Happens
 from mcpn.errors import InputError
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
@@ -30,6 +31,7 @@ WORDS = {
     "oos": ("oos",),
     "available": ("oos",),
     "event": (),
+    "happens": (),
 }
 """The words about an element of the mission, and what the places say of it that they mean."""
 ENDINGS = ("success", "failure")
@@ -95,6 +97,10 @@ class Names:
                 if str(event) not in texts and name not in {e.name for e in of.mission.events}:
                     event = Event.parse(_element(name, texts, "event"))
                 return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
+            case "happens":
+                may = self._meaning("event", name)
+                assert isinstance(may, Fires)
+                return Happens(may.transitions)
             case "alternative" if value is None:
                 activity, _, value = name.rpartition(".")
                 if not activity:

@@ -1,35 +1,39 @@
-r"""The formula language: text to formulas, and formulas to text.
+r"""The formula language: text to formulas.
 
 >>> from mcpn.net.petri import NetBuilder
 >>> builder = NetBuilder("lamp")
 >>> places = builder.place("off", initial=1), builder.place("on")
 >>> names = Names(builder.build())
->>> show(parse("AG (off | E [!deadlock U tokens(off, on) <= 1])", names), names)
+("AG (off | E [!deadlock U tokens(off, on) <= 1])", names), names)
 'AG (off | E[!deadlock U tokens(off, on) <= 1])'
 
-Connectives, loosest first: ``<->``, ``->``, ``|`` or ``or``, ``&`` or ``and``, then ``!`` or ``not`` and the
-temporal operators ``EX AX EF AF EG AG`` before their operand, ``E[f U g]`` and ``A[f U g]``. Atoms:
+Connectives, loosest first: ``<->``, ``->``, ``|`` or ``or``, ``&`` or ``and``, then ``U``, ``W`` and ``R``
+between formulas on paths, then ``!`` or ``not`` and the temporal operators ``EX AX EF AF EG AG`` before their
+operand, ``E[f U g]`` and ``A[f U g]``. ``X``, ``F`` and ``G`` alone speak of one path; ``A`` and ``E`` before
+such a formula of all paths and of some, and where neither stands, all are meant. Atoms:
 ``true``, ``false``, ``deadlock``, ``stable``, sums of tokens compared (``tokens(p, q) + r <= 1``), a place
-alone (it is marked), ``enabled(t, u)``, and the mission's words (:data:`mcpn.check.logic.names.WORDS`). Names
-that hold anything but letters, digits, ``_`` and ``.`` stand in double quotes.
+alone (it is marked), ``enabled(t, u)``, ``fires(t, u)`` (the next step of a path is one of them), and the
+mission's words (:data:`mcpn.check.logic.names.WORDS`). Names that hold anything but letters, digits, ``_``
+and ``.`` stand in double quotes.
 
 Operators wait on a stack of the parser's own, so that parentheses of any depth cost no recursion. Where an
-operand is expected, ``U`` and ``and`` are names. A parser generated from a grammar takes longer to load than
-most formulas take to answer.
+operand is expected, ``U`` and ``and`` are names; so are ``X``, ``F``, ``G``, ``A`` and ``E`` with no operand
+behind. A parser generated from a grammar takes longer to load than most formulas take to answer.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import NamedTuple, NoReturn, TypeVar
 
-from mcpn.check.logic.formulas import EG, EU, EX, OPERATORS, Sum, compare, within_limit
+from mcpn.check.logic.formulas import OPERATORS, Sum, compare, every_path, some_path, within_limit
 from mcpn.check.logic.names import ENDINGS, WORDS, Names
+from mcpn.check.paths.formulas import Happens, Next, Release, Until, always, eventually
 from mcpn.errors import InputError
-from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, Stable, marked
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, Fires, Formula, Or, Stable, marked
 
 MAX_DEPTH = 200
 MAX_LENGTH = 1_000_000
@@ -52,16 +56,29 @@ def parse(text: str, names: Names) -> Formula:
     return within_limit(_Parser(text, names).formula())
 
 
-_PLAIN: dict[str, Formula] = {"true": TRUE, "false": FALSE, "deadlock": DEADLOCK, "stable": Stable()}
+PLAIN: dict[str, Formula] = {"true": TRUE, "false": FALSE, "deadlock": DEADLOCK, "stable": Stable()}
 _UNARY = ("EX", "AX", "EF", "AF", "EG", "AG")
-_RESERVED = {*_UNARY, *_PLAIN, *ENDINGS, "not", "and", "or", "U"}
-_KEYWORDS = {*_RESERVED, *WORDS, "enabled", "tokens"} - {"U"}
+ON_PATH: Mapping[str, Callable[..., Formula]] = {
+    "X": Next,
+    "F": eventually,
+    "G": always,
+    "A": every_path,
+    "E": some_path,
+    "U": Until,
+    "R": Release,
+    "W": lambda a, b: Release(b, Or(a, b)),
+}
+"""By the operators of one path, and those that say of which paths, the formulas of their operands."""
+_BEFORE = ("X", "F", "G", "A", "E")
+"""Those of them that stand before their operand; elsewhere they are names."""
+RESERVED = {*_UNARY, *PLAIN, *ENDINGS, "not", "and", "or", "U"}
+_KEYWORDS = {*RESERVED, *WORDS, "enabled", "fires", "tokens"} - {"U"}
 
-_BINARY = {"<->": 0, "->": 1, "|": 2, "&": 3}
-_TIGHT = len(_BINARY)
-_BINDING = {**_BINARY, **dict.fromkeys(("!", *_UNARY), _TIGHT)}
+_BINARY = {"<->": 0, "->": 1, "|": 2, "&": 3, "U": 4, "R": 4, "W": 4}
+TIGHT = 5
+BINDING = {**_BINARY, **dict.fromkeys(("!", *_UNARY, *_BEFORE), TIGHT)}
 """How tight operators bind."""
-_CLOSING = {"": "", "(": ")", "E": "U", "A": "U", "EU": "]", "AU": "]"}
+_CLOSING = {"": "", "(": ")", "E[": "U", "A[": "U", "EU": "]", "AU": "]"}
 """What stands behind the formula that each opening begins; nothing behind the whole."""
 
 _QUOTED = r'"(?:[^"\\]|\\.)*"'
@@ -95,7 +112,8 @@ class _Parser:
     def __init__(self, text: str, names: Names) -> None:
         self._text = text
         self._lookup = names
-        self._operands: list[tuple[Formula, int]] = []  # with the number of operators, one in the other
+        # With the number of operators, one in the other, and whether the operand speaks of a path.
+        self._operands: list[tuple[Formula, int, bool]] = []
         self._operators: list[str] = []  # openings among them
         self._unknown: list[InputError] = []  # names: what is wrong with the text itself is said before
         self._longer: tuple[str, ...] = ()  # what the last atom could have gone on with
@@ -106,7 +124,7 @@ class _Parser:
         """The formula of the whole text."""
         while True:
             self._operand()
-            while (sign := self._next.role) not in _BINARY:
+            while (sign := self._next.role) not in _BINARY or self._closes(sign):
                 self._reduce(0)
                 opening = self._operators.pop() if self._operators else ""
                 self._take(_CLOSING[opening], "&")
@@ -114,26 +132,31 @@ class _Parser:
                 if not opening:
                     return self._checked(*self._operands.pop())
                 if sign == "U":
-                    self._operators.append(f"{opening}U")
+                    self._operators.append(f"{opening[0]}U")
                     break
                 if sign == "]":
                     self._apply(opening, 2)
             else:
                 self._step()
-                self._reduce(_BINDING[sign] + (sign != "<->"))
+                self._reduce(BINDING[sign] + (sign != "<->"))
                 self._operators.append(sign)
 
-    def _checked(self, formula: Formula, depth: int) -> Formula:
+    def _closes(self, sign: str) -> bool:
+        """Whether a ``U`` is the one of an ``E[`` or ``A[``."""
+        opening = next((operator for operator in reversed(self._operators) if operator in _CLOSING), "")
+        return sign == "U" and _CLOSING[opening] == "U"
+
+    def _checked(self, formula: Formula, depth: int, on_path: bool) -> Formula:
         if depth > MAX_DEPTH:
             raise InputError.at(None, f"formula more than {MAX_DEPTH} operators deep: the limit was hit")
         if self._unknown:
             raise self._unknown[0]
-        return formula
+        return every_path(within_limit(formula)) if on_path else formula
 
     def _reduce(self, least: int) -> None:
         """Applies the operators on top that bind at least so tight."""
         operators = self._operators
-        while operators and _BINDING.get(operators[-1], -1) >= least:
+        while operators and BINDING.get(operators[-1], -1) >= least:
             operator, count = operators.pop(), 2
             while operator in "&|" and operators and operators[-1] == operator:
                 operators.pop()
@@ -141,8 +164,16 @@ class _Parser:
             self._apply(operator, count if operator in _BINARY else 1)
 
     def _apply(self, operator: str, count: int) -> None:
-        formulas, depths = zip(*self._operands[-count:], strict=True)
-        self._operands[-count:] = [(OPERATORS[operator](*formulas), max(depths) + 1)]
+        formulas, depths, speaking = zip(*self._operands[-count:], strict=True)
+        of_path, quantified = operator in ON_PATH or any(speaking), operator in ("A", "E")
+        if of_path and operator not in ON_PATH and operator[0] in "AE":
+            said = f"{operator[0]}[ U ]" if operator[1] == "U" else operator
+            message = f"{said} is of states, and here of a path: write A(...) or E(...) around what is inside"
+            raise InputError.at(None, f"formula: {message}")
+        if quantified:
+            formulas = tuple(map(within_limit, formulas))
+        made: Formula = {**OPERATORS, **ON_PATH}[operator](*formulas)
+        self._operands[-count:] = [(made, max(depths) + 1, of_path and not quantified)]
 
     # --- operands ---
 
@@ -158,20 +189,31 @@ class _Parser:
                 self._operators.append(text)
             elif text in ("E", "A") and self._next.text == "[":
                 self._step()
+                self._operators.append(f"{text}[")
+            elif text in _BEFORE and self._operand_follows():
                 self._operators.append(text)
             else:
                 self._longer = ()
-                self._operands.append((self._atom(token), 0))
+                atom = self._atom(token)
+                self._operands.append((atom, 0, isinstance(atom, Happens)))
                 return
+
+    def _operand_follows(self) -> bool:
+        """Whether what comes next begins an operand."""
+        behind = self._next
+        named = behind.kind in ("name", "quoted", "integer") and behind.role not in _BINARY
+        return named or behind.text in ("(", "!")
 
     def _atom(self, token: _Token) -> Formula:
         text, behind, longer = token.text, self._next, ("+", "=", "<")
-        if text in _PLAIN:
-            return _PLAIN[text]
+        if text in PLAIN:
+            return PLAIN[text]
         if text in ENDINGS:
             return self._named(self._lookup.word, FALSE, token)
         if behind.text == "(" and text == "enabled":
             return Fires(tuple(sorted({*self._listed(self._lookup.transition)})))
+        if behind.text == "(" and text == "fires":
+            return Happens(tuple(sorted({*self._listed(self._lookup.transition)})))
         if behind.text == "(" and text in WORDS:
             return self._word(text)
         if token.kind != "integer" and (text, behind.text) != ("tokens", "(") and behind.role not in longer:
@@ -274,76 +316,3 @@ def _hint(text: str, at: int) -> str:
         if word not in _KEYWORDS and (near := get_close_matches(word, _KEYWORDS, n=1)):
             return f"; did you mean {near[0]}?"
     return ""
-
-
-# --- printing ------------------------------------------------------------------------------------------
-
-_ON_PATHS = {EX: ("EX", "AX"), EG: ("EG", "AF"), EU: ("EF", "AG")}
-"""How an operator with one operand is written, and its negation."""
-
-
-def show(formula: Formula, names: Names, around: int = 0) -> str:
-    """Writes a formula so that :func:`parse` reads it.
-
-    Args:
-        formula: The formula.
-        names: Know which words about the mission people have used.
-        around: How tight the operator around it binds.
-    """
-
-    def tight(operator: str, operand: Formula) -> str:
-        return operator + show(operand, names, _TIGHT + 1)
-
-    if word := _word(formula, names):
-        return word
-    match formula:
-        case And(operands) | Or(operands):
-            operator = "&" if isinstance(formula, And) else "|"
-            strength = _BINARY[operator]
-            text = f" {operator} ".join(show(operand, names, strength + 1) for operand in operands)
-            return f"({text})" if strength < around else text
-        case EX() | EG() | EU((And(()), _)):
-            return tight(f"{_ON_PATHS[type(formula)][0]} ", formula.operands[-1])
-        case Not((EX() | EG() | EU((And(()), _)) as path,)):
-            return tight(f"{_ON_PATHS[type(path)][1]} ", ~path.operands[-1])
-        case Not((operand,)):
-            return tight("!", operand)
-        case EU((left, right)):
-            return f"E[{show(left, names)} U {show(right, names)}]"
-        case AtMost(((place, -1),), -1):
-            return _quoted(names.net.places[place].name)
-        case AtMost(weights, bound):
-            small = _sum(((place, weight) for place, weight in weights if weight > 0), -bound, names)
-            large = _sum(((place, -weight) for place, weight in weights if weight < 0), bound, names)
-            return f"({small} <= {large})" if around > _TIGHT else f"{small} <= {large}"
-        case Fires(transitions):
-            return f"enabled({', '.join(_quoted(names.net.transitions[t].name) for t in transitions)})"
-    raise TypeError(f"no formula: {formula!r}")
-
-
-def _sum(places: Iterable[tuple[int, int]], constant: int, names: Names) -> str:
-    """Tokens of places, each as often as it counts, and what a constant adds to them."""
-    terms = [_quoted(names.net.places[p].name) for p, weight in places for _ in range(weight)]
-    if len(terms) > 1:
-        terms = [f"tokens({', '.join(terms)})"]
-    return " + ".join([*terms, str(constant)] if constant > 0 else terms or ["0"])
-
-
-def _word(formula: Formula, names: Names) -> str:
-    """The word for a formula; one about the mission that people have used for it or for its negation."""
-    for word, meaning in (*_PLAIN.items(), ("false", Fires(()))):
-        if formula == meaning:
-            return word
-    if not isinstance(formula.operands[0] if isinstance(formula, Not) else formula, AtMost | Fires):
-        return ""
-    for sign, meant in (("", formula), ("!", ~formula)):
-        if meant in names.said:
-            kind, *about = names.said[meant]
-            argument = f"({_quoted(about[0])})" if about else ""
-            return sign + kind + argument + "".join(f"={_quoted(value)}" for value in about[1:])
-    return ""
-
-
-def _quoted(name: str) -> str:
-    plain = re.fullmatch(r"[A-Za-z_][A-Za-z0-9_.]*", name) and name not in _RESERVED
-    return name if plain else json.dumps(name, ensure_ascii=False)

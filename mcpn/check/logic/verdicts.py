@@ -19,7 +19,7 @@ from itertools import chain, count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Store
-from mcpn.check.logic.formulas import EX
+from mcpn.check.logic.formulas import EX, says_paths
 from mcpn.check.logic.known import SOME_DEADLOCK, Known
 from mcpn.check.logic.questions import Answer, Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first
@@ -286,7 +286,11 @@ class _Answers:
             searched: Whether parts are asked that a search may decide.
             runs: Whether parts count that hold though the run that shows them is not known.
         """
-        parts = [part for part in self.parts() if searched or self.known.goal(part) is None]
+        parts = [
+            part
+            for part in self.parts()
+            if (searched or self.known.goal(part) is None) and not says_paths(part)
+        ]
         if not parts or self.net.priorities:  # whose atoms are no conditions on tokens alone
             return
         if self.local is None:
@@ -295,7 +299,7 @@ class _Answers:
 
             if not Searches(self.net).fits:
                 return
-            self.local = LocalCheck(self.net, self.parts())
+            self.local = LocalCheck(self.net, [part for part in self.parts() if not says_paths(part)])
         for part in parts:
             value = self.local.decide(part, steps, seed=self.rounds)
             # A step is a run that the marking tells; what holds further on needs a run that is not known.

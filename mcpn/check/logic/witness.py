@@ -17,7 +17,8 @@ from typing import Any, Generic, Protocol
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Justice, is_temporal
 from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import show
+from mcpn.check.logic.writing import show
+from mcpn.check.paths.formulas import SomePath
 from mcpn.net.formats.tina import quote
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.algebra import Edge, S
@@ -169,6 +170,10 @@ class Explanation(ABC):
     def stay(self, operand: Formula) -> None:
         """Appends a path along a formula that is endless or ends in a dead state."""
 
+    @abstractmethod
+    def show_path(self, formula: SomePath) -> None:
+        """Appends a path that satisfies the operand, endless or ending in a dead state."""
+
     def explain(self, formula: Formula, holds: bool) -> None:
         """Extends the run to demonstrate the value of a formula at its last state."""
         match formula:
@@ -188,7 +193,10 @@ class Explanation(ABC):
             case EG((operand,)) if holds:
                 self.note("all along", operand)
                 self.stay(operand)
-            case EX() | EU() | EG():
+            case SomePath((path,)) if holds:
+                self.note("along this run", path)
+                self.show_path(formula)
+            case EX() | EU() | EG() | SomePath():
                 self.note("every run from here", ~formula, "no single run shows it")
             case _:
                 self.note("here", formula if holds else ~formula)
@@ -268,6 +276,18 @@ class _InSpace(Explanation, Generic[S]):
                 self.witness.shown.append("here the run ends: nothing may fire")
                 return
         self.witness.cycle = seen[here]
+
+    def show_path(self, formula: SomePath) -> None:
+        """Appends an accepted path of the product with the formula's automaton."""
+        from mcpn.check.paths.lasso import Lasso
+
+        begin = len(self.witness.steps)
+        lasso = Lasso(self.evaluation.product(formula), self.witness.end)
+        self.witness.steps += lasso.steps
+        if lasso.cycle is not None:
+            self.witness.cycle = begin + lasso.cycle
+        else:
+            self.witness.shown.append("here the run ends: nothing may fire")
 
     def go_round(self, hull: S) -> None:
         """Appends a cycle that meets every constraint, further on where none leads back to where it began."""

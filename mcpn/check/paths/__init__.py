@@ -1,0 +1,1 @@
+"""Linear temporal logic: what single paths satisfy, by automata that run beside a space."""

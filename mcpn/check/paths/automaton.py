@@ -1,0 +1,248 @@
+r"""Generalised Büchi automata on transitions, and the translation of formulas on paths into them.
+
+The states of the automaton are what is still to be satisfied; its edges are the ways to satisfy that by one
+state and what is left then (Couvreur, *On-the-fly verification of linear temporal logic*, FM 1999; Gastin,
+Oddoux, *Fast LTL to Büchi automata translation*, CAV 2001, whose simplifications are used). An edge bears the
+mark of each ``U`` that it does not put off; a run is accepted where it takes every mark again and again.
+
+>>> from mcpn.check.paths.formulas import Until
+>>> from mcpn.space.search.goal import TRUE, marked
+>>> p = marked(0)
+>>> automaton = translated(Until(TRUE, p))
+>>> len(automaton.edges), automaton.marks
+(2, 1)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from mcpn.check.paths.formulas import Next, Release, Until
+from mcpn.errors import LimitError
+from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Or
+
+MAX_STATES = 2_000
+MAX_EDGES = 50_000
+
+Literals: TypeAlias = frozenset[Formula]
+"""Formulas on states, steps and their negations, all of which hold."""
+
+
+@dataclass(frozen=True)
+class AutomatonEdge:
+    """An edge of an automaton.
+
+    Args:
+        literals: What the path satisfies in the state that the edge reads.
+        marks: Marks that it bears.
+        target: The state that it leads to.
+    """
+
+    literals: Literals
+    marks: frozenset[int]
+    target: int
+
+
+@dataclass(frozen=True)
+class Automaton:
+    """A generalised Büchi automaton with marks on its edges; its initial state is number 0.
+
+    Args:
+        edges: By state. A state without edges accepts nothing.
+        marks: How many marks an accepted run takes again and again.
+    """
+
+    edges: tuple[tuple[AutomatonEdge, ...], ...]
+    marks: int
+
+    def components(self) -> list[list[int]]:
+        """The strongly connected components of its states, those that others lead to first."""
+        import networkx as nx  # takes longer to load than most formulas to answer
+
+        graph: nx.DiGraph[int] = nx.DiGraph()
+        graph.add_nodes_from(range(len(self.edges)))
+        graph.add_edges_from((q, edge.target) for q, edges in enumerate(self.edges) for edge in edges)
+        whole = nx.condensation(graph)
+        return [sorted(whole.nodes[c]["members"]) for c in reversed(list(nx.topological_sort(whole)))]
+
+
+@dataclass(frozen=True)
+class _Way:
+    """One way to satisfy some formulas: by this state, by the rest of the path, and what is put off."""
+
+    literals: Literals
+    left: frozenset[Formula]
+    put_off: frozenset[Formula]
+
+    def covers(self, other: _Way) -> bool:
+        """Whether whatever goes the other way could as well go this one."""
+        return self.literals <= other.literals and self.left <= other.left and self.put_off <= other.put_off
+
+
+def translated(formula: Formula) -> Automaton:
+    """The automaton of the paths that satisfy a formula.
+
+    Args:
+        formula: In normal form (:func:`mcpn.check.paths.formulas.normal`).
+
+    Raises:
+        LimitError: The automaton is too large.
+    """
+    start = _conjuncts(formula)
+    numbers, queue = {start: 0}, [start]
+    ways: list[list[_Way]] = []
+    for obligations in queue:
+        ways.append(_ways(obligations))
+        for way in ways[-1]:
+            if way.left not in numbers:
+                numbers[way.left] = len(queue)
+                queue.append(way.left)
+        if len(queue) > MAX_STATES or sum(map(len, ways)) > MAX_EDGES:
+            raise LimitError(
+                f"the automaton of a formula on paths has more than {MAX_STATES} states or {MAX_EDGES} edges:"
+                " the limit was hit"
+            )
+    untils = list(dict.fromkeys(f for of in ways for way in of for f in sorted(way.put_off, key=repr)))
+    edges = tuple(
+        tuple(
+            AutomatonEdge(
+                way.literals,
+                frozenset(i for i, until in enumerate(untils) if until not in way.put_off),
+                numbers[way.left],
+            )
+            for way in of
+        )
+        for of in ways
+    )
+    return _reduced(Automaton(edges, len(untils)))
+
+
+def _conjuncts(formula: Formula) -> frozenset[Formula]:
+    return frozenset(formula.operands if isinstance(formula, And) else (formula,))
+
+
+def _ways(obligations: frozenset[Formula]) -> list[_Way]:
+    """The ways to satisfy some formulas, but for those that another way makes needless."""
+    found: list[_Way] = []
+    nothing = frozenset[Formula]()
+    stack = [(list(obligations), frozenset[Formula](), _Way(nothing, nothing, nothing))]
+    while stack:
+        todo, done, way = stack.pop()
+        if not todo:
+            if not any(known.covers(way) for known in found):
+                found = [known for known in found if not way.covers(known)] + [way]
+            continue
+        formula, *rest = todo
+        if formula in done:
+            stack.append((rest, done, way))
+            continue
+        done = done | {formula}
+        match formula:
+            case And(operands):
+                stack.append(([*operands, *rest], done, way))
+            case Or(operands):
+                stack += [([operand, *rest], done, way) for operand in operands]
+            case Next((operand,)):
+                left = way.left | _conjuncts(operand)
+                stack.append((rest, done, _Way(way.literals, left - {TRUE}, way.put_off)))
+            case Until((before, reach)):
+                later = _Way(way.literals, way.left | {formula}, way.put_off | {formula})
+                stack.append(([before, *rest], done, later))
+                stack.append(([reach, *rest], done, way))
+            case Release((freed, held)):
+                stack.append(([held, *rest], done, _Way(way.literals, way.left | {formula}, way.put_off)))
+                stack.append(([freed, held, *rest], done, way))
+            case _ if ~formula not in way.literals:
+                stack.append((rest, done, _Way(way.literals | {formula}, way.left, way.put_off)))
+    return [way for way in found if FALSE not in way.left]
+
+
+# --- reduction -------------------------------------------------------------------------------------------
+
+
+def _reduced(automaton: Automaton) -> Automaton:
+    """The same language by fewer states: useful ones, those with the same edges once."""
+    while True:
+        smaller = _merged(_useful(automaton))
+        if len(smaller.edges) == len(automaton.edges):
+            return smaller
+        automaton = smaller
+
+
+def _useful(automaton: Automaton) -> Automaton:
+    """Without states that accept nothing; marks stand where a cycle may take them, and no others."""
+    accepting, component = set[int](), dict[int, int]()
+    for number, states in enumerate(automaton.components()):
+        component.update(dict.fromkeys(states, number))
+        inside = [
+            edge.marks for q in states for edge in automaton.edges[q] if component.get(edge.target) == number
+        ]
+        taken = frozenset[int]().union(*inside)
+        onward = any(edge.target in accepting for q in states for edge in automaton.edges[q])
+        if onward or (inside and len(taken) == automaton.marks):
+            accepting.update(states)
+    nothing = frozenset[int]()
+    edges = tuple(
+        tuple(
+            AutomatonEdge(e.literals, e.marks if component[e.target] == component[q] else nothing, e.target)
+            for e in of
+            if e.target in accepting
+        )
+        if q in accepting
+        else ()
+        for q, of in enumerate(automaton.edges)
+    )
+    return Automaton(edges, automaton.marks)
+
+
+def _merged(automaton: Automaton) -> Automaton:
+    """States that cannot be told apart by their edges are one (bisimulation by refinement)."""
+    blocks = [0] * len(automaton.edges)
+    while True:
+        looks = [
+            (block, frozenset(AutomatonEdge(e.literals, e.marks, blocks[e.target]) for e in edges))
+            for block, edges in zip(blocks, automaton.edges, strict=True)
+        ]
+        numbers: dict[object, int] = {}
+        finer = [numbers.setdefault(look, len(numbers)) for look in looks]
+        if len(numbers) == len(set(blocks)):
+            break
+        blocks = finer
+    by_block = {block: q for q, block in reversed(list(enumerate(finer)))}
+    reached = list(_reached(0, by_block, finer, automaton))
+    number = {block: i for i, block in enumerate(reached)}
+    edges = tuple(
+        tuple(
+            _needed(
+                AutomatonEdge(e.literals, e.marks, number[finer[e.target]])
+                for e in automaton.edges[by_block[block]]
+            )
+        )
+        for block in reached
+    )
+    return Automaton(edges, automaton.marks)
+
+
+def _reached(start: int, by_block: dict[int, int], blocks: list[int], automaton: Automaton) -> Iterator[int]:
+    """The blocks that the block of a state leads to, itself first."""
+    seen, queue = {blocks[start]: None}, [blocks[start]]
+    for block in queue:
+        yield block
+        for edge in automaton.edges[by_block[block]]:
+            if (after := blocks[edge.target]) not in seen:
+                seen[after] = None
+                queue.append(after)
+
+
+def _needed(edges: Iterable[AutomatonEdge]) -> Iterator[AutomatonEdge]:
+    """Those of some edges of a state that no other makes needless, each once."""
+    of = list(dict.fromkeys(edges))
+
+    def needless(e: AutomatonEdge) -> bool:
+        return any(
+            o != e and o.target == e.target and o.literals <= e.literals and o.marks >= e.marks for o in of
+        )
+
+    return (edge for edge in of if not needless(edge))

@@ -1,0 +1,274 @@
+"""The states from which some path is accepted: sets of a space, one for each state of an automaton.
+
+Neither the space nor the product of both is taken apart into states: an edge of the automaton is one step
+back in the space from a set of states, so that every engine's own steps and closures do the work. A component
+of the automaton whose cycles are all accepted takes one closure; others are narrowed down to where each mark
+is met again and again (Emerson, Lei, *Efficient model checking in fragments of the propositional
+mu-calculus*, LICS 1986; by component: Bloem, Ravi, Somenzi, *Efficient decision procedures for model checking
+of linear time logic properties*, CAV 1999).
+
+A state without successors repeats for ever, and no step is a firing there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial, reduce
+from operator import or_
+from typing import Generic
+
+from mcpn.check.paths.automaton import Automaton, AutomatonEdge
+from mcpn.check.paths.formulas import Happens
+from mcpn.space.algebra import S, Space
+from mcpn.space.search.goal import Formula, Not
+
+
+@dataclass(frozen=True)
+class Constraint(Generic[S]):
+    """What a path must meet again and again, or not count: in some states, or by some firings."""
+
+    states: S
+    transitions: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class ProductEdge(Generic[S]):
+    """An edge of the automaton over a space.
+
+    Args:
+        source: The state of the automaton that it leaves.
+        target: The one that it leads to.
+        marks: Marks that it bears.
+        states: States that it reads.
+        transitions: What may fire along it; ``None`` for anything.
+        rests: Whether it may be taken where nothing fires.
+    """
+
+    source: int
+    target: int
+    marks: frozenset[int]
+    states: S
+    transitions: frozenset[int] | None
+    rests: bool
+
+
+Sets = dict[int, S]
+"""By state of the automaton some states of the space; none where it has no entry."""
+Meeting = tuple[Callable[["Sets[S]"], "Sets[S]"], Collection["ProductEdge[S]"], Collection[int] | None]
+"""See :meth:`Product.meetings`."""
+
+
+class Product(Generic[S]):
+    """An automaton beside a space.
+
+    Args:
+        space: The space.
+        automaton: The automaton.
+        states: The states that satisfy a formula on states.
+        constraints: What paths must meet to count.
+    """
+
+    def __init__(
+        self,
+        space: Space[S],
+        automaton: Automaton,
+        states: Callable[[Formula], S],
+        constraints: Sequence[Constraint[S]] = (),
+    ) -> None:
+        self.space, self.automaton, self.constraints = space, automaton, tuple(constraints)
+        self.edges = [
+            edge for q, of in enumerate(automaton.edges) for edge in _joined(map(self._edge(q, states), of))
+        ]
+        self.components = automaton.components()
+
+    def _edge(self, source: int, states: Callable[[Formula], S]) -> Callable[[AutomatonEdge], ProductEdge[S]]:
+        def made(edge: AutomatonEdge) -> ProductEdge[S]:
+            here, fired, rests = self.space.everything, None, True
+            for literal in edge.literals:
+                match literal:
+                    case Happens(transitions):
+                        rests = False
+                        fired = frozenset(transitions) & (self._any if fired is None else fired)
+                    case Not((Happens(transitions),)):
+                        fired = (self._any if fired is None else fired) - frozenset(transitions)
+                    case _:
+                        here = here & states(literal)
+            return ProductEdge(source, edge.target, edge.marks, here, fired, rests)
+
+        return made
+
+    @property
+    def _any(self) -> frozenset[int]:
+        return frozenset(range(len(self.space.net.transitions)))
+
+    # --- steps and closures ---
+
+    def back(self, edge: ProductEdge[S], after: S) -> S:
+        """States that an edge leads from into some states."""
+        before = edge.states & self.space.before(after, edge.transitions)
+        return before | (edge.states & self.space.dead & after) if edge.rests else before
+
+    def on(self, edge: ProductEdge[S], before: S) -> S:
+        """States that an edge leads to from some states."""
+        begun = edge.states & before
+        after = self.space.after(begun, edge.transitions)
+        return after | (begun & self.space.dead) if edge.rests else after
+
+    def reached(self, begin: S) -> Sets[S]:
+        """What runs from some states, with the automaton in its initial state, lead to."""
+        found: Sets[S] = {0: begin}
+        fresh: Sets[S] = {0: begin}
+        leaving = _by(self.edges, lambda edge: edge.source)
+        while fresh:
+            q, states = fresh.popitem()
+            stays = [e for e in leaving.get(q, ()) if e.target == q and e.transitions is None]
+            if stays:  # as far as it may go on there
+                along = reduce(or_, (e.states for e in stays))
+                inside = self.space.reached(states & along, along)
+                wider = states | inside | self.space.after(inside)
+                states = states | (wider - found[q])
+                found[q] = found[q] | states
+            for edge in leaving.get(q, ()):
+                new = self.on(edge, states) - found.get(edge.target, self.space.nothing)
+                if new:
+                    found[edge.target] = found.get(edge.target, self.space.nothing) | new
+                    fresh[edge.target] = fresh.get(edge.target, self.space.nothing) | new
+        return found
+
+    def reaching(
+        self, goal: Mapping[int, S], within: Mapping[int, S], edges: Collection[ProductEdge[S]]
+    ) -> Sets[S]:
+        """Where runs along some edges and through some sets lead into a goal, the goal's own included."""
+        nothing = self.space.nothing
+        found: Sets[S] = dict(goal)
+        fresh: Sets[S] = {q: states for q, states in goal.items() if states}
+        entering = _by(edges, lambda edge: edge.target)
+        while fresh:
+            q, states = fresh.popitem()
+            stays = [e for e in entering.get(q, ()) if e.source == q and e.transitions is None]
+            if stays and q in within:
+                along = reduce(or_, (e.states for e in stays)) & within[q]
+                wider = self.space.reaching(states, along)
+                states = states | (wider - found[q])
+                found[q] = found[q] | states
+            for edge in entering.get(q, ()):
+                p = edge.source
+                if p not in within:
+                    continue
+                new = (self.back(edge, states) & within[p]) - found.get(p, nothing)
+                if new:
+                    found[p] = found.get(p, nothing) | new
+                    fresh[p] = fresh.get(p, nothing) | new
+        return found
+
+    # --- acceptance ---
+
+    def accepted(self, within: Mapping[int, S] | None = None) -> Sets[S]:
+        """By state of the automaton, the states from which it accepts some path.
+
+        Args:
+            within: What is asked of: closed under steps; everything by default.
+        """
+        everything = dict.fromkeys(range(len(self.automaton.edges)), self.space.everything)
+        within = everything if within is None else within
+        found: Sets[S] = {}
+        for fair, states in self.fair(within):
+            goal = {q: fair.get(q, self.space.nothing) for q in states}
+            out = [
+                e for e in self.edges if e.source in states and e.target not in states and e.target in found
+            ]
+            for edge in out:
+                before = self.back(edge, found[edge.target]) & within.get(edge.source, self.space.nothing)
+                goal[edge.source] = goal[edge.source] | before
+            inside = [e for e in self.edges if e.source in states and e.target in states]
+            found.update(self.reaching(goal, within, inside))
+        return found
+
+    def fair(self, within: Mapping[int, S]) -> Iterator[tuple[Sets[S], frozenset[int]]]:
+        """By component of the automaton: where an accepted path may stay for ever, and the component."""
+        for component in self.components:
+            states = frozenset(component)
+            inside = [e for e in self.edges if e.source in states and e.target in states]
+            begin = {q: within[q] for q in component if within.get(q)}
+            yield (self._fair(begin, inside) if begin else {}), states
+
+    def _fair(self, within: Sets[S], inside: Sequence[ProductEdge[S]]) -> Sets[S]:
+        """The greatest sets from which a run along some edges may meet all that it must again and again."""
+        marks = frozenset[int]().union(*(edge.marks for edge in inside))
+        if not inside or len(marks) < self.automaton.marks:
+            return {}
+        (first, *more) = inside
+        meetings = self.meetings(inside)
+        if not meetings and not more and first.transitions is None:
+            return {first.source: self.space.staying(first.states & within[first.source])}
+        found = within
+        while True:
+            narrower = self._going_on(found, inside)
+            for met, _, _ in meetings:
+                if narrower:
+                    narrower = self.reaching(met(narrower), narrower, inside)
+            if all(not found[q] - narrower.get(q, self.space.nothing) for q in found):
+                return narrower
+            found = {q: states for q, states in narrower.items() if states}
+            if not found:
+                return {}
+
+    def _going_on(self, sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
+        """Those of some sets from which some edge leads into them again."""
+        found: Sets[S] = {}
+        for edge in inside:
+            if edge.source in sets and edge.target in sets:
+                before = self.back(edge, sets[edge.target]) & sets[edge.source]
+                found[edge.source] = found.get(edge.source, self.space.nothing) | before
+        return found
+
+    def meetings(self, inside: Collection[ProductEdge[S]]) -> list[Meeting[S]]:
+        """What a path along some edges must meet again and again, but for what every edge meets.
+
+        Returns:
+            For each mark and each constraint: what makes of some sets the states at which it is met, there or
+            by a step inside them; the edges that bear the mark; and what fires where that meets a constraint.
+        """
+        found: list[Meeting[S]] = []
+        for mark in sorted(frozenset[int]().union(*(edge.marks for edge in inside))):
+            bearing = [edge for edge in inside if mark in edge.marks]
+            if len(bearing) < len(inside):
+                found.append((partial(self._going_on, inside=bearing), bearing, None))
+        for constraint in self.constraints:
+            met = partial(self._met, constraint, inside=inside)
+            found.append((met, (), constraint.transitions or None))
+        return found
+
+    def _met(self, constraint: Constraint[S], sets: Sets[S], inside: Collection[ProductEdge[S]]) -> Sets[S]:
+        """States of some sets at which a constraint is met; where nothing fires all are."""
+        here = constraint.states | self.space.dead
+        found = {q: states & here for q, states in sets.items()}
+        asked = frozenset(constraint.transitions)
+        for edge in inside if asked else ():
+            if edge.source in sets and edge.target in sets:
+                fired = asked if edge.transitions is None else asked & edge.transitions
+                before = self.space.before(sets[edge.target], fired) & edge.states & sets[edge.source]
+                found[edge.source] = found[edge.source] | before
+        return found
+
+
+def _joined(edges: Iterator[ProductEdge[S]]) -> list[ProductEdge[S]]:
+    """Edges that differ in what they read alone, as one; those that read nothing are left out."""
+    found: dict[object, ProductEdge[S]] = {}
+    for e in edges:
+        key = e.source, e.target, e.marks, e.transitions, e.rests
+        if not e.states:
+            continue
+        states = e.states | found[key].states if key in found else e.states
+        found[key] = ProductEdge(e.source, e.target, e.marks, states, e.transitions, e.rests)
+    return list(found.values())
+
+
+def _by(
+    edges: Collection[ProductEdge[S]], key: Callable[[ProductEdge[S]], int]
+) -> dict[int, list[ProductEdge[S]]]:
+    found: dict[int, list[ProductEdge[S]]] = {}
+    for edge in edges:
+        found.setdefault(key(edge), []).append(edge)
+    return found

@@ -1,0 +1,88 @@
+"""What paths of missions satisfy, on every engine and by tableaux."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import pytest
+from hypothesis import event, given, reject
+from hypothesis import strategies as st
+
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.names import Names
+from mcpn.check.logic.questions import Questions
+from mcpn.check.paths.formulas import Happens, SomePath, normal
+from mcpn.check.spaces import Asked
+from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.space.algebra import Space
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams.spaces import DiagramAlternatives
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.local.composing import composite_space
+from mcpn.space.markings.explicit import explore
+from mcpn.space.stable.alternatives import by_reduction
+from mcpn.testing import missions
+from tests.check.paths import tableau
+from tests.check.paths.test_paths import fits, names, satisfy
+from tests.draws import fewer
+
+
+@fewer(0.6)
+@given(missions(max_sections=4), st.data())
+def test_every_engine_and_tableaux_agree_on_missions(mission: Mission, data: st.DataObject) -> None:
+    mission_net = compose(mission)
+    net = mission_net.net
+    try:
+        graph = by_reduction(explore(net, max_states=500))
+    except (LimitError, ConfluenceError, DivergenceError):
+        reject()
+    spaces: list[Space[Any]] = [ArraySpace(graph), DiagramAlternatives(reach(net))]
+    with suppress(LimitError):
+        spaces.append(composite_space(mission_net))
+        event("by composition")
+    edges = {
+        graph.marking(s): [(e.transition, graph.marking(e.target)) for e in ArraySpace(graph).edges(s)]
+        for s in range(graph.states)
+    }
+    written = data.draw(tableau.formulas(*names(net), leaves=4))
+    if not fits(written, edges):
+        return
+    expected = tableau.satisfying(written, net, edges)
+    event(f"some {bool(expected)}, all {len(expected) == len(edges)}")
+    alone = SomePath(normal(tableau.read(written, net)))
+    for space in spaces:
+        assert satisfy(Evaluation(space), alone) == expected
+        assert Evaluation(space).holds(alone) == (graph.marking(0) in expected)
+
+
+@pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@pytest.mark.parametrize(
+    ("formula", "fair", "holds"),
+    [
+        ("G (objective(diving) -> F (success | failure))", (), False),  # a sensor fails and recovers for ever
+        ("G (objective(diving) -> F (success | failure))", ("progress",), True),
+        ("F G (success | failure)", ("progress",), True),
+        ("G (happens(GPS_sensor_EV_OOS) -> X oos(GPS_sensor))", (), True),
+        ("G (happens(GPS_sensor_EV_OOS) -> X X oos(GPS_sensor))", (), False),
+        ("!objective(filming) W happens(OBJ_transect.diving_EV_OK)", (), True),
+        ("G !happens(OBJ_transect.diving_EV_FAIL)", (), False),
+        ("E (!oos(GPS_sensor) U success)", (), True),
+        ("G F oos(GPS_sensor) -> G F happens(GPS_sensor_EV_OOS)", (), False),  # it never returns
+    ],
+)
+def test_ulysse(
+    ulysse_net: MissionNet, engine: Asked, formula: str, fair: tuple[str, ...], holds: bool
+) -> None:
+    questions = Questions(ulysse_net.net, ulysse_net, engine=engine, fair=fair)
+    assert questions.answer(formula).holds is holds
+
+
+def test_what_happens_is_said_of_a_step(ulysse_net: MissionNet) -> None:
+    meaning = Names(ulysse_net.net, ulysse_net).word("happens", "GPS_sensor_EV_OOS")
+    assert isinstance(meaning, Happens)
+    assert meaning.transitions
+    with pytest.raises(InputError, match="no event is named"):
+        Names(ulysse_net.net, ulysse_net).word("happens", "nothing")

@@ -1,0 +1,138 @@
+"""What paths satisfy: by automata on every engine, by tableaux, and run by run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import assume, event, given
+from hypothesis import strategies as st
+
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.formulas import Justice, every_path, some_path
+from mcpn.check.logic.names import Names
+from mcpn.check.logic.syntax import parse
+from mcpn.check.logic.witness import explain
+from mcpn.check.logic.writing import show
+from mcpn.check.paths.formulas import SomePath, is_of_paths, normal
+from mcpn.net.petri import Marking, PetriNet
+from mcpn.space.algebra import Space
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.diagrams.spaces import DiagramMarkings
+from mcpn.space.diagrams.symbolic import reach
+from mcpn.space.markings.explicit import explore
+from mcpn.space.search.goal import Formula
+from tests.check.formulas import Edges, Written, edges_of
+from tests.check.formulas import formulas as on_states
+from tests.check.formulas import read as read_on_states
+from tests.check.formulas import satisfying as states_satisfying
+from tests.check.paths import tableau
+from tests.draws import fewer
+from tests.net.nets import nets, reachable, state_machines
+from tests.shares import returns_early
+
+MOST_NODES = 5_000
+"""Of the tableau of one formula on one net."""
+
+NETS = nets(max_places=4, max_transitions=5) | state_machines().map(lambda drawn: drawn[0])
+
+
+def names(net: PetriNet) -> tuple[list[str], list[str]]:
+    return [p.name for p in net.places], [t.name for t in net.transitions]
+
+
+def spaces(net: PetriNet) -> list[Space[Any]]:
+    return [ArraySpace(explore(net)), DiagramMarkings(reach(net))]
+
+
+def satisfy(evaluation: Evaluation[Any], formula: Formula) -> set[Marking]:
+    space, found = evaluation.space, set()
+    left = evaluation.states(formula)
+    while left:
+        state = left.pick()
+        found.add(space.marking(state))
+        left = left - space.single(state)
+    return found
+
+
+def fits(written: Written, edges: Edges) -> bool:
+    if len(edges) * 2 ** len(tableau.promises(written)) <= MOST_NODES:
+        return True
+    returns_early("a large tableau")
+    return False
+
+
+def assert_shown(evaluation: Evaluation[Any], formula: Formula, written: Written, edges: Edges) -> None:
+    """The run that shows a path is one of the net, and satisfies the formula by its definition."""
+    net, witness = evaluation.space.net, explain(evaluation, formula)
+    marking, run = net.initial, list[tuple[Marking, int | None]]()
+    for t in witness.firings:
+        assert t in net.enabled(marking)
+        run.append((marking, t))
+        marking = net.fire(marking, t)
+    cycle = witness.cycle_firing
+    if cycle is None:
+        assert not edges[marking]
+        cycle = len(run)
+        run.append((marking, None))
+    else:
+        assert run[cycle][0] == marking
+    assert tableau.on_lasso(written, net, edges, run, cycle)
+
+
+@given(NETS, st.data())
+def test_automata_and_tableaux_find_the_same(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    for written in data.draw(st.lists(tableau.formulas(*names(net)), min_size=2, max_size=2)):
+        if not fits(written, edges):
+            continue
+        expected = tableau.satisfying(written, net, edges)
+        formula = parse(f"E ({tableau.text(written)})", Names(net))
+        # The automaton alone, without what single states tell.
+        alone = SomePath(normal(tableau.read(written, net)))
+        assert formula == some_path(tableau.read(written, net))
+        event(f"needs an automaton: {any(isinstance(f, SomePath) for f in formula.walk())}")
+        event(f"some {bool(expected)}, all {len(expected) == len(edges)}")
+        for space in spaces(net):
+            for of in (formula, alone):
+                assert Evaluation(space).holds(of) == (net.initial in expected)
+                evaluation = Evaluation(space)
+                assert satisfy(evaluation, of) == expected
+            if net.initial in expected:
+                assert_shown(evaluation, alone, written, edges)
+
+
+@fewer(0.6)
+@given(NETS, st.data())
+def test_paths_that_do_not_count_are_left_out(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    places, transitions = names(net)
+    fires = st.lists(st.sampled_from(range(len(transitions))), max_size=2) if transitions else st.just([])
+    fair = data.draw(st.lists(st.tuples(on_states(places, transitions, leaves=2), fires), max_size=2))
+    justice = [Justice(read_on_states(f, net), tuple(t)) for f, t in fair]
+    met = [(states_satisfying(f, net, edges), set(t)) for f, t in fair]
+    written = data.draw(tableau.formulas(places, transitions))
+    if not fits(written, edges):
+        return
+    expected = tableau.satisfying(written, net, edges, met)
+    alone = SomePath(normal(tableau.read(written, net)))
+    for space in spaces(net):
+        evaluation = Evaluation(space, justice)
+        assert satisfy(evaluation, alone) == expected
+        assert Evaluation(space, justice).holds(alone) == (net.initial in expected)
+        if net.initial in expected:
+            assert_shown(evaluation, alone, written, edges)
+
+
+@given(st.data())
+def test_what_is_shown_of_paths_reads_back(data: st.DataObject) -> None:
+    net = data.draw(nets(max_places=3))
+    of_net = Names(net)
+    path = tableau.read(data.draw(tableau.formulas(*names(net))), net)
+    for formula in (some_path(path), every_path(path), SomePath(normal(path))):
+        text = show(formula, of_net)
+        again = parse(text, of_net)
+        event(f"on paths: {is_of_paths(path)}")
+        for space in spaces(net) if reachable(net)[2] else ():
+            assert satisfy(Evaluation(space), again) == satisfy(Evaluation(space), formula)
