@@ -63,7 +63,7 @@ def reduced(cubes: Sequence[Cube], spoken: Collection[int]) -> tuple[list[Short]
 
 
 def _once(cubes: Sequence[Cube], known: int) -> Iterator[Short]:
-    """One round of :func:`reduced`: rules that make the changes to the levels of a mask, whatever else they do."""
+    """One round of :func:`reduced`: rules that make the same changes to the levels of a mask."""
     of: dict[int, list[Cube]] = {}
     for cube in cubes:
         of.setdefault(cube.of, []).append(cube)

@@ -5,8 +5,8 @@ section takes a random time ``T``. Each other resource is a Markov chain of two 
 status is a sum of two eigenfunctions, whose expected values decay as ``exp(-s t)``: the constant (``s = 0``),
 and one with ``s`` = failure rate + repair rate. For a product of eigenfunctions of several resources the
 rates ``s`` add up. So the expected value of such a product at the section's exit is the Laplace transform
-``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact, and
-the product of the section's states with the status of other hardware is never built.
+``E[exp(-s T)]`` of the section's own chain (:meth:`mcpn.check.causes.chain.Chain.kernels`). This is exact,
+and the product of the section's states with the status of other hardware is never built.
 
 The sections are worked backward from the mission's ends. The value at an entry is a function of the status of
 the hardware that this section and later ones use; other hardware does not matter any more. What has happened

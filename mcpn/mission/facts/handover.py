@@ -7,9 +7,9 @@ resource waits until it is available. They may conflict in two cases:
 - an activity may still be choosing its alternative when its objective ends, because it waits for a release;
 - both objectives need a producer that is running, which would otherwise keep its present alternative.
 
-In these cases the next objective begins by a *gate*: an internal transition of the last rank, which fires when
-every activity that is to stop has stopped. An activity that the next objective starts again waits until it is
-idle. ``papers/composition.md`` has the argument.
+In these cases the next objective begins by a *gate*: an internal transition of the last rank, which fires
+when every activity that is to stop has stopped. An activity that the next objective starts again waits until
+it is idle. ``papers/composition.md`` has the argument.
 """
 
 from __future__ import annotations

@@ -278,7 +278,7 @@ class Usage:
                     yield from self._graph_demands(branch.graph)
 
     def _inside(self, activity: str) -> frozenset[tuple[str, Demand, Demand]]:
-        """Pairs of demands for one resource that one running activity, with its suppliers, may make at a time.
+        """Pairs of demands for one resource that one running activity, with its suppliers, may make at once.
 
         Two demands contend if they belong to one alternative. They also contend if the activity changes its
         alternative: suppliers of the old one may still be choosing an alternative of their own when the new

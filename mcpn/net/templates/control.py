@@ -222,7 +222,7 @@ class _Control:
             pen.transition(f"exit_{digits}", [*done, *running], self.enter(route))
 
     def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
-        """The outcome of a wide block by a net of linear size, which counts its children in document order."""
+        """The outcome of a wide block by a net of linear size, which counts children in document order."""
         # A block that may be halted takes note of nothing before all have ended.
         begin = 0 if self.halted(section) else len(section.branches) - 1
         all_ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]

@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 FIRST_BUDGET = 50_000
 GROWTH = 2
 SIDE_BY_SIDE = 8_000_000
-"""Budgets from which on runners work in parallel; below, they take turns, so that a winner saves their work."""
+"""Budgets from which on runners work in parallel; below they take turns, so that a winner saves work."""
 
 FAVOURED = 3
-"""Of this many runners, number *i* gets the first budget divided by *i*; later ones get ``i ** -1.5`` of it."""
+"""Of this many runners, number *i* gets a budget divided by *i*; later ones, by ``i ** 1.5``."""
 
 LEAST_BUDGET = 10_000
-"""The least budget with which a runner begins, since beginning takes time; else it waits for a later round."""
+"""The least budget with which a runner begins, since that takes time; else it waits for a later round."""
 
 NEAR = 2.0
 """A runner with an outlook (:attr:`Racer.outlook`) of at most this works before the others, which get small
