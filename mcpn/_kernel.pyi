@@ -451,6 +451,32 @@ class SafeNet:
     def labels(self, markings: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint32]:
         """The transitions on the edges of some markings, as :meth:`explore` lists edges."""
 
+    def passages(
+        self,
+        markings: npt.NDArray[np.uint64],
+        offsets: npt.NDArray[np.int64],
+        targets: npt.NDArray[np.int64],
+        events: npt.NDArray[np.uint32],
+        leaving: Sequence[Sequence[int]],
+        control: Sequence[tuple[Sequence[int], Sequence[int]]],
+    ) -> tuple[npt.NDArray[np.uint32], list[tuple[list[int], list[int]]]]:
+        """Which activities leave an alternative, and which of them come to rest, on the way of each edge.
+
+        Each event is run to completion, the lowest internal transition of the first rank first.
+
+        Args:
+            markings: Stable markings, of a net with priorities.
+            offsets: Where the edges of each begin, and where the last end.
+            targets: By edge, the marking that it leads to.
+            events: By edge, its transition.
+            leaving: By transition, the activities of which it leaves an alternative.
+            control: By activity, its places, and those that are marked while it rests.
+
+        Returns:
+            By edge, the number of what happens on its way, 2^32 - 1 where it does not end in its target; and
+            what happens, by number: activities left, and those of them that have come to rest.
+        """
+
     def units(self, initial: Sequence[int]) -> list[list[int]]:
         """Sets of places that hold one token at most together, from a marking on: no firing adds to one.
 

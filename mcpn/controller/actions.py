@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.controller.run import Passage
+from mcpn.controller.run import Left
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.graph import names_in
@@ -61,7 +61,7 @@ class Ordering:
             for alternative in activity.alternatives
         }
 
-    def actions(self, before: Situation, after: Situation, passage: Passage) -> Iterator[PlannedAction]:
+    def actions(self, before: Situation, after: Situation, passage: Left) -> Iterator[PlannedAction]:
         """The actions of one event.
 
         Args:

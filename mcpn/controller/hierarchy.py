@@ -16,13 +16,16 @@ hardware out of service; moves have guards. In the flat one it is part of the st
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
-from mcpn.controller.machine import Machine, controller
+from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
 from mcpn.mission.model import FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
@@ -249,30 +252,47 @@ def cut(
     machine: Machine, hardware: tuple[str, ...], guards: Mapping[int, Guard] | None = None
 ) -> SectionMachine:
     """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
-    inside = [
-        number
-        for number, state in enumerate(machine.states)
-        if number not in machine.waiting and state.outcome is None
-    ]
-    number_of = {number: new for new, number in enumerate(inside)}
+    graph, transitions = machine.graph, machine.graph.net.transitions
+    ended = np.array([state.outcome is not None for state in machine.states], np.bool_)
+    within = ~ended
+    within[list(machine.waiting)] = False
+    inside = np.flatnonzero(within)
+    number_of = np.cumsum(within) - 1
     bit = {name: 1 << i for i, name in enumerate(hardware)}
     entries: list[Entry | None] = [None] * (1 << len(hardware))
-    events = tuple(sorted({edge.event for edge in machine.edges if edge.source in number_of}))
-    event_of = {event: number for number, event in enumerate(events)}
-    moves = []
-    for edge in machine.edges:
-        target = machine.states[edge.target]
-        if edge.source in number_of:
-            to = number_of[edge.target] if target.outcome is None else target.outcome
-            guard = (guards or {}).get(edge.transition, ALWAYS)
-            moves.append(Move(number_of[edge.source], event_of[edge.event], to, edge.actions, guard))
-        elif edge.event == START:
-            assert target.outcome is None, "a section that is entered has something to do"
-            mask = sum(bit[name] for name in machine.states[edge.source].out_of_service)
-            entries[mask] = Entry(number_of[edge.target], edge.actions)
-    moves.sort(key=lambda move: (move.source, move.event))
-    states = tuple(machine.states[number] for number in inside)
-    return SectionMachine(hardware, events, states, tuple(entries), tuple(moves))
+    moving = within[graph.sources]
+    labels = np.flatnonzero(np.bincount(graph.labels[moving])).tolist()
+    events = tuple(sorted({event_at(graph.net, t) for t in labels}))
+    event_of = np.zeros(len(transitions), np.int64)
+    for t in labels:
+        event_of[t] = bisect_left(events, event_at(graph.net, t))
+    edges = np.flatnonzero(moving)
+    edges = edges[np.lexsort((event_of[graph.labels[edges]], graph.sources[edges]))]
+    targets = graph.targets[edges]
+    columns = (
+        number_of[graph.sources[edges]],
+        event_of[graph.labels[edges]],
+        np.where(ended[targets], -1 - targets, number_of[targets]),
+        machine.orders[edges],
+        graph.labels[edges],
+    )
+    states, lists, guards = machine.states, machine.lists, guards or {}
+    moves = tuple(
+        Move(source, event, to if to >= 0 else _outcome(states[-1 - to]), lists[order], guards.get(t, ALWAYS))
+        for source, event, to, order, t in zip(*(c.tolist() for c in columns), strict=True)
+    )
+    for edge in np.flatnonzero(~moving).tolist():
+        if transitions[graph.labels[edge]].event == START:
+            source, target = int(graph.sources[edge]), int(graph.targets[edge])
+            assert states[target].outcome is None, "a section that is entered has something to do"
+            mask = sum(bit[name] for name in states[source].out_of_service)
+            entries[mask] = Entry(int(number_of[target]), lists[int(machine.orders[edge])])
+    return SectionMachine(hardware, events, tuple(states[n] for n in inside.tolist()), tuple(entries), moves)
+
+
+def _outcome(state: Situation) -> str:
+    assert state.outcome is not None, "asked of what has ended"
+    return state.outcome
 
 
 _KIND_OF_ELEMENT = {

@@ -10,13 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
+
+import numpy as np
 
 from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.controller.actions import Ordering, PlannedAction
-from mcpn.controller.run import Passage, Runner
+from mcpn.controller.run import Left, Runner
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event
+from mcpn.net.petri import PetriNet
+from mcpn.space.markings.graph import Ints
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 
@@ -39,29 +43,44 @@ class MachineEdge:
     actions: tuple[PlannedAction, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Machine:
-    """A mission controller with a state for each stable marking.
+    """A mission controller with a state for each stable marking, its edges in arrays.
 
     Args:
         mission: The mission's name.
         states: What each state is, by number.
-        edges: Sorted by source, then in the net's order; at most one for each state and event, but in a net
-            that forgets (:mod:`mcpn.net.forgetful`).
+        graph: The alternatives graph, whose edges they are: sorted by source, then in the net's order; at
+            most one for each state and event, but in a net that forgets (:mod:`mcpn.net.forgetful`).
+        orders: By edge, the number of its list of actions.
+        lists: By number, actions in order: stops, releases, selections, starts.
         waiting: Numbers of the states before the mission's start.
         initial: Number of the initial state.
     """
 
     mission: str
     states: tuple[Situation, ...]
-    edges: tuple[MachineEdge, ...]
+    graph: AlternativesGraph
+    orders: Ints
+    lists: Sequence[tuple[PlannedAction, ...]]
     waiting: frozenset[int]
     initial: int = 0
+
+    @cached_property
+    def edges(self) -> tuple[MachineEdge, ...]:
+        """What the controller does, one by one."""
+        graph = self.graph
+        columns = (graph.sources, graph.labels, graph.targets, self.orders)
+        return tuple(
+            MachineEdge(source, event_at(graph.net, label), label, target, self.lists[order])
+            for source, label, target, order in zip(*(c.tolist() for c in columns), strict=True)
+        )
 
     @property
     def events(self) -> tuple[Event, ...]:
         """Every event that the controller reacts to, sorted."""
-        return tuple(sorted({edge.event for edge in self.edges}))
+        labels = np.flatnonzero(np.bincount(self.graph.labels)).tolist()
+        return tuple(sorted({event_at(self.graph.net, label) for label in labels}))
 
 
 def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Machine:
@@ -75,27 +94,47 @@ def controller(mission_net: MissionNet, alternatives: AlternativesGraph) -> Mach
         One state for each stable marking, one edge for each event that it allows.
     """
     packed = [int.from_bytes(row.tobytes(), "little") for row in alternatives.markings]
-    numbers = {marking: number for number, marking in enumerate(packed)}
     states = situations(mission_net, packed)
-    runner, ordering = Runner(mission_net), Ordered(mission_net, states)
-    offsets, targets = alternatives.offsets.tolist(), alternatives.targets.tolist()
-    labels, transitions = alternatives.labels.tolist(), alternatives.net.transitions
-    edges = []
-    for source, marking in enumerate(packed):
-        for number in range(offsets[source], offsets[source + 1]):
-            label, target = labels[number], targets[number]
-            event = transitions[label].event
-            assert event is not None
-            passage = runner.fire(marking, label)
-            # Only a section alone, listed without proof, may end elsewhere: in states that its mission never
-            # enters, which are listed too, it need not be confluent.
-            if passage.marking != packed[target]:
-                assert alternatives.proof is None, "every interleaving ends in the same stable marking"
-                target = numbers.get(passage.marking, target)
-            edges.append(MachineEdge(source, event, label, target, ordering.actions(source, target, passage)))
+    ordered = Ordered(mission_net, states)
+    passed, passages = Runner(mission_net).passages(alternatives)
+    alike = np.array(ordered.alike, np.int64)
+    kinds = np.stack((alike[alternatives.sources], alike[alternatives.targets], passed))
+    first, orders = distinct(kinds)
+    lists = [
+        ordered.actions(source, target, passages[number])
+        for source, target, number in zip(
+            alternatives.sources[first].tolist(),
+            alternatives.targets[first].tolist(),
+            passed[first].tolist(),
+            strict=True,
+        )
+    ]
     beginning = 1 << mission_net.beginning
     waiting = frozenset(n for n, marking in enumerate(packed) if marking & beginning)
-    return Machine(mission_net.mission.name, states, tuple(edges), waiting)
+    return Machine(mission_net.mission.name, states, alternatives, orders, lists, waiting)
+
+
+def distinct(columns: Ints) -> tuple[Ints, Ints]:
+    """The distinct ones of some columns of numbers that are not negative.
+
+    Returns:
+        By number of a distinct column, where it stands first, and by column its number.
+    """
+    found = np.zeros(columns.shape[1], np.int64)
+    first = np.zeros(min(columns.shape[1], 1), np.int64)
+    for row in columns:  # pairs of what was found and the next row fit 64 bits
+        pairs = found * (row.max(initial=0) + 1) + row
+        order = np.argsort(pairs, kind="stable")
+        new = np.diff(pairs[order], prepend=-1) != 0
+        first, found[order] = order[new], np.cumsum(new) - 1
+    return first, found
+
+
+def event_at(net: PetriNet, label: int) -> Event:
+    """The event of a transition that an alternatives graph is labelled with."""
+    event = net.transitions[label].event
+    assert event is not None, "only event transitions label the alternatives graph"
+    return event
 
 
 def situations(mission_net: MissionNet, packed: Sequence[int]) -> tuple[Situation, ...]:
@@ -122,16 +161,16 @@ class Ordered:
         self._ordering = Ordering(mission_net.usage, mission_net.graph)
         self._states = states
         numbers: dict[object, int] = {}
-        self._alike = [
+        self.alike = [
             numbers.setdefault((s.objectives, s.pending, s.done, tuple(s.mode.items())), len(numbers))
             for s in states
         ]
         """By state, the number of all that actions depend on."""
         self._known: dict[object, tuple[PlannedAction, ...]] = {}
 
-    def actions(self, source: int, target: int, passage: Passage) -> tuple[PlannedAction, ...]:
+    def actions(self, source: int, target: int, passage: Left) -> tuple[PlannedAction, ...]:
         """The actions of an event between two states."""
-        key = self._alike[source], self._alike[target], passage.left, passage.idled
+        key = self.alike[source], self.alike[target], passage.left, passage.idled
         if key not in self._known:
             before, after = self._states[source], self._states[target]
             self._known[key] = tuple(self._ordering.actions(before, after, passage))

@@ -13,30 +13,47 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from mcpn.errors import DivergenceError
 from mcpn.net.compose import MissionNet
-from mcpn.space.markings.firing import MaskedNet
+from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.markings.firing import MaskedNet, bits_of
+
+if TYPE_CHECKING:
+    from mcpn.space.markings.graph import Ints
+    from mcpn.space.stable.alternatives import AlternativesGraph
 
 MAX_FIRINGS = 1_000_000
 """Internal firings after one event beyond which a run is taken for endless."""
 
 
 @dataclass(frozen=True, slots=True)
-class Passage:
+class Left:
+    """What one event does to activities that run.
+
+    Args:
+        left: Activities of which an alternative was left: stopped, or evaluated anew.
+        idled: Those of them that came to be idle: if they run afterwards, they have been restarted.
+    """
+
+    left: frozenset[str]
+    idled: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Passage(Left):
     """What one event does to a stable marking.
 
     Args:
         marking: The stable marking after it, a bit for each place.
         fired: The internal transitions fired, in order.
-        left: Activities of which an alternative was left: stopped, or evaluated anew.
-        idled: Those of them that came to be idle: if they run afterwards, they have been restarted.
     """
 
     marking: int
     fired: tuple[int, ...]
-    left: frozenset[str]
-    idled: frozenset[str]
 
 
 class Runner:
@@ -94,7 +111,29 @@ class Runner:
                 places, at_rest = self.control[activity]
                 if after & places == at_rest:
                     idled.add(activity)
-        return Passage(marking, tuple(fired), frozenset(left), frozenset(idled))
+        return Passage(frozenset(left), frozenset(idled), marking, tuple(fired))
+
+    def passages(self, graph: AlternativesGraph) -> tuple[Ints, list[Left]]:
+        """What the edges of an alternatives graph of the net do to activities.
+
+        Returns:
+            By edge, a number, and by number, what is done.
+        """
+        prepared, names = KernelNet(self.mission_net.net), list(self.control)
+        number = {name: i for i, name in enumerate(names)}
+        own = np.zeros(len(self._leaving), np.uint32)
+        own[prepared.transitions] = np.arange(len(prepared.transitions), dtype=np.uint32)
+        found, kinds = prepared.kernel.passages(
+            graph.markings,
+            graph.offsets,
+            graph.targets.astype(np.int64),
+            own[graph.labels],
+            [[number[name] for name in self._leaving[t]] for t in prepared.transitions],
+            [(bits_of(places), bits_of(at_rest)) for places, at_rest in self.control.values()],
+        )
+        done = [Left(*(frozenset(names[i] for i in of) for of in kind)) for kind in kinds]
+        assert not len(found) or found.max() < len(done), "an edge ends where its run to completion does"
+        return found.astype(np.int64), done
 
     # --- what the places of activities are ---
 

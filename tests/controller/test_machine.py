@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
+from hypothesis import event, given
 
 from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.generate import generate
 from mcpn.controller.machine import Machine, controller
+from mcpn.controller.run import Runner
 from mcpn.controller.targets.json import write_json
+from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.space.stable.alternatives import direct
+from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
+from tests.draws import composed, fewer
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +121,31 @@ def test_json_says_the_whole_machine(ulysse_net: MissionNet) -> None:
 def test_the_text_is_the_same_each_time(ulysse: Mission) -> None:
     one, other = compose(ulysse), compose(ulysse)
     assert write_json(generate(one), one) == write_json(generate(other), other)
+
+
+@fewer(0.5)
+@given(missions() | stacked_missions())
+def test_what_activities_leave_on_an_edge_is_what_one_event_after_the_other_shows(given: Mission) -> None:
+    net = composed(given)
+    try:
+        graph = direct(net.net, max_states=3_000)
+    except (LimitError, SemanticsError):
+        return
+    runner = Runner(net)
+    numbers, kinds = runner.passages(graph)
+    packed = [int.from_bytes(row.tobytes(), "little") for row in graph.markings]
+    for edge, (source, label, target) in enumerate(
+        zip(graph.sources.tolist(), graph.labels.tolist(), graph.targets.tolist(), strict=True)
+    ):
+        passage = runner.fire(packed[source], label)
+        found = kinds[numbers[edge]]
+        assert (passage.marking, passage.left, passage.idled) == (packed[target], found.left, found.idled)
+    event(f"restarts: {any(kind.idled for kind in kinds)}")
+
+
+def test_an_edge_to_elsewhere_is_refused(ulysse_net: MissionNet) -> None:
+    graph = direct(ulysse_net.net)
+    wrong = graph.targets.copy()
+    wrong[3] = (wrong[3] + 1) % graph.states
+    with pytest.raises(AssertionError, match="an edge ends where"):
+        Runner(ulysse_net).passages(replace(graph, targets=wrong))

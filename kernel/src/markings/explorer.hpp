@@ -65,6 +65,7 @@ class SafeNet {
 
   std::uint32_t places() const { return places_; }
   std::uint32_t words() const { return words_; }
+  std::size_t transitions() const { return firings_.size(); }
   bool priorities() const { return priorities_; }
   bool is_event(std::uint32_t t) const { return t < firings_.size() && firings_[t].rank == kEvents; }
 
@@ -79,6 +80,7 @@ class SafeNet {
 
  private:
   friend class Explorer;
+  friend class Passages;
   friend class Settling;
   friend class Stubborn;
   friend class Reads;

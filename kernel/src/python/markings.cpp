@@ -14,6 +14,7 @@
 #include "diagrams/store.hpp"
 #include "markings/counted.hpp"
 #include "markings/explorer.hpp"
+#include "markings/passages.hpp"
 #include "markings/settling.hpp"
 #include "python/module.hpp"
 
@@ -46,7 +47,9 @@ template <class T> nb::ndarray<nb::numpy, T> array(Appended<T>&& values) {
 
 template <class T> using Column = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-template <class Explore> Exploration run(Explore body, std::uint64_t max_states, std::uint64_t max_bytes,
+using Rows = nb::ndarray<const Word, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+template <class Explore> auto run(Explore body, std::uint64_t max_states, std::uint64_t max_bytes,
                                          const nb::object& progress) {
   auto due = std::chrono::steady_clock::now() + std::chrono::seconds(1);
   bool stopped = false;
@@ -131,6 +134,37 @@ Orders orders_named(const std::string& name) {
   if (name == "enough") return Orders::kEnough;
   if (name == "every") return Orders::kEvery;
   throw std::invalid_argument("orders: one, enough or every");
+}
+
+// What happens to activities on the edges of stable markings: by edge a number, and what each number stands for.
+nb::tuple passages(const SafeNet& net, const Rows& markings, const Column<std::int64_t>& offsets,
+                   const Column<std::int64_t>& targets, const Column<std::uint32_t>& events,
+                   const std::vector<Places>& leaving, const std::vector<std::tuple<Places, Places>>& given) {
+  const std::size_t states = markings.shape(0), edges = targets.shape(0);
+  if (!net.priorities()) throw std::invalid_argument("a net with priorities");
+  if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
+  if (offsets.shape(0) != states + 1 || offsets(0) != 0 || offsets(states) != std::int64_t(edges))
+    throw std::invalid_argument("one row of targets for each state");
+  for (std::size_t i = 0; i < states; ++i)
+    if (offsets(i) > offsets(i + 1)) throw std::invalid_argument("one row of targets for each state");
+  if (events.shape(0) != edges) throw std::invalid_argument("one event for each edge");
+  for (std::size_t i = 0; i < edges; ++i) {
+    if (targets(i) < 0 || targets(i) >= std::int64_t(states)) throw std::invalid_argument("no such state");
+    if (!net.is_event(events(i))) throw std::invalid_argument("no such event");
+  }
+  if (leaving.size() != net.transitions()) throw std::invalid_argument("one row of activities for each transition");
+  std::vector<Passages::Control> control;
+  for (const auto& [places, at_rest] : given) control.push_back({checked(net, places), checked(net, at_rest)});
+  for (const Places& activities : leaving)
+    for (const std::uint32_t activity : activities)
+      if (activity >= control.size()) throw std::invalid_argument("no such activity");
+  Passages found(net, leaving, control);
+  std::vector<std::uint32_t> numbers = run([&](const Limits& limits) {
+    return found.of(markings.data(), states, offsets.data(), targets.data(), events.data(), limits);
+  }, 0, 0, nb::none());
+  std::vector<std::tuple<Places, Places>> kinds;
+  for (const Passages::Kind& kind : found.kinds()) kinds.emplace_back(kind.left, kind.idled);
+  return nb::make_tuple(array(std::move(numbers)), kinds);
 }
 
 constexpr std::uint32_t kMostWords = 1u << 20;
@@ -244,10 +278,16 @@ void bind_explorer(nb::module_& module) {
       .def("explorer", [](const SafeNet& net, const Places& initial, std::uint64_t max_bytes, bool edges) {
         return new PyExplorer(net, checked(net, initial), max_bytes, edges);
       }, nb::arg("initial"), nb::arg("max_bytes"), nb::arg("edges") = false, nb::keep_alive<0, 1>())
-      .def("labels", [](const SafeNet& net, const nb::ndarray<const Word, nb::ndim<2>, nb::c_contig, nb::device::cpu>& markings) {
+      .def("labels", [](const SafeNet& net, const Rows& markings) {
         if (markings.shape(1) != net.words()) throw std::invalid_argument("markings of another net");
         return array(net.labels(markings.data(), markings.shape(0)));
       }, nb::arg("markings"))
+      .def("passages", [](const SafeNet& net, const Rows& markings, const Column<std::int64_t>& offsets,
+                          const Column<std::int64_t>& targets, const Column<std::uint32_t>& events,
+                          const std::vector<Places>& leaving, const std::vector<std::tuple<Places, Places>>& control) {
+        return passages(net, markings, offsets, targets, events, leaving, control);
+      }, nb::arg("markings"), nb::arg("offsets"), nb::arg("targets"), nb::arg("events"), nb::arg("leaving"),
+         nb::arg("control"))
       .def("units", [](const SafeNet& net, const Places& initial) { return net.units(checked(net, initial)); }, nb::arg("initial"))
       .def("settle", [](const SafeNet& net, const Places& initial, const std::string& orders, std::uint64_t max_states,
                         std::uint64_t max_transient, std::uint64_t max_bytes, const nb::object& progress) {

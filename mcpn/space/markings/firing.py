@@ -25,6 +25,11 @@ def mask_of(marking: Sequence[int]) -> int:
     return sum(1 << place for place, tokens in enumerate(marking) if tokens)
 
 
+def bits_of(mask: int) -> list[int]:
+    """The places of a mask, ascending."""
+    return [place for place in range(mask.bit_length()) if mask >> place & 1]
+
+
 def unsafe_after(net: PetriNet, run: Sequence[int]) -> UnsafeError:
     """The error of a run whose last firing puts a second token in a place.
 
