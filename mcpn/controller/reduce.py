@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache, cached_property, reduce
+from operator import or_
 
 from mcpn._kernel import Zdd
 from mcpn.controller.actions import PlannedAction
@@ -52,9 +54,13 @@ def reduced(cubes: Sequence[Cube], spoken: Collection[int]) -> tuple[list[Short]
             do the same.
         spoken: Levels that others speak of.
     """
+    of: dict[int, list[Cube]] = {}
+    for cube in cubes:
+        of.setdefault(cube.of, []).append(cube)
+    groups = [_Group(group) for group in of.values()]
     known = ~0
     while True:  # what changes and is not spoken of need not be told: more rules do the same then
-        found = list(_once(cubes, known))
+        found = list(_once(groups, known))
         bits = set(spoken).union(told >> 1 for _, literals, _, _ in found for told in literals)
         needed = sum(1 << level for level in bits)
         if needed & known == known:
@@ -62,13 +68,38 @@ def reduced(cubes: Sequence[Cube], spoken: Collection[int]) -> tuple[list[Short]
         known = needed
 
 
-def _once(cubes: Sequence[Cube], known: int) -> Iterator[Short]:
+class _Group:
+    """The rules of one transition; sets of rules are masks with a bit for each.
+
+    Args:
+        cubes: The rules.
+
+    Attributes:
+        asking: By literal, the rules that have it.
+        literals: By rule, its literals that the event needs, and its others.
+    """
+
+    def __init__(self, cubes: Sequence[Cube]) -> None:
+        self.cubes = cubes
+        self.asking: dict[int, int] = {}
+        self.literals: list[tuple[list[int], list[int]]] = []
+        for i, cube in enumerate(cubes):
+            kept = [*_literals(cube.enabling, cube.marked)]
+            others = [*_literals(cube.asked & ~cube.enabling, cube.marked)]
+            self.literals.append((kept, others))
+            for told in _literals(cube.asked, cube.marked):
+                self.asking[told] = self.asking.get(told, 0) | 1 << i
+
+    @cached_property
+    def states(self) -> Zdd:
+        """The states that some rule fits."""
+        return _union(cube.states for cube in self.cubes)
+
+
+def _once(groups: Sequence[_Group], known: int) -> Iterator[Short]:
     """One round of :func:`reduced`: rules that make the same changes to the levels of a mask."""
-    of: dict[int, list[Cube]] = {}
-    for cube in cubes:
-        of.setdefault(cube.of, []).append(cube)
-    for group in of.values():
-        yield from _needed(group, list(_short(group, known)))
+    for group in groups:
+        yield from _needed(group.cubes, list(_short(group, known)))
 
 
 def _needed(group: Sequence[Cube], short: Sequence[Short]) -> Iterator[Short]:
@@ -77,44 +108,42 @@ def _needed(group: Sequence[Cube], short: Sequence[Short]) -> Iterator[Short]:
     for i in sorted(range(len(group)), key=lambda i: len(short[i][1])):
         doing.setdefault(short[i][2:], []).append(i)
     for alike in doing.values():
-        left = group[alike[0]].states
-        for i in alike[1:]:
-            left |= group[i].states
+        left = _union(group[i].states for i in alike)
         for i in alike:
             if group[i].states & left:
                 yield short[i]
-                fits = left
-                for told in short[i][1]:
-                    fits = _where(fits, told)
-                left -= fits
+                left -= _where(left, short[i][1])
 
 
-def _short(group: Sequence[Cube], known: int) -> Iterator[Short]:
-    """The rules of one transition; sets of rules are masks with a bit for each."""
-    asking: dict[int, int] = {}  # by literal, the rules that have it
+def _short(group: _Group, known: int) -> Iterator[Short]:
+    """The rules of one transition, each with as few literals as tell it from those that do something else."""
     doing: dict[tuple[int, Ordered], int] = {}
-    for i, cube in enumerate(group):
-        for told in _literals(cube.asked, cube.marked):
-            asking[told] = asking.get(told, 0) | 1 << i
-        doing[cube.changes & known, cube.ordered] = (
-            doing.get((cube.changes & known, cube.ordered), 0) | 1 << i
-        )
-    every = (1 << len(group)) - 1
-    for cube in group:
+    for i, cube in enumerate(group.cubes):
+        effect = cube.changes & known, cube.ordered
+        doing[effect] = doing.get(effect, 0) | 1 << i
+
+    @cache
+    def elsewhere(effect: tuple[int, Ordered]) -> Zdd:
+        """The states that rules with another effect fit."""
+        own = _union(group.cubes[i].states for i in levels_of(doing[effect]))
+        return group.states - own
+
+    asking, every = group.asking, (1 << len(group.cubes)) - 1
+    for cube, (kept, rest) in zip(group.cubes, group.literals, strict=True):
         effect = cube.changes & known, cube.ordered
         left = every & ~doing[effect]
-        kept = [*_literals(cube.enabling, cube.marked)]
         for told in kept:
             left &= ~asking.get(told ^ 1, 0)
-        others = {
-            told: asking.get(told ^ 1, 0) for told in _literals(cube.asked & ~cube.enabling, cube.marked)
-        }
+        others = {told: asking.get(told ^ 1, 0) for told in rest}
         chosen = list[int]()
         while left and others:
             best = max(others, key=lambda told: ((others[told] & left).bit_count(), -told))
             apart = others.pop(best) & left
-            if not apart:  # some full rules do not contradict this one
-                chosen += _enough([group[j] for j in levels_of(left)], (best, *others), (*chosen, *kept))
+            if (
+                not apart
+            ):  # some full rules do not contradict this one; the states of the others go
+                states = _where(elsewhere(effect), (*chosen, *kept))
+                chosen += _enough(states, (best, *others))
                 break
             chosen.append(best)
             left &= ~apart
@@ -128,26 +157,27 @@ def _literals(asked: int, marked: int) -> Iterator[int]:
         asked ^= lowest
 
 
-def _enough(others: Sequence[Cube], literals: Sequence[int], kept: Sequence[int]) -> Iterator[int]:
-    """Literals that, with those that are kept, no state of some other rules satisfies."""
-    left = others[0].states
-    for cube in others[1:]:
-        left |= cube.states
-    for told in kept:
-        left = _where(left, told)
+def _enough(left: Zdd, literals: Sequence[int]) -> Iterator[int]:
+    """Literals that together no state of some satisfies."""
     for told in literals:
         if not left:
             return
-        fewer = _where(left, told)
+        fewer = _where(left, (told,))
         if fewer != left:
             yield told
             left = fewer
     assert not left, "no state fits two rules that differ"
 
 
-def _where(states: Zdd, told: int) -> Zdd:
-    """Those of some states that satisfy a literal."""
-    return states.subset([told >> 1]) if told & 1 else states.subset(unmarked=[told >> 1])
+def _where(states: Zdd, literals: Sequence[int]) -> Zdd:
+    """Those of some states that satisfy some literals."""
+    marked = sorted(told >> 1 for told in literals if told & 1)
+    return states.subset(marked, sorted(told >> 1 for told in literals if not told & 1))
+
+
+def _union(sets: Iterable[Zdd]) -> Zdd:
+    """The union of some sets, of which there is one."""
+    return reduce(or_, sets)
 
 
 def levels_of(mask: int) -> list[int]:
