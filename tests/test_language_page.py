@@ -105,8 +105,11 @@ def test_each_element_is_in_some_mission() -> None:
             for element in etree.parse(path).iter(etree.Element):
                 tag = etree.QName(element).localname
                 used |= {(tag, ""), *((tag, str(name)) for name in element.attrib)}
+    for text in re.findall(r"```xml\n(.*?)```", PAGE.read_text(), re.DOTALL):
+        for element in etree.fromstring(text).iter(etree.Element):
+            used |= {(etree.QName(element).localname, str(name)) for name in element.attrib}
     blocks = ("objective", "parallel", "use", "each")
-    common = {"description", "success", "failure", "mandatory", "retries", "repeat"}
+    common = {"description", "success", "failure", "abort", "mandatory", "retries", "repeat"}
     for tag, names in every().items():
         assert (tag, "") in used, tag
         for name in names:

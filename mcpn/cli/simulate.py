@@ -25,12 +25,24 @@ undo                 take back the last event
 restart              go back to the beginning
 goto success         take the events of a shortest run to the mission's success
 goto failure         the same to its failure
+goto abort           the same to its abort
 goto cut set         let fail the fewest hardware that rules out success
 goto cut set A B     let fail these
 run                  the events taken so far
 state                what runs and what may happen
 help, quit"""
-COMMANDS = ("undo", "restart", "goto success", "goto failure", "goto cut set", "run", "state", "help", "quit")
+COMMANDS = (
+    "undo",
+    "restart",
+    "goto success",
+    "goto failure",
+    "goto abort",
+    "goto cut set",
+    "run",
+    "state",
+    "help",
+    "quit",
+)
 
 
 @click.command()
@@ -177,12 +189,12 @@ class _Session:
             case ["run"]:
                 for event in self.simulation.run:
                     self.say(f"    {event}")
-            case ["goto", ("success" | "failure") as outcome]:
+            case ["goto", ("success" | "failure" | "abort") as outcome]:
                 return self.goto(outcome)
             case ["goto", "cut", "set", *hardware]:
                 return self.cut(hardware)
             case ["goto", *_]:
-                return "found a goto to elsewhere, expected success, failure or cut set"
+                return "found a goto to elsewhere, expected success, failure, abort or cut set"
             case [word]:
                 return self.one_event(word)
             case _:

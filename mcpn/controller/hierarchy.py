@@ -3,7 +3,8 @@
 A machine of a section has states *inside* it alone. What is around is the same for every mission and needs no
 table: the set of hardware out of service is kept beside, the section is entered by the state of its own
 hardware (*entry*), and an edge may *leave* it with an outcome, which the section's routes lead on. Outcomes
-are success, failure, and one for each declared event that interrupts the section as a whole. Hardware that
+are success, failure, abort where a branch of the section may abort, and one for each declared event that
+interrupts the section as a whole. Hardware that
 the section does not use fails and recovers freely.
 
 The *hierarchical* controller has a machine for each type of section: its size is the sum of theirs. The
@@ -27,7 +28,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.forgetful import ALWAYS, Guard
@@ -108,7 +109,7 @@ class PlacedMachine:
         names: By kind (:data:`NAMED`), from names in the type's machine to the section's own; alternatives
             as ``activity.alternative``. A name that is missing stays as it is.
         events: The type's events with the section's own names, by number.
-        routes: By outcome, the section entered next, or ``succeed`` or ``fail``.
+        routes: By outcome, the section entered next, or ``succeed``, ``fail`` or ``abort``.
     """
 
     name: str
@@ -225,7 +226,8 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     refuse_entries(hardware)
     machine = cut(controller(mission_net, alternatives), hardware)
     name = mission_net.mission.name
-    routes = {"success": SUCCEED, "failure": FAIL}
+    leads = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
+    routes = {outcome: leads[outcome] for outcome in mission_net.ends}
     whole = PlacedMachine(name, 0, {kind: {} for kind in NAMED}, machine.events, routes)
     return TableController(name, "flat", hardware, name, (whole,), (machine,))
 

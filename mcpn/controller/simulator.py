@@ -116,7 +116,7 @@ class Simulation:
         Hardware neither fails nor is repaired on the way, unless there is no other.
 
         Args:
-            outcome: ``success`` or ``failure``.
+            outcome: ``success``, ``failure`` or ``abort``.
 
         Raises:
             LimitError: More stable markings than allowed would have to be looked at.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
@@ -22,6 +23,7 @@ from mcpn.mission.graph import (
     Section,
 )
 from mcpn.mission.model import (
+    ABORT,
     FAIL,
     SUCCEED,
     Block,
@@ -68,6 +70,19 @@ def flatten(mission: Mission) -> ObjectivesGraph:
     return _Flattening(valid(mission)).graph(mission.blocks, Scope(), mission.handlers)
 
 
+class _Leads(NamedTuple):
+    """Where the outcomes of a block lead: sections, or exits of the graph."""
+
+    success: str
+    failure: str
+    abort: str
+
+    @property
+    def exits(self) -> dict[str, str]:
+        """The same by the routes that the blocks in it name."""
+        return {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
+
+
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
@@ -81,7 +96,7 @@ class _Flattening:
         handlers: tuple[Handler, ...] = (),
     ) -> ObjectivesGraph:
         sections: list[Section] = []
-        self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL}, sections, handlers)
+        self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL, ABORT: ABORT}, sections, handlers)
         return ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)).reachable()
 
     def series(
@@ -98,7 +113,8 @@ class _Flattening:
         for block, following in zip(blocks, (*blocks[1:], None), strict=True):
             success = block.success or (following.name if following else SUCCEED)
             inner = self.handling(scope, block.handlers, routes, block.name)
-            self.block(block, inner, routes[success], routes[block.failure or FAIL], sections)
+            leads = _Leads(routes[success], routes[block.failure or FAIL], routes[block.abort or ABORT])
+            self.block(block, inner, leads, sections)
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, str], block: str
@@ -128,9 +144,9 @@ class _Flattening:
                 return scope.name(block)
             block = blocks[0]
 
-    def block(self, block: Block, scope: Scope, success: str, failure: str, sections: list[Section]) -> None:
+    def block(self, block: Block, scope: Scope, leads: _Leads, sections: list[Section]) -> None:
         if several(block):
-            self.copies(block, scope, success, failure, sections)
+            self.copies(block, scope, leads, sections)
         elif isinstance(block, Objective):
             parameters = scope.in_force(block.parameters)
             self.count(len(parameters))
@@ -138,8 +154,8 @@ class _Flattening:
                 ElementarySection(
                     scope.name(block),
                     block.activities,
-                    success,
-                    failure,
+                    leads.success,
+                    leads.failure,
                     block.source,
                     parameters,
                     block.description,
@@ -154,22 +170,34 @@ class _Flattening:
             name = scope.name(block)
             sections.append(
                 ParallelSection(
-                    name, branches, success, failure, block.source, block.description, scope.interruptions
+                    name,
+                    branches,
+                    leads.success,
+                    leads.failure,
+                    block.source,
+                    block.description,
+                    scope.interruptions,
+                    leads.abort if any(branch.graph.aborts for branch in branches) else None,
                 )
             )
         elif isinstance(block, Recursive | Use):
             blocks, inner = self.inside(block, scope)
-            self.series(blocks, inner, {SUCCEED: success, FAIL: failure}, sections)
+            self.series(blocks, inner, leads.exits, sections)
 
-    def copies(self, block: Block, scope: Scope, success: str, failure: str, sections: list[Section]) -> None:
+    def copies(self, block: Block, scope: Scope, leads: _Leads, sections: list[Section]) -> None:
         """Adds the rounds of a block, or its tries, one after the other."""
         tries = block.repeat is None and block.retries > 0
         here: tuple[tuple[Block, ...], Scope] | None = next(each := copies(block, scope))
         while here is not None:
             (blocks, inner), here = here, next(each, None)
             following = self.entry(here[0][0], here[1]) if here else None
-            exits = (success, following or failure) if tries else (following or success, failure)
-            self.series(blocks, inner, dict(zip((SUCCEED, FAIL), exits, strict=True)), sections)
+            if following is None:
+                each_leads = leads
+            elif tries:
+                each_leads = leads._replace(failure=following)
+            else:
+                each_leads = leads._replace(success=following)
+            self.series(blocks, inner, each_leads.exits, sections)
 
     def branch(self, child: Block, scope: Scope) -> Branch:
         alone = replace(child, success=None, failure=None)

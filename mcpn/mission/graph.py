@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.model import FAIL, SUCCEED, Parameter
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Parameter
 from mcpn.notebook import Drawn
 
 if TYPE_CHECKING:
@@ -63,8 +63,13 @@ class _Routes:
 
     @property
     def routes(self) -> tuple[str, ...]:
-        """Where the section may lead: on success, on failure, then on each event that interrupts it."""
-        return self.success, self.failure, *(i.target for i in self.interruptions)
+        """Where the section may lead: by its outcomes, then on each event that interrupts it."""
+        return *(route for _, route in self.outcomes), *(i.target for i in self.interruptions)
+
+    @property
+    def outcomes(self) -> tuple[tuple[str, str], ...]:
+        """How the section may end by itself, each with where that leads; abort only where it can abort."""
+        return ("success", self.success), ("failure", self.failure)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +79,7 @@ class ElementarySection(_Routes):
     Args:
         name: Qualified by the uses that it stands in.
         activities: What it runs.
-        success: The next section, or one of the graph's own exits, ``succeed`` and ``fail``.
+        success: The next section, or one of the graph's own exits, ``succeed``, ``fail`` and ``abort``.
         failure: The same for failure.
         source: Its line.
         parameters: For the control laws, one of each name: its own, else what the innermost block around it
@@ -132,6 +137,7 @@ class ParallelSection(_Routes):
         description: For reports.
         interruptions: Of each event the innermost first, as of an objective; in effect where no branch
             handles the event itself.
+        abort: Where it leads that a branch aborts; ``None`` where none can.
     """
 
     name: str
@@ -141,6 +147,13 @@ class ParallelSection(_Routes):
     source: Source | None = field(default=None, compare=False)
     description: str | None = None
     interruptions: tuple[Interruption, ...] = ()
+    abort: str | None = None
+
+    @property
+    def outcomes(self) -> tuple[tuple[str, str], ...]:
+        """How the block may end by itself, each with where that leads; abort only where it can abort."""
+        ended = (("success", self.success), ("failure", self.failure))
+        return ended if self.abort is None else (*ended, ("abort", self.abort))
 
     def walk(self) -> Iterator[ElementarySection]:
         """Every elementary objective in it, at any depth, in document order."""
@@ -190,6 +203,15 @@ class ObjectivesGraph(Drawn):
         """Sections that a section's success and failure lead to; the graph's exits give none."""
         return self._led([section.success, section.failure])
 
+    def aborted(self, section: Section) -> list[Section]:
+        """The section that an abort of a section leads to; an exit of the graph gives none."""
+        return self._led(route for outcome, route in section.outcomes if outcome == "abort")
+
+    @cached_property
+    def aborts(self) -> bool:
+        """Whether some route leads to the graph's exit ``abort``."""
+        return any(ABORT in section.routes for section in self.sections)
+
     def interrupted(self, section: Section, event: str | None = None) -> list[Section]:
         """Sections that interruptions of a section lead to, those by one event or by any; exits give none."""
         routes = (i.target for i in section.interruptions if event is None or i.event == event)
@@ -229,12 +251,17 @@ class ObjectivesGraph(Drawn):
         seen, stack = {self.entry}, [self.entry]
         while stack:
             section = self.section(stack.pop())
-            for target in (*self.targets(section), *self.interrupted(section)):
+            for target in (*self.targets(section), *self.aborted(section), *self.interrupted(section)):
                 if target.name not in seen:
                     seen.add(target.name)
                     stack.append(target.name)
         reached = tuple(s for s in self.sections if s.name in seen)
         return ObjectivesGraph(reached, self.entry, tuple(s for s in self.sections if s.name not in seen))
+
+    @property
+    def exits(self) -> tuple[str, ...]:
+        """The graph's own exits: ``succeed``, ``fail``, and ``abort`` where some route leads there."""
+        return (SUCCEED, FAIL, ABORT) if self.aborts else (SUCCEED, FAIL)
 
     def once(self) -> list[str]:
         """Handlers of its sections at any depth that happen once, in the order in which they are met."""
@@ -246,13 +273,13 @@ class ObjectivesGraph(Drawn):
 
         Returns:
             Nodes with ``kind`` (``objective``, ``parallel``, ``exit``), objectives with ``activities``;
-            edges with ``outcome`` (``success``, ``failure``, ``event NAME``), or ``branch`` from a block to
-            its children.
+            edges with ``outcome`` (``success``, ``failure``, ``abort``, ``event NAME``), or ``branch`` from
+            a block to its children.
         """
         import networkx
 
         graph: nx.MultiDiGraph[str] = networkx.MultiDiGraph()
-        self._add_to(graph, {SUCCEED: SUCCEED, FAIL: FAIL})
+        self._add_to(graph, {route: route for route in self.exits})
         return graph
 
     def _add_to(self, graph: nx.MultiDiGraph[str], exits: dict[str, str]) -> None:
@@ -263,12 +290,13 @@ class ObjectivesGraph(Drawn):
                 graph.add_node(section.name, kind="objective", activities=section.activities)
             else:
                 graph.add_node(section.name, kind="parallel")
-            for outcome, route in (("success", section.success), ("failure", section.failure)):
+            for outcome, route in section.outcomes:
                 graph.add_edge(section.name, exits.get(route, route), outcome=outcome)
             for interruption in section.interruptions:
                 route = exits.get(interruption.target, interruption.target)
                 graph.add_edge(section.name, route, outcome=f"event {interruption.event}")
             for branch in section.branches if isinstance(section, ParallelSection) else ():
-                inner = {SUCCEED: f"{branch.name}:ok", FAIL: f"{branch.name}:fail"}
+                words = {SUCCEED: "ok", FAIL: "fail", ABORT: "abort"}
+                inner = {route: f"{branch.name}:{words[route]}" for route in branch.graph.exits}
                 branch.graph._add_to(graph, inner)
                 graph.add_edge(section.name, branch.graph.entry, outcome="branch", mandatory=branch.mandatory)

@@ -45,6 +45,8 @@ SUCCEED = "succeed"
 """The route to the success exit of the enclosing block."""
 FAIL = "fail"
 """The route to the failure exit of the enclosing block."""
+ABORT = "abort"
+"""The route to the abort exit of the enclosing block: it is given up, in a safe way."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,8 +172,8 @@ class Handler(Described):
     goto: Annotated[
         str,
         ROUTE,
-        "Where it leads: a sibling of the block, succeed or fail. From the mission: one of its own "
-        "blocks, succeed or fail. From a child of a parallel block: succeed or fail.",
+        "Where it leads: a sibling of the block, succeed, fail or abort. From the mission: one of its own "
+        "blocks, succeed, fail or abort. From a child of a parallel block: succeed, fail or abort.",
     ]
     once: Annotated[
         bool,
@@ -188,9 +190,15 @@ class BlockElement(Element):
     NAMED = "block"
     success: Annotated[
         Route,
-        "Where success leads: a sibling, succeed or fail. Default: the next sibling; from the last, succeed.",
+        "Where success leads: a sibling, succeed, fail or abort. Default: the next sibling; from the last, "
+        "succeed.",
     ] = None
-    failure: Annotated[Route, "Where failure leads: a sibling, succeed or fail. Default: fail."] = None
+    failure: Annotated[Route, "Where failure leads: a sibling, succeed, fail or abort. Default: fail."] = None
+    abort: Annotated[
+        Route,
+        "Where it leads that something in the block aborts: a sibling, succeed, fail or abort; from a child "
+        "of a parallel block: succeed, fail or abort. Default: abort, so that the block around aborts.",
+    ] = None
     mandatory: Annotated[
         bool, "On a child of a parallel block: false if the block may succeed without it."
     ] = True
@@ -310,7 +318,7 @@ class Protocols(Described):
 class Mission(Drawn, Element):
     """The mission itself: what the person on the field assembles.
 
-    Its blocks run one after the other; its exits are mission success and mission failure.
+    Its blocks run one after the other; its exits are mission success, mission failure and mission abort.
     """
 
     TAG = "mission"

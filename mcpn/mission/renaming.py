@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.mission.language.forms import form_of
-from mcpn.mission.model import FAIL, SUCCEED, Alternative, Element, Mission
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Alternative, Element, Mission
 
 
 def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
@@ -23,7 +23,7 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
     def other(kind: str, value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(rename(kind, name) for name in value)
-        exits = (None, SUCCEED, FAIL) if kind == "block" else (None,)
+        exits = (None, SUCCEED, FAIL, ABORT) if kind == "block" else (None,)
         return value if value in exits else rename(kind, value)
 
     def changed(element: Any, around: Any) -> Any:

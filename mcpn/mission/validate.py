@@ -12,6 +12,7 @@ from mcpn.mission.expansion.clashes import clashes
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import (
+    ABORT,
     FAIL,
     SUCCEED,
     Activity,
@@ -218,7 +219,7 @@ class _Checks:
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
-            if block.name in (SUCCEED, FAIL):
+            if block.name in (SUCCEED, FAIL, ABORT):
                 yield Problem(block.source, f"a block cannot be called {block.name}, the name of a route")
             if isinstance(block, Objective):
                 yield from self.objective(block)
@@ -236,18 +237,20 @@ class _Checks:
             if not block.mandatory:
                 message = f"{block.name} is not mandatory, though it is no child of a parallel block"
                 yield Problem(block.source, message)
-            for exit_name, route in (("success", block.success), ("failure", block.failure)):
+            leads = (("success", block.success), ("failure", block.failure), ("abort", block.abort))
+            for exit_name, route in leads:
                 if route is not None:
                     yield from self.route(block.source, f"{exit_name} of {block.name}", route, names)
 
     def route(
         self, source: Source | None, what: str, route: str, names: Mapping[str, None]
     ) -> Iterator[Problem]:
-        if route not in (SUCCEED, FAIL) and route not in names:
+        exits = (SUCCEED, FAIL, ABORT)
+        if route not in exits and route not in names:
             shown = [*names] if len(names) <= 10 else [f"its {len(names)} siblings"]
-            expected = f"expected one of {', '.join([*shown, SUCCEED, FAIL])}"
+            expected = f"expected one of {', '.join([*shown, *exits])}"
             yield Problem(
-                source, f"{what} leads to {route}; {expected}{self.hints.near(route, names, SUCCEED, FAIL)}"
+                source, f"{what} leads to {route}; {expected}{self.hints.near(route, names, *exits)}"
             )
 
     def handlers(
@@ -310,6 +313,8 @@ class _Checks:
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"
                 yield Problem(child.source, f"{message}; expected an objective or a use")
             yield from self.handlers(child.name, child.handlers, {})
+            if child.abort is not None:
+                yield from self.route(child.source, f"abort of {child.name}", child.abort, {})
             if child.success is not None or child.failure is not None:
                 routes = (("success", child.success), ("failure", child.failure))
                 route = " and ".join(name for name, target in routes if target is not None)

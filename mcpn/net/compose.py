@@ -58,11 +58,22 @@ class MissionNet(Drawn):
         """The place that says that the mission has failed."""
         return self.by_role["failure", self.mission.name][0]
 
+    @property
+    def abort(self) -> int | None:
+        """The place that says that the mission has been aborted; ``None`` where it cannot be."""
+        return next(iter(self.by_role.get(("abort", self.mission.name), ())), None)
+
     @cached_property
     def exits(self) -> Mapping[str, int]:
-        """The places that say how it has ended: ``success``, ``failure``, and of a part each other exit."""
+        """The places that say how it has ended: its ends, and of a part each other exit."""
         named = {name: place for place, name in self.saying("exit").items()}
-        return {"success": self.success, "failure": self.failure, **named}
+        return {**self.ends, **named}
+
+    @property
+    def ends(self) -> dict[str, int]:
+        """The places that say how the mission has ended, by ``success``, ``failure`` and ``abort``."""
+        ends = {"success": self.success, "failure": self.failure}
+        return ends if self.abort is None else {**ends, "abort": self.abort}
 
     @cached_property
     def start(self) -> int:

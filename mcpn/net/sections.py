@@ -17,7 +17,7 @@ from mcpn.errors import InputError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import names_in
-from mcpn.mission.model import FAIL, SUCCEED, Activity, Hardware, Software
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Activity, Hardware, Software
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
 
@@ -113,7 +113,7 @@ class LocalPart:
 
     Args:
         used: What they use.
-        graph: The sections; a route that leaves them is ``succeed`` or ``fail``.
+        graph: The sections; a route that leaves them is ``succeed``, ``fail`` or ``abort``.
     """
 
     used: Used
@@ -168,7 +168,7 @@ class LocalPart:
                 inside = tuple(task[a] for a in section.activities)
             else:
                 inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
-            routes = (places.get(r, r) for r in (section.success, section.failure))
+            routes = (places.get(route, route) for _, route in section.outcomes)
             events = tuple(
                 (i.event, places.get(i.target, i.target), i.once and self.once.index(i.once))
                 for i in section.interruptions
@@ -241,7 +241,10 @@ def _routed(section: Section, kept: set[str]) -> Section:
     interruptions = tuple(
         i if i.target in kept else replace(i, target=exit_) for exit_, i in exits_on(section)
     )
-    return replace(section, success=success, failure=failure, interruptions=interruptions)
+    routed = replace(section, success=success, failure=failure, interruptions=interruptions)
+    if isinstance(routed, ParallelSection) and routed.abort is not None and routed.abort not in kept:
+        return replace(routed, abort=ABORT)
+    return routed
 
 
 class Renaming:

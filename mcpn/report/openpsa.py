@@ -25,8 +25,8 @@ from mcpn._kernel import Zdd
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.errors import LimitError
 from mcpn.mission.facts.usage import Usage
-from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, Section
-from mcpn.mission.model import FAIL, SUCCEED, Hardware
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Hardware
 from mcpn.report.terminal import plain
 from mcpn.space.images import ImageStore
 
@@ -177,13 +177,16 @@ class Losses:
         impossible, or lost behind it)*.
         """
         ways = {s.name: (self._succeeding(s), self._failing(s)) for s in graph.sections}
-        lost = dict.fromkeys((*ways, SUCCEED, FAIL), self.always) | dict.fromkeys(wanted, self.never)
+        exits = (SUCCEED, FAIL, ABORT)
+        lost = dict.fromkeys((*ways, *exits), self.always) | dict.fromkeys(wanted, self.never)
         changed = True
         while changed:
             changed = False
             for section in reversed(graph.sections):
                 well, badly = ways[section.name]
                 now = (well | lost[section.success]) & (badly | lost[section.failure])
+                if isinstance(section, ParallelSection) and section.abort is not None:
+                    now = now & (self._aborting(section) | lost[section.abort])
                 changed |= now != lost[section.name]
                 lost[section.name] = now
         return lost
@@ -202,6 +205,10 @@ class Losses:
         unended = reduce(or_, (self._ending(b, (SUCCEED, FAIL)) for b in section.branches), self.never)
         failing = (self._ending(b, (FAIL,)) for b in section.branches if b.mandatory)
         return unended | reduce(and_, failing, self.always)
+
+    def _aborting(self, section: ParallelSection) -> Zdd:
+        """When no branch of a block can abort."""
+        return reduce(and_, (self._ending(branch, (ABORT,)) for branch in section.branches), self.always)
 
     def _ending(self, branch: Branch, wanted: tuple[str, ...]) -> Zdd:
         """When a branch cannot end as wanted."""

@@ -30,6 +30,16 @@ SENTENCES: Mapping[str, tuple[str, str, str]] = {
         "The mission can never fail.",
         "Whether the mission can fail is not known.",
     ),
+    "abort_reachable": (
+        "The mission can be aborted: it ends in a safe way, not accomplished.",
+        "The mission is never aborted.",
+        "Whether the mission can be aborted is not known.",
+    ),
+    "can_always_end_safely": (
+        "Whatever has happened, the mission can still succeed or be aborted.",
+        "The mission can come to where it can neither succeed nor be aborted.",
+        "Whether the mission can always end safely is not known.",
+    ),
     "can_always_finish": (
         "Whatever has happened, the mission can still end.",
         "The mission can come to where it can no more end.",

@@ -139,7 +139,7 @@ class Controller:
 
     @property
     def outcome(self) -> str | None:
-        """``success``, ``failure``, or ``None`` before the mission has ended."""
+        """``success``, ``failure``, ``abort``, or ``None`` before the mission has ended."""
         with self._lock:
             return None if self._phase in (BEFORE, RUNNING) else self._phase
 

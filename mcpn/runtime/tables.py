@@ -12,7 +12,7 @@ from typing import Any
 from mcpn.runtime.machines import ControllerFileError, MachineProtocol, RuleTables, TypeTables
 
 FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4), 4
-ENDS = {"succeed": "success", "fail": "failure"}
+ENDS = {"succeed": "success", "fail": "failure", "abort": "abort"}
 
 
 class SnapshotError(ValueError):

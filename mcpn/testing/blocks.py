@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
 from mcpn.mission.model import (
+    ABORT,
     FAIL,
     SUCCEED,
     Block,
@@ -24,6 +26,8 @@ from mcpn.mission.model import (
 from mcpn.testing.drawing import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing
 from mcpn.testing.shape import PARAMETERS, Shape
+
+Route = TypeVar("Route", str, str | None)
 
 NARROW = 3
 """Branches of a parallel block that may hold blocks themselves."""
@@ -79,7 +83,7 @@ class MissionDrawing(RobotDrawing):
         return tuple(
             Handler(
                 event=event,
-                goto=self.draw(targets),
+                goto=self.aborting(self.draw(targets)),
                 once=(self.number(0, 3) == 0) != self.shape.interrupted,
                 description=self.description(),
             )
@@ -104,9 +108,18 @@ class MissionDrawing(RobotDrawing):
         """A block of a series with its routes and handlers."""
         targets = [None, SUCCEED, FAIL, *(b.name for b in blocks[0 if self.shape.loops else index + 1 :])]
         route = st.sampled_from(targets)
-        success, failure = self.draw(st.none() | route), self.draw(route)
+        success, failure = self.draw(st.none() | route), self.aborting(self.draw(route))
         handlers = self.handlers([b.name for b in blocks])
-        return replace(block, success=success, failure=failure, handlers=handlers)
+        abort = self.draw(route) if self.rarely(self.shape.aborts) else None
+        return replace(block, success=success, failure=failure, abort=abort, handlers=handlers)
+
+    def aborting(self, route: Route) -> Route | Literal["abort"]:
+        """A route, or abort in its place."""
+        return ABORT if self.rarely(self.shape.aborts) else route
+
+    def rarely(self, of_ten: int) -> bool:
+        """Whether something is to be that is so some times of ten; nothing is drawn where it never is."""
+        return of_ten > 0 and self.number(0, 9) >= 10 - of_ten
 
     def block(self, depth: int, islands: list[Island], budget: int) -> tuple[Block, int]:
         """A block, once or in rounds and tries."""
@@ -207,6 +220,7 @@ class MissionDrawing(RobotDrawing):
             if isinstance(child, Parallel):
                 child = Recursive(name=self.name("rec"), blocks=(child,))
             mandatory = i == 0 or self.chance()
-            children.append(replace(child, mandatory=mandatory, handlers=self.handlers([])))
+            abort = self.draw(st.sampled_from([SUCCEED, FAIL])) if self.rarely(self.shape.aborts) else None
+            children.append(replace(child, mandatory=mandatory, abort=abort, handlers=self.handlers([])))
             taken += size
         return tuple(children), taken

@@ -27,6 +27,8 @@ class Shape:
         loops: Whether routes may go back.
         rounds: Whether blocks are retried, repeated and done for each of some values, with activities that
             may be shared, or hardware of one activity alone.
+        aborts: How many of ten routes lead to abort that might lead to succeed or fail, and how many of ten
+            blocks route what aborts in them: with none nothing aborts.
         events: Most declared events; with some, blocks and the mission handle them.
         interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
             are done in rounds; else a third, a quarter and a quarter.
@@ -56,6 +58,7 @@ class Shape:
     protocols: bool = True
     loops: bool = True
     rounds: bool = True
+    aborts: int = 0
     events: int = 0
     interrupted: bool = False
     shared_activities: bool = True

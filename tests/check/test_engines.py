@@ -134,6 +134,9 @@ def replayed(mission_net: MissionNet, run: Run, name: str) -> None:
         assert marking[mission_net.success]
     if name == "failure_reachable":
         assert marking[mission_net.failure]
+    if name == "abort_reachable":
+        assert mission_net.abort is not None
+        assert marking[mission_net.abort]
     if name == "deadlock_free":
         assert not net.enabled(marking)
 
@@ -157,6 +160,15 @@ def test_stable_states_alone_tell_what_all_markings_tell(mission: Mission) -> No
         listing_agrees(compose(mission))
     except LimitError as error:
         returns_early(type(error).__name__)
+
+
+@fewer(0.25)
+@given(missions(aborts=4, max_events=1, max_sections=8))
+def test_engines_on_missions_that_abort(mission: Mission) -> None:
+    try:
+        compare(compose(mission))
+    except LimitError:
+        return
 
 
 @fewer(0.25)

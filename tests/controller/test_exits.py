@@ -14,7 +14,7 @@ from mcpn.controller.minimise import is_bisimulation, minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.mission.model import Activity, Alternative, Mission, Objective, Robot
+from mcpn.mission.model import Activity, Alternative, Mission, Objective, Parallel, Recursive, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
@@ -24,6 +24,7 @@ from tests.controller.test_lockstep import walk
 from tests.controller.test_python import Generated
 from tests.controller.test_scxml import check
 from tests.controller.traces import Traced, random_events, tour
+from tests.small import activity, hw, mission, robot
 
 WATCH = Path(__file__).with_name("watch.xml")
 
@@ -113,6 +114,36 @@ def test_every_edge_in_every_target(
             assert run_lines(build(texts, tmp_path / str(number)), events) == expected
         else:
             assert Generated(next(iter(texts.values()))).lines(events) == expected
+
+
+def test_an_abort_in_every_target(tmp_path: Path) -> None:
+    """A section that a branch aborts, and an end of the mission of its own."""
+    aborting = Recursive(name="r", blocks=(Objective(name="x", activities=("b",), failure="abort"),))
+    tasks = (activity("a", ("h",)), activity("b", ()))
+    blocks = (
+        Parallel(name="p", blocks=(aborting, Objective(name="y", activities=("a",))), abort="z"),
+        Objective(name="z", activities=("a",), failure="abort"),
+    )
+    mission_net = compose(mission(robot(hw("h"), *tasks), *blocks))
+    made: list[AnyController] = [
+        generate(mission_net, "flat"),
+        generate(mission_net),
+        generate(mission_net, "modular"),
+    ]
+    for number, controller in enumerate(made):
+        traced = Traced(document(controller, mission_net))
+        events = [*tour(traced)[0], *random_events(traced, random.Random(2), 100)]
+        traced.restart()
+        expected = traced.lines(events)
+        assert any("| abort" in line for line in expected)
+        program = build(files(controller, mission_net, "c"), tmp_path / str(number))
+        assert run_lines(program, events) == expected
+        (text,) = files(controller, mission_net, "python").values()
+        assert Generated(text).lines(events) == expected
+        if isinstance(controller, TableController) and controller.form == "hierarchical":
+            path = tmp_path / "abort.scxml"
+            path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
+            check("Qt", path, controller, traced, events)
 
 
 def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:

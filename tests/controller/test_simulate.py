@@ -116,7 +116,7 @@ def test_goto_cut_set() -> None:
         ("fly\n", "expected a possible event"),
         ("fly away\n", "expected an event or a command"),
         ("undo\n", "nothing to undo"),
-        ("goto heaven\n", "expected success, failure or cut set"),
+        ("goto heaven\n", "expected success, failure, abort or cut set"),
         ("goto cut set no_such_sensor\n", "expected hardware in service"),
         ("²\n", "expected a possible event"),
         ("goto success\ngoto success\n", "the mission has ended"),

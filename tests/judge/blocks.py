@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from mcpn.mission.model import (
+    ABORT,
     FAIL,
     ROUND,
     SUCCEED,
@@ -41,6 +42,7 @@ class Node:
         mandatory: Whether a parallel block needs its success.
         success: Where success leads: the written name of a sibling, ``succeed`` or ``fail``.
         failure: Where failure leads.
+        abort: Where it leads that something in it aborts.
         handlers: What it does on events.
         children: By written name (of copies: by number), in order; none for an elementary objective.
         activities: What an elementary objective runs.
@@ -53,6 +55,7 @@ class Node:
     mandatory: bool = True
     success: str = SUCCEED
     failure: str = FAIL
+    abort: str = ABORT
     handlers: tuple[Handler, ...] = ()
     children: dict[str, Node] = field(default_factory=dict)
     activities: tuple[str, ...] = ()
@@ -133,6 +136,7 @@ class _Writing:
             following = after.name if after is not None and not parent.parallel else SUCCEED
             node = self.block(block, parent, scope)
             node.success, node.failure = block.success or following, block.failure or FAIL
+            node.abort = block.abort or ABORT
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
 

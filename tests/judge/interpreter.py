@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission
 from tests.judge.blocks import Node, written_out
 from tests.judge.robot import REFUSED, Activities, At, Doing, Robot
 
@@ -21,6 +21,8 @@ FAILURE = "failure"
 OUT_OF_SERVICE = "out of service"
 REPAIRED = "repaired"
 DECLARED = "declared"
+ABORTED = "abort"
+ENDS = {SUCCEED: SUCCESS, FAIL: FAILURE, ABORT: ABORTED}
 
 Happening = tuple[str, str]
 """An event: what happens, in the words above, and to which element; the start is of none."""
@@ -41,7 +43,7 @@ class State:
         activities: Those that are not idle: what they do, and with which alternative.
         out: Hardware out of service.
         happened: Handlers that happen once and have.
-        outcome: ``success`` or ``failure`` at the end, ``None`` before the start and while it runs.
+        outcome: ``success``, ``failure`` or ``abort`` at the end, ``None`` before it and before the start.
         begun: Whether the mission has started.
     """
 
@@ -67,7 +69,7 @@ class Seen:
         waiting: The alternative of each activity that waits.
         refused: Activities without a possible alternative.
         out: Hardware out of service.
-        outcome: ``success``, ``failure`` or ``None``.
+        outcome: ``success``, ``failure``, ``abort`` or ``None``.
     """
 
     running: frozenset[str]
@@ -159,13 +161,17 @@ class Interpreter:
         else:
             node = self.objectives[element]
             routes = [(node, node.success if what == SUCCESS else node.failure)]
-        # All that is left stops first; then what follows begins.
+        # All that is left stops first, what aborts with it; then what follows begins.
         for node, _ in routes:
             state = self.left(state, node)
-        state = replace(state, activities=self.at_rest(state))
+        aborted: list[Node] = []
+        led = state
         for node, route in routes:
-            state = self.follow(state, node, route)
-        return self.reaction(state)
+            if not any(node.within(block) for block in aborted):
+                led = self.follow(led, node, route, aborted)
+        for block in aborted:
+            state = self.left(state, block)
+        return self.reaction(replace(led, activities=self.at_rest(state)))
 
     def left(self, state: State, node: Node) -> State:
         """Nothing in a block runs any more."""
@@ -179,18 +185,22 @@ class Interpreter:
             activities=frozenset((a, at) for a, at in state.activities if a not in stopped),
         )
 
-    def follow(self, state: State, node: Node, route: str | Node) -> State:
-        """A block is left by one of its routes."""
+    def follow(self, state: State, node: Node, route: str | Node, aborted: list[Node]) -> State:
+        """A block is left by one of its routes; parallel blocks that this aborts are noted."""
         if isinstance(route, Node):
             return self.enter(state, route)
         parent = self.root if node is self.root else node.parent
         assert parent is not None
-        if route in (SUCCEED, FAIL):
-            well = route == SUCCEED
-            return self.branch_ends(state, node, well) if parent.parallel else self.end(state, parent, well)
+        if route in ENDS:
+            if not parent.parallel:
+                return self.end(state, parent, route, aborted)
+            if route != ABORT:
+                return self.branch_ends(state, node, route == SUCCEED, aborted)
+            aborted.append(parent)  # the branches beside it are stopped
+            return self.end(self.left(state, parent), parent, route, aborted)
         return self.enter(state, parent.children[route])
 
-    def branch_ends(self, state: State, branch: Node, well: bool) -> State:
+    def branch_ends(self, state: State, branch: Node, well: bool, aborted: list[Node]) -> State:
         """A child of a parallel block has ended; with the last of them the block does."""
         assert branch.parent is not None
         ended = dict(state.ended) | {branch.name: well}
@@ -199,13 +209,15 @@ class Interpreter:
             return replace(state, ended=frozenset(ended.items()))
         well = all(ended[sibling.name] or not sibling.mandatory for sibling in siblings)
         others = frozenset(e for e in ended.items() if self.branches[e[0]].parent is not branch.parent)
-        return self.end(replace(state, ended=others), branch.parent, well)
+        return self.end(replace(state, ended=others), branch.parent, SUCCEED if well else FAIL, aborted)
 
-    def end(self, state: State, node: Node, well: bool) -> State:
-        """A block ends; with the mission's own blocks the mission does."""
+    def end(self, state: State, node: Node, by: str, aborted: list[Node]) -> State:
+        """A block ends by one of its exits; with the mission's own blocks the mission does."""
         if node is self.root:
-            return replace(state, outcome=SUCCESS if well else FAILURE)
-        return self.follow(state, node, node.success if well else node.failure)
+            return replace(state, outcome=ENDS[by])
+        return self.follow(
+            state, node, {SUCCEED: node.success, FAIL: node.failure, ABORT: node.abort}[by], aborted
+        )
 
     def enter(self, state: State, node: Node) -> State:
         """A block is entered: at its first, or at all its children."""

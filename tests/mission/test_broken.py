@@ -279,7 +279,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "route out of each": (
         body(f"<each name='e' in='a'>\n<objective name='x' activities='go' success='o'/></each>{OK}"),
         9,
-        "success of x leads to o; expected one of x, succeed, fail",
+        "success of x leads to o; expected one of x, succeed, fail, abort",
     ),
     "route to a round": (
         body(
@@ -347,12 +347,12 @@ BROKEN: dict[str, tuple[str, int, str]] = {
             LEAK,
         ),
         12,
-        "the event leak of u leads to o; expected one of u, x, succeed, fail",
+        "the event leak of u leads to o; expected one of u, x, succeed, fail, abort",
     ),
     "event of each that leads to a block in it": (
         body(f"<each name='e' in='a'>\n<on event='leak' goto='o'/>{OK}</each>", LEAK),
         9,
-        "the event leak of e leads to o; expected one of e, succeed, fail",
+        "the event leak of e leads to o; expected one of e, succeed, fail, abort",
     ),
     "event that leads to a round": (
         body(
@@ -360,22 +360,22 @@ BROKEN: dict[str, tuple[str, int, str]] = {
             LEAK,
         ),
         9,
-        "the event leak of x leads to x_2; expected one of x, succeed, fail",
+        "the event leak of x leads to x_2; expected one of x, succeed, fail, abort",
     ),
     "event that leads to a near name": (
         body(OK.replace("/>", ">\n<on event='leak' goto='fial'/></objective>"), LEAK),
         9,
-        "leads to fial; expected one of o, succeed, fail (did you mean fail?)",
+        "leads to fial; expected one of o, succeed, fail, abort (did you mean fail?)",
     ),
     "event that leads nowhere": (
         body("<objective name='o' activities='go'>\n<on event='leak' goto='surfacing'/></objective>", LEAK),
         9,
-        "the event leak of o leads to surfacing; expected one of o, succeed, fail",
+        "the event leak of o leads to surfacing; expected one of o, succeed, fail, abort",
     ),
     "event that leads into a block": (
         body(f"\n<on event='leak' goto='o'/><objective name='r'>{OK}</objective>", LEAK),
         9,
-        "the event leak of m leads to o; expected one of r, succeed, fail",
+        "the event leak of m leads to o; expected one of r, succeed, fail, abort",
     ),
     "event of a parallel branch that leads to its sibling": (
         body(
@@ -384,7 +384,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
             LEAK,
         ),
         9,
-        "the event leak of o leads to q; expected one of succeed, fail",
+        "the event leak of o leads to q; expected one of succeed, fail, abort",
     ),
     "on without goto": (body("<on event='leak'/>" + OK, LEAK), 8, "<on> has no attribute goto"),
     "on without event": (body("<on goto='fail'/>" + OK, LEAK), 8, "<on> has no attribute event"),
@@ -513,7 +513,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "route with a near name for an exit": (
         body("<objective name='first' activities='go' success='succed'/>"),
         8,
-        "expected one of first, succeed, fail (did you mean succeed?)",
+        "expected one of first, succeed, fail, abort (did you mean succeed?)",
     ),
     "route with a near name": (
         body(f"<objective name='first' activities='go' failure='frist'/>\n{OK}"),
@@ -668,7 +668,7 @@ def test_a_near_name_is_one_that_may_stand_there(tmp_path: Path) -> None:
         read_mission(tmp_path / "m.xml")
     told = sorted(p.message for p in caught.value.problems)
     assert told == [
-        "failure of x leads to goo; expected one of x, good, succeed, fail (did you mean good?)",
+        "failure of x leads to goo; expected one of x, good, succeed, fail, abort (did you mean good?)",
         "objective x runs goo, which is not declared (did you mean go?)",
     ]
 

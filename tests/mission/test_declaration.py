@@ -220,6 +220,7 @@ REFERS = {
     "activities": "activity",
     "success": "block",
     "failure": "block",
+    "abort": "block",
     "goto": "block",
     "event": "event",
     "protocol": "protocol",

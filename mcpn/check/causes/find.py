@@ -12,7 +12,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
-from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects
+from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects, refuse_abort
 from mcpn.check.spaces import Asked, Choice, answered, space_of
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
@@ -141,6 +141,7 @@ def find_causes(
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit: on states, memory or minimal cut sets.
     """
+    refuse_abort(mission_net)
 
     def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
         told, known = None if by.brief else progress, stable

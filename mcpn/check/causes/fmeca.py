@@ -16,7 +16,7 @@ from itertools import compress
 from typing import Generic, NamedTuple, TypeAlias
 
 from mcpn.check.causes.effects import Case, Severity, changes, joined, local_effect, worth_telling
-from mcpn.check.causes.prospects import Goal, Prospects
+from mcpn.check.causes.prospects import Goal, Prospects, refuse_abort
 from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.events import What
@@ -76,6 +76,7 @@ def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) ->
         A row for each resource that may fail and each objective that may run, in the mission's order of
         hardware, then of objectives; also where the failure has no effect, so that no pair is missing.
     """
+    refuse_abort(prospects.mission_net)
     return list(_Table(prospects).rows(objectives))
 
 

@@ -16,6 +16,7 @@ from itertools import product
 from typing import Any, Generic, Literal, TypeAlias
 
 from mcpn.check.verdicts.modes import Mode, said_by
+from mcpn.errors import LimitError
 from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, Section
 from mcpn.net.compose import MissionNet
@@ -24,6 +25,20 @@ from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.space.images import ImageStore
 from mcpn.space.memoized import memoized
 from mcpn.space.run import Run, transitions_of
+
+
+def refuse_abort(mission_net: MissionNet) -> None:
+    """Refuses questions about causes of a mission that can abort.
+
+    Raises:
+        LimitError: It can.
+    """
+    if mission_net.abort is not None:
+        raise LimitError(
+            "the mission can be aborted (a route says abort): causes, FMECA and numbers of risk do not "
+            "reckon with a third end yet"
+        )
+
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
 

@@ -26,7 +26,7 @@ from functools import cache
 from typing import Any
 
 from mcpn.check.causes.chain import ListedChain
-from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.prospects import Prospects, refuse_abort
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
@@ -77,6 +77,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         InputError: An objective that may run has no duration.
         LimitError: There are too many states to be listed, or too much hardware to be remembered.
     """
+    refuse_abort(prospects.mission_net)
     _refuse_unknown(prospects)
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)

@@ -34,7 +34,7 @@ WORDS = {
     "happens": (),
 }
 """The words about an element of the mission, and what the places say of it that they mean."""
-ENDINGS = ("success", "failure")
+ENDINGS = ("success", "failure", "abort")
 PROGRESS = "progress"
 
 
@@ -67,7 +67,7 @@ class Names:
 
         Args:
             said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value`` and
-                ``waiting(activity)=value`` the value too; or ``success`` or ``failure`` alone.
+                ``waiting(activity)=value`` the value too; or ``success``, ``failure`` or ``abort`` alone.
         """
         meaning = self._meaning(*said)
         if meaning not in (TRUE, FALSE):  # which other formulas mean as well
@@ -81,7 +81,7 @@ class Names:
         if value is not None and kind not in ("alternative", "waiting"):
             raise InputError.at(None, f"expected {kind}({name}) alone, found ={value} after it")
         match kind:
-            case "success" | "failure":
+            case "success" | "failure" | "abort":
                 about = [of.mission.name]
             case "objective" | "pending":
                 sections = (*of.graph.walk(), *of.graph.never_entered())

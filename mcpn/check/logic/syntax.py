@@ -208,7 +208,7 @@ class _Parser:
         text, behind, longer = token.text, self._next, ("+", "=", "<")
         if text in PLAIN:
             return PLAIN[text]
-        if text in ENDINGS:
+        if text in ENDINGS and (text != "abort" or self._lookup.mission_net is not None):
             return self._named(self._lookup.word, FALSE, token)
         if behind.text == "(" and text == "enabled":
             return Fires(tuple(sorted({*self._listed(self._lookup.transition)})))

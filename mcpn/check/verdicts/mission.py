@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
+ENDS_SAFELY, ABORT_REACHABLE = "can_always_end_safely", "abort_reachable"
+"""What is required, and what is told, of a mission that can abort besides the rest."""
 
 UNDECIDED = {
     "safe": "not decided: the net is not 1-safe, so that its states cannot be explored",
@@ -57,7 +59,13 @@ RUNS = {
         "after this run the mission can no longer end",
         "from every marking some run leads to an end of the mission",
     ),
+    ENDS_SAFELY: (
+        False,
+        "after this run the mission can neither succeed nor abort",
+        "from every marking some run leads to success or abort",
+    ),
     "failure_reachable": (True, "a run leads to failure", "no run leads to mission failure"),
+    ABORT_REACHABLE: (True, "a run leads to abort", "no run leads to mission abort"),
 }
 """Whether a verdict holds by a run that is looked for, and what is said where there is one and where not."""
 
@@ -67,7 +75,7 @@ class Verdict:
     """One verdict.
 
     Args:
-        name: One of :data:`REQUIRED` or :data:`INFORMATIVE`.
+        name: One of :func:`required_of` or :func:`informative_of` a mission.
         holds: The answer, or ``None`` where it is not known.
         explanation: One sentence on what was found.
         runs: Witness or counterexample runs, the shortest first; two where two are needed.
@@ -86,7 +94,19 @@ class Verdict:
     @property
     def required(self) -> bool:
         """Whether a mission must satisfy it."""
-        return self.name in REQUIRED
+        return self.name in (*REQUIRED, ENDS_SAFELY)
+
+
+def required_of(mission_net: MissionNet) -> tuple[str, ...]:
+    """The verdicts that a mission must satisfy to be flown; one more where it can abort."""
+    return REQUIRED if mission_net.abort is None else (*REQUIRED, ENDS_SAFELY)
+
+
+def informative_of(mission_net: MissionNet) -> tuple[str, ...]:
+    """The verdicts that tell more of a mission; one more where it can abort."""
+    if mission_net.abort is None:
+        return INFORMATIVE
+    return ("failure_reachable", ABORT_REACHABLE, "unselectable")
 
 
 @dataclass(frozen=True)
@@ -143,7 +163,7 @@ class MissionCheck(Told):
     @property
     def failing(self) -> list[str]:
         """Required verdicts that do not hold."""
-        return [name for name in REQUIRED if self.verdicts[name].holds is False]
+        return [name for name in required_of(self.mission_net) if self.verdicts[name].holds is False]
 
     @property
     def undecided(self) -> dict[str, str]:
@@ -153,7 +173,7 @@ class MissionCheck(Told):
     @property
     def passed(self) -> bool:
         """Whether every required verdict holds."""
-        return all(self.verdicts[name].holds for name in REQUIRED)
+        return all(self.verdicts[name].holds for name in required_of(self.mission_net))
 
 
 def check(
@@ -269,9 +289,10 @@ def _verdicts(
         known.append(Verdict("unselectable", bool(never), found))
         step(Doing.FINDING_MODES)
     by_name = {verdict.name: verdict for verdict in known}
+    names = (*required_of(mission_net), *informative_of(mission_net))
     return MissionCheck(
         mission_net,
-        {name: by_name.get(name, Verdict(name, None, reason)) for name in (*REQUIRED, *INFORMATIVE)},
+        {name: by_name.get(name, Verdict(name, None, reason)) for name in names},
         choice,
         markings,
         alternatives,
@@ -285,6 +306,9 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     """Verdicts that a run to some states decides."""
     success, failure = space.marked([mission_net.success]), space.marked([mission_net.failure])
     finished = success | failure
+    if mission_net.abort is not None:
+        abort = space.marked([mission_net.abort])
+        finished |= abort
     step(Doing.FINDING_STUCK)
     goals = {
         "deadlock_free": space.dead - finished,
@@ -292,6 +316,9 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
         "can_always_finish": space.everything - space.reaching(finished),
         "failure_reachable": failure,
     }
+    if mission_net.abort is not None:
+        goals[ENDS_SAFELY] = space.everything - space.reaching(success | abort)
+        goals[ABORT_REACHABLE] = abort
     for name, goal in goals.items():
         step(Doing.DECIDING, question=name)
         good, found, nothing = RUNS[name]
@@ -308,8 +335,7 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
 
 def _no_way_to_success(graph: ObjectivesGraph) -> str:
     """Why no run succeeds, where the text alone says so."""
-    routes = {r for s in graph.sections for r in (s.success, s.failure, *(i.target for i in s.interruptions))}
-    if SUCCEED in routes:
+    if any(SUCCEED in section.routes for section in graph.sections):
         return ""
     return (
         ': no route of the mission leads to succeed; a block after which all is done says success="succeed", '

@@ -47,8 +47,8 @@ class Situation:
             producer waits.
         refused: Activities that have no possible alternative.
         out_of_service: Hardware out of service.
-        outcome: ``success``, ``failure``, or ``None`` while the mission runs; in the net of a section also
-            the exit by which an event has left it.
+        outcome: ``success``, ``failure``, ``abort``, or ``None`` while the mission runs; in the net of a
+            section also the exit by which an event has left it.
     """
 
     objectives: tuple[str, ...] = ()
@@ -74,7 +74,7 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
         if place in roles:
             kind, name = roles[place]
             said.setdefault(_WAITING.get(kind, kind), []).append(name)
-    ends = (*(kind for kind in ("success", "failure") if kind in said), *said.get("exit", ()))
+    ends = (*(kind for kind in ("success", "failure", "abort") if kind in said), *said.get("exit", ()))
     return Situation(
         objectives=tuple(said.get("objective", ())),
         pending=tuple(said.get("pending", ())),

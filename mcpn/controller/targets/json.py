@@ -7,9 +7,10 @@ One object with these keys:
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
-  ``failure`` or ``on E`` for an event ``E`` that interrupts the section, ``on E 2`` for its second handler of
-  it, to the section entered next, or ``succeed`` or ``fail``), ``events`` (its own text of each event of the
-  type) and ``names`` (by kind, from names in the type to its own; a name that is missing stays);
+  ``failure``, ``abort`` where a branch of it may abort, or ``on E`` for an event ``E`` that interrupts the
+  section, ``on E 2`` for its second handler of it, to the section entered next, or ``succeed``, ``fail`` or
+  ``abort``), ``events`` (its own text of each event of the type) and ``names`` (by
+  kind, from names in the type to its own; a name that is missing stays);
 - ``types``: machines, each with ``hardware``, ``events``, ``states``, ``entries`` and ``edges``:
 
   - a state: ``objectives`` (running), ``pending`` (about to be entered), ``done`` (branches that have ended),

@@ -5,7 +5,8 @@ by halving. A section's machine speaks of its own elements by position; each sec
 pool, which elements of the mission these are. Equal slices and equal lists of actions are kept once.
 
 The highest numbers are no elements: ``none``, then the outcomes with which a section is left, downwards. The
-first two of these are success and failure, of a section as of the mission.
+first two of these are success and failure, of a section as of the mission; the third is that the mission is
+aborted, and of a section whichever comes next.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Generic, TypeVar
 from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.modular import AnyController, Rules
-from mcpn.mission.model import FAIL, SUCCEED, Parameter
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Parameter
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 
@@ -122,13 +123,16 @@ class Numbers(Generic[Type]):
         # Sections of one type are left with the same outcomes, in the same order.
         outcomes = {section.type: tuple(section.routes) for section in controller.sections}
         assert all(of[:2] == ("success", "failure") for of in outcomes.values())
+        aborts = any(ABORT in section.routes.values() for section in controller.sections)
+        ends = 3 if aborts else 2
         largest = max(
             *(len(names) for names in self._number.values()),
             *map(self._size, self.types),
             len(self.sections),
-        ) + max(map(len, outcomes.values()))
+        ) + max(ends, *map(len, outcomes.values()))
         self.none = next(number for number in (0xFF, 0xFFFF, 0xFFFFFFFF) if largest < number)
         self.success, self.failure = self.none - 1, self.none - 2
+        self.abort = self.none - 3 if aborts else None
         self.first_outcome = self.none - max(map(len, outcomes.values()))
         self._own = [_positions(*self._said(type_)) for type_ in self.types]
         for kind, (type_, own) in enumerate(zip(self.types, self._own, strict=True)):
@@ -179,6 +183,8 @@ class Numbers(Generic[Type]):
         pool: Pool[int] = Pool()
         self.section_type = [section.type for section in controller.sections]
         ends = {SUCCEED: self.success, FAIL: self.failure}
+        if self.abort is not None:
+            ends[ABORT] = self.abort
         number = {name: i for i, name in enumerate(self.sections)}
         self.routes = [
             [ends[route] if route in ends else number[route] for route in section.routes.values()]
@@ -221,7 +227,7 @@ class Numbers(Generic[Type]):
                 follows = 0
                 if self.first_outcome <= target < self.none:
                     route = routes[self.none - 1 - target]
-                    follows = 0 if route in (self.success, self.failure) else entries[route]
+                    follows = 0 if route in (self.success, self.failure, self.abort) else entries[route]
                 best = max(best, length[actions] + follows)
         return best
 

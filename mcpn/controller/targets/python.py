@@ -119,6 +119,8 @@ def _section(n: MachineNumbers | RuleNumbers, i: int) -> dict[str, object]:
         return n.pool[first : first + length]
 
     ends = {n.success: Name("SUCCESS"), n.failure: Name("FAILURE")}
+    if n.abort is not None:
+        ends[n.abort] = Name("ABORT")
     outcomes = n.controller.sections[i].routes
     first, count = n.event_start[i], n.event_count[i]
     return {

@@ -25,13 +25,13 @@ from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
 from mcpn.controller.targets.names import comment, identifiers
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.runtime.tables import Laws
 
 NAMESPACE = "http://www.w3.org/2005/07/scxml"
-ENDS = {SUCCEED: "success", FAIL: "failure"}
+ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
 
 
 def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[str, str]:
@@ -74,7 +74,8 @@ class _Document:
         _add(before, "transition", event=event_name(START), target=self.ids[c.initial])
         for section in c.sections:
             self.section(mission, section)
-        for end in ENDS.values():
+        reached = {SUCCEED, FAIL, *(route for s in c.sections for route in s.routes.values())}
+        for end in (word for route, word in ENDS.items() if route in reached):
             _add(mission, "final", id=end)
         for name, identifier in self.hardware.items():
             region = _add(whole, "state", id=identifier, initial=f"{identifier}.ready")

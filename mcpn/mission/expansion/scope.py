@@ -103,7 +103,7 @@ def several(block: Block) -> bool:
 
 def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
     """The rounds of a block, else its tries, else its values: what is done each time, and its scope."""
-    alone = replace(block, success=None, failure=None, handlers=())
+    alone = replace(block, success=None, failure=None, abort=None, handlers=())
     if block.repeat is not None:
         for number in range(1, block.repeat + 1):
             value = Parameter(name=ROUND, value=str(number), source=block.source)

@@ -57,6 +57,7 @@ class Handover:
             after = self._reached(_activities(entries(target)))
             if self._may_compete(before, after):
                 found.add(target.name)
+        found.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
         return frozenset(found)
 
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
@@ -95,6 +96,10 @@ def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset
         running = _activities(section.walk())
         yield from ((ending, target) for target in graph.targets(section))
         yield from ((running, target) for target in graph.interrupted(section))
+        if isinstance(section, ParallelSection):
+            events = _joined(*(_interrupted(branch.graph) for branch in section.branches))
+            stopping = [running, *(beside.get(event, frozenset()) for event in events)]
+            yield from ((ending, target) for ending in stopping for target in graph.aborted(section))
         for event, stopped in beside.items():
             yield from ((stopped, target) for target in graph.interrupted(section, event))
         branches = section.branches if isinstance(section, ParallelSection) else ()
@@ -109,9 +114,25 @@ def _interrupted(graph: ObjectivesGraph) -> Running:
     for section in graph.sections:
         running = _activities(section.walk())
         found = _joined(found, dict.fromkeys((i.event for i in section.interruptions), running))
-        for branch in section.branches if isinstance(section, ParallelSection) else ():
-            found = _joined(found, _interrupted(branch.graph))
+        if not isinstance(section, ParallelSection):
+            continue
+        for branch in section.branches:
+            inside = _interrupted(branch.graph)
+            if section.abort is not None:  # what it stops in a branch may stop the whole block
+                inside = dict.fromkeys(inside, running)
+            found = _joined(found, inside)
     return found
+
+
+def _stopped_at_once(graph: ObjectivesGraph) -> Iterator[Section]:
+    """Sections that an event may lead to, and stop in the same moment by an abort in another branch."""
+    for block in graph.sections:
+        branches = block.branches if isinstance(block, ParallelSection) else ()
+        for branch in branches:
+            events = _interrupted(branch.graph).keys()
+            others = (other.graph for other in branches if other is not branch and other.graph.aborts)
+            if any(not events.isdisjoint(_interrupted(other)) for other in others):
+                yield from branch.graph.all_sections()
 
 
 def _joined(*all_: Running) -> Running:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import cache
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
-from mcpn.mission.model import Element, Mission, Use, walk
+from mcpn.mission.model import ABORT, Block, Element, Holder, Mission, Use, walk
 
 MOST_NAMED = 3
 """How many copies of one objective a message names."""
@@ -21,7 +22,8 @@ def find_warnings(of: Mission | Usage) -> list[Problem]:
 
     Returns:
         Activities that nothing starts, resources and protocols that nothing uses, events that interrupt
-        nothing, objectives that no route reaches, alternatives that are never tried, each with its line.
+        nothing, routes of aborts where nothing aborts, objectives that no route reaches, alternatives
+        that are never tried, each with its line.
     """
     return in_order(_warnings(of if isinstance(of, Usage) else Usage(of, flatten(of))))
 
@@ -87,4 +89,30 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
     for protocol in mission.protocols:
         if protocol.name not in used:
             yield Problem(protocol.source, f"protocol {protocol.name} is never used")
+    yield from _vain(mission)
     yield from never_entered(graph.never_entered())
+
+
+def _vain(mission: Mission) -> Iterator[Problem]:
+    """Blocks that route an abort though nothing in them aborts."""
+    protocols = {protocol.name: protocol.blocks for protocol in mission.protocols}
+
+    @cache
+    def leaves(protocol: str) -> bool:
+        return any(map(leads_out, protocols[protocol]))
+
+    def aborts(block: Block) -> bool:
+        """Whether something in a block aborts, and nothing in it routes that."""
+        if isinstance(block, Use):
+            return leaves(block.protocol)
+        return isinstance(block, Holder) and any(map(leads_out, block.blocks))
+
+    def leads_out(block: Block) -> bool:
+        """Whether a block aborts what it stands in."""
+        routes = (block.success, block.failure, *(handler.goto for handler in block.handlers))
+        return ABORT in routes or (block.abort in (None, ABORT) and aborts(block))
+
+    for blocks in (mission.blocks, *protocols.values()):
+        for block in walk(blocks):
+            if block.abort is not None and not aborts(block):
+                yield Problem(block.source, f"abort of {block.name} leads nowhere: nothing in it aborts")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
 from mcpn.mission.facts.usage import Usage
+from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Activity, Alternative
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
@@ -23,6 +25,7 @@ Role: TypeAlias = tuple[
         "done",
         "success",
         "failure",
+        "abort",
         "exit",
         "alive",
         "dead",
@@ -42,7 +45,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.facts.usage.Usage.waits
 ``("objective", "diving")``: the objective runs;
 ``("pending", "diving")``: the objective is about to be entered, an activity of it is not idle yet;
 ``("done", "filming")``: the branch of a parallel block has ended (two places, ok and fail);
-``("success", mission)``, ``("failure", mission)``: the mission has ended so;
+``("success", mission)``, ``("failure", mission)``, ``("abort", mission)``: the mission has ended so;
 ``("exit", "on leak")``: a part of the mission has been left so (never in the net of the whole);
 ``("open", "go_home.leak")``, ``("happened", "go_home.leak")``: a handler that happens once (see
 :attr:`mcpn.mission.graph.Interruption.once`) may happen yet, or has happened;
@@ -58,16 +61,27 @@ class Ranks:
     first: what each does on an error, then what it answers to who asks. A producer refuses or stops when
     nobody evaluates any more, so that it goes on if somebody needs it at the end; a gate opens last.
 
+    Where a parallel block may abort, its halting and all other control comes before any of that, and a block
+    around before those in it: what an abort stops begins nothing. Such ranks are below 0, down to minus
+    :attr:`below`.
+
     Args:
         usage: Static facts of the mission.
     """
 
     def __init__(self, usage: Usage) -> None:
-        self._several = usage.sharing.anything or bool(usage.handover.gated)
+        self._aborting = dict(_aborting(usage.graph))
+        self.below = 2 + max(self._aborting.values()) if self._aborting else 0
+        self.control = -self.below
+        self._several = usage.sharing.anything or bool(usage.handover.gated) or bool(self._aborting)
         self._height = usage.height
         highest = max((usage.height(a) for a in usage.started), default=0)
         self.settling = self._if_several(2 * highest + 3)
         self.entering = self._if_several(2 * highest + 4)
+
+    def aborting(self, block: str, branch: str) -> int:
+        """How a branch that has aborted halts its block: each branch of a section has a rank of its own."""
+        return self.control + 1 + self._aborting[block, branch]
 
     def handling(self, activity: str) -> int:
         """What an activity does on an error, and when a better alternative is possible again."""
@@ -79,6 +93,20 @@ class Ranks:
 
     def _if_several(self, rank: int) -> int:
         return rank if self._several else 0
+
+
+def _aborting(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str], int]]:
+    """Branches that may abort, by block and name, each with its number in its section, from outside in."""
+    for section in graph.sections:
+        found, level = 0, [section]
+        while level:
+            blocks = [inner for inner in level if isinstance(inner, ParallelSection)]
+            for block in blocks:
+                for branch in block.branches:
+                    if branch.graph.aborts:
+                        yield (block.name, branch.name), found
+                        found += 1
+            level = [i for block in blocks for branch in block.branches for i in branch.graph.sections]
 
 
 class Canvas(NetBuilder):
@@ -191,6 +219,6 @@ class Pen:
             produce=produce,
             read=read or [],
             event=event,
-            rank=rank,
+            rank=rank + self.canvas.ranks.below,
             provenance=self.provenance,
         )

@@ -5,14 +5,16 @@ activities and enters what follows. One that interrupts a parallel block as a wh
 event's transition takes the place that says that the block runs, so that nothing begins in it any more, and
 puts a token into each branch's place *halt*. Internal transitions then stop the objective that the branch is
 in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
-follows is entered. Of all handlers of an event those of the branches count first: where some branch is at a
-place that handles the event itself, these branches do so together and the block goes on.
+follows is entered. A branch that aborts halts the others in the same way: an internal transition takes the
+place that says that the block runs, as soon as the branch has aborted. Of all handlers of an event those of
+the branches count first: where some branch is at a place that handles the event itself, these branches do so
+together and the block goes on.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from math import prod
 
@@ -25,11 +27,11 @@ from mcpn.mission.flatten import (
     ParallelSection,
     Section,
 )
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
 from mcpn.net.templates.canvas import Canvas, Pen
-from mcpn.net.templates.interruption import Position, called, draw_once, events_of
+from mcpn.net.templates.interruption import Around, Position, called, draw_once, events_of, may_abort
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -39,7 +41,7 @@ MAX_POSITIONS = 10_000
 
 
 def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
-    """Draws the mission's start, its objectives and parallel blocks, and its two ends.
+    """Draws the mission's start, its objectives and parallel blocks, and its ends.
 
     Args:
         canvas: Where to draw.
@@ -51,6 +53,8 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     success = canvas.role(pen.place("success"), ("success", mission.name))
     failure = canvas.role(pen.place("failure"), ("failure", mission.name))
     exits = {SUCCEED: [success], FAIL: [failure]}
+    if graph.aborts:
+        exits[ABORT] = [canvas.role(pen.place("abort"), ("abort", mission.name))]
     known = {*exits, *(section.name for section in graph.sections)}
     for section in graph.sections:  # a part of a mission may be left in other ways
         for target in section.routes:
@@ -63,23 +67,6 @@ def draw_control(canvas: Canvas, graph: ObjectivesGraph) -> None:
     control = _Control(canvas, graph, exits)
     pen.transition("EV_START", [begin], control.enter(graph.entry), event=START)
     control.draw()
-
-
-@dataclass(frozen=True)
-class _Around:
-    """What stands around a graph of objectives.
-
-    Args:
-        in_branch: Whether it is that of a branch of a parallel block.
-        eventful: Whether some event interrupts the mission's section that it is in, or something there.
-        running: Places that say that the blocks around run which an event may interrupt as a whole.
-        halted: With such blocks around, the place that says that the branch is halted.
-    """
-
-    in_branch: bool = False
-    eventful: bool = False
-    running: tuple[str, ...] = ()
-    halted: str = ""
 
 
 class _Control:
@@ -97,12 +84,12 @@ class _Control:
         canvas: Canvas,
         graph: ObjectivesGraph,
         exits: Mapping[str, list[str]],
-        around: _Around | None = None,
+        around: Around | None = None,
     ) -> None:
         self.canvas = canvas
         self.graph = graph
         self.exits = exits
-        self.around = around or _Around()
+        self.around = around or Around()
 
     def draw(self) -> None:
         """Draws every section of the graph."""
@@ -116,20 +103,23 @@ class _Control:
 
     def inside(self, section: ParallelSection, branch: Branch) -> _Control:
         """Draws a branch of a section of this graph."""
-        around = _Around(in_branch=True, eventful=self.eventful(section))
+        around = Around(in_branch=True, eventful=self.eventful(section))
         if self.halted(section):
             running = (*self.around.running, self.of(section, "running"))
             around = replace(around, running=running, halted=self.of_branch(branch, "halted"))
-        ends = map(list, self.ends(section, branch))
-        return _Control(self.canvas, branch.graph, dict(zip((SUCCEED, FAIL), ends, strict=True)), around)
+        well, badly = map(list, self.ends(section, branch))
+        exits = {SUCCEED: well, FAIL: badly}
+        if branch.graph.aborts:
+            exits[ABORT] = [self.of_branch(branch, "abort")]
+        return _Control(self.canvas, branch.graph, exits, around)
 
     def eventful(self, section: Section) -> bool:
         """Whether a place must say that the block runs."""
-        return self.around.eventful or any(events_of(section))
+        return self.around.eventful or any(events_of(section)) or may_abort(section)
 
     def halted(self, section: ParallelSection) -> bool:
-        """Whether an event may interrupt the block as a whole."""
-        return bool(self.around.running or section.interruptions)
+        """Whether an event, or a branch that aborts, may interrupt the block as a whole."""
+        return bool(self.around.running or section.interruptions or section.abort is not None)
 
     def enter(self, target: str) -> list[str]:
         """Places to mark so as to enter a section, or to leave the graph."""
@@ -202,6 +192,8 @@ class _Control:
                 ended = [pen.place("ended", of=("objective", branch.name))]
             for place in ended:
                 self.canvas.role(place, ("done", branch.name))
+            if branch.graph.aborts:
+                pen.place("abort", of=("objective", branch.name))
             self.inside(section, branch).draw()
         if combined:
             self.leave_combined(pen, section, running)
@@ -219,7 +211,7 @@ class _Control:
             )
             digits = "".join("0" if ok else "1" for ok in outcome)
             route = section.success if succeeded else section.failure
-            pen.transition(f"exit_{digits}", [*done, *running], self.enter(route))
+            pen.transition(f"exit_{digits}", [*done, *running], self.enter(route), rank=self.first)
 
     def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
         """The outcome of a wide block by a net of linear size, which counts children in document order."""
@@ -236,11 +228,12 @@ class _Control:
             name = f"note{i + 1}"
             after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
             ended = all_ended if i == begin else []
-            pen.transition(f"{name}_0", [*well[i], self.done(branch, True), *ended], well[i + 1])
-            pen.transition(f"{name}_1", [*well[i], self.done(branch, False), *ended], after_failure)
+            ways = [(well[i], True, well[i + 1]), (well[i], False, after_failure)]
             if i:
-                pen.transition(f"{name}_2", [*lost[i], self.done(branch, True), *ended], lost[i + 1])
-                pen.transition(f"{name}_3", [*lost[i], self.done(branch, False), *ended], lost[i + 1])
+                ways += [(lost[i], True, lost[i + 1]), (lost[i], False, lost[i + 1])]
+            for number, (before, ok, after) in enumerate(ways):
+                taken = [*before, self.done(branch, ok), *ended]
+                pen.transition(f"{name}_{number}", taken, after, rank=self.first)
 
     def done(self, branch: Branch, ok: bool) -> str:
         """The place that says that a branch has ended so."""
@@ -338,7 +331,7 @@ class _Control:
             yield Position((place,))
 
     def halt(self, pen: Pen, section: ParallelSection) -> None:
-        """Halts every branch, wherever it is, then goes on to what the event leads to."""
+        """Halts every branch, wherever it is, then goes on to what the event, or the abort, leads to."""
         number = 0
         for branch in section.branches:
             halt = pen.place("halt", of=("objective", branch.name))
@@ -346,15 +339,34 @@ class _Control:
             ways = self.inside(section, branch).halting(section, branch)
             for taken, put in ways:
                 number += 1
-                pen.transition(f"halt{number}", [halt, *taken], put)
+                pen.transition(f"halt{number}", [halt, *taken], put, rank=self.first)
         all_halted = [self.of_branch(branch, "halted") for branch in section.branches]
         for number, interruption in section.numbered:
             place = pen.place(called(interruption.event, number))
             left = called(interruption.event, number, "left")
-            pen.transition(left, [place, *all_halted], self.enter(interruption.target))
+            pen.transition(left, [place, *all_halted], self.enter(interruption.target), rank=self.first)
+        if section.abort is not None:
+            self.abort(pen, section, section.abort, all_halted)
         if self.around.halted:
             place = pen.place("halting")
-            pen.transition("halted", [place, *all_halted], [self.around.halted])
+            pen.transition("halted", [place, *all_halted], [self.around.halted], rank=self.first)
+
+    def abort(self, pen: Pen, section: ParallelSection, route: str, all_halted: list[str]) -> None:
+        """A branch that aborts halts the others; of two that do at a time the first one counts."""
+        aborting = pen.place("aborting")
+        for branch in section.branches:
+            if branch.graph.aborts:
+                others = [self.of_branch(b, "halt") for b in section.branches if b is not branch]
+                taken = [self.of_branch(branch, "abort"), self.of(section, "running")]
+                put = [aborting, self.of_branch(branch, "halted"), *others]
+                rank = self.canvas.ranks.aborting(section.name, branch.name)
+                pen.transition(("abort", branch.name), taken, put, rank=rank)
+        pen.transition("aborted", [aborting, *all_halted], self.enter(route), rank=self.first)
+
+    @property
+    def first(self) -> int:
+        """The rank of what goes on in control: before activities react, where something may abort."""
+        return self.canvas.ranks.control
 
     def halting(self, section: ParallelSection, branch: Branch) -> Iterator[tuple[list[str], list[str]]]:
         """By position of this graph, that of a branch, the places that are taken and those that are put."""
@@ -371,6 +383,8 @@ class _Control:
                 )
         for end in self.ends(section, branch):
             yield list(end), [halted]
+        if branch.graph.aborts:
+            yield [self.of_branch(branch, "abort")], [halted]
 
 
 def _element(section: Section) -> tuple[str, str]:

@@ -27,6 +27,23 @@ def draw_once(canvas: Canvas, mission: Pen, handler: str, begin: str) -> None:
 
 
 @dataclass(frozen=True)
+class Around:
+    """What stands around a graph of objectives.
+
+    Args:
+        in_branch: Whether it is that of a branch of a parallel block.
+        eventful: Whether some event interrupts the mission's section that it is in, or something there.
+        running: Places that say that the blocks around run which an event may interrupt as a whole.
+        halted: With such blocks around, the place that says that the branch is halted.
+    """
+
+    in_branch: bool = False
+    eventful: bool = False
+    running: tuple[str, ...] = ()
+    halted: str = ""
+
+
+@dataclass(frozen=True)
 class Position:
     """Where the objectives of a section may be when an event happens, and what the event does there.
 
@@ -68,3 +85,12 @@ def events_of(section: Section) -> Iterator[str]:
     for branch in section.branches if isinstance(section, ParallelSection) else ():
         for inner in branch.graph.sections:
             yield from events_of(inner)
+
+
+def may_abort(section: Section) -> bool:
+    """Whether a parallel block in a section, or the section itself, may abort."""
+    if not isinstance(section, ParallelSection):
+        return False
+    return section.abort is not None or any(
+        may_abort(inner) for branch in section.branches for inner in branch.graph.sections
+    )

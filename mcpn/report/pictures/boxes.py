@@ -24,6 +24,7 @@ class Box:
         activities: What an objective runs.
         success: The route on success as written; ``None`` for the default.
         failure: The same for failure.
+        abort: The same for abort.
         handlers: What it does on declared events.
         children: What it holds, in document order.
     """
@@ -37,6 +38,7 @@ class Box:
     activities: tuple[str, ...] = ()
     success: str | None = None
     failure: str | None = None
+    abort: str | None = None
     handlers: tuple[Handler, ...] = ()
     children: tuple[Box, ...] = ()
 
@@ -104,6 +106,7 @@ class _Building:
             block.activities if isinstance(block, Objective) else (),
             block.success,
             block.failure,
+            block.abort,
             block.handlers,
             tuple(self.box(child, scopes, kind) for child in children),
         )
@@ -124,6 +127,8 @@ def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
 def _notes(block: Block, within: str) -> Iterator[str]:
     if within == "parallel" and not block.mandatory:
         yield "optional"
+    if within == "parallel" and block.abort is not None:
+        yield f"abort leads to {block.abort}"
     if isinstance(block, Use):
         yield f"protocol {block.protocol}"
     elif isinstance(block, Parallel):

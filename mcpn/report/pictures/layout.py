@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from mcpn.mission.model import FAIL, SUCCEED, Mission
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.report.pictures.boxes import Box
 
 PAD, LANE, GAP, ROW, HEAD, EXIT = 12, 14, 28, 19, 24, 22
@@ -152,7 +152,7 @@ class _Layout:
             return max(width, inside + 2 * PAD), head + max(h for _, h in sizes) + PAD
         lanes = self._lanes[box.key] = _lanes(box)
         inside = max(w for w, _ in sizes) + lanes.left_width + lanes.right_width
-        height = sum(h for _, h in sizes) + GAP * len(sizes) + 2 * EXIT
+        height = sum(h for _, h in sizes) + GAP * len(sizes) + len(_exits(box)) * EXIT
         return max(width, inside + 2 * PAD), head + height + PAD
 
     # --- places ----------------------------------------------------------------------------------------
@@ -196,7 +196,7 @@ class _Layout:
             spots[child.name] = (middle - w / 2, middle + w / 2, y + 10)
             ends[child.name] = y + h
             y += h + GAP
-        for exit_name, word in ((SUCCEED, "success"), (FAIL, "failure")):
+        for exit_name, word in _exits(box).items():
             half = text_width(word) / 2 + 10
             spots[exit_name] = (middle - half, middle + half, y - GAP / 2 + EXIT / 2)
             self.picture.frames.append(
@@ -204,7 +204,7 @@ class _Layout:
                     middle - half, y - GAP / 2, 2 * half, EXIT - 4, f"exit {word}", f"{word} of {box.name}"
                 )
             )
-            mark = {"success": "✓", "failure": "✗"}[word]
+            mark = {"success": "✓", "failure": "✗", "abort": "⚠"}[word]
             self.picture.labels.append(
                 Label(middle - half + 6, y - GAP / 2 + 13.5, f"{mark} {word}", f"end {word}")
             )
@@ -283,7 +283,17 @@ def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
     found = [("failure", "failure", child.failure or FAIL)]
     if (success := _success(box, index)) != _next(box, index):
         found.append(("success", "success", success))
+    if child.abort is not None:
+        found.append(("event", "abort", child.abort))
     return found + [("event", f"on {h.event}" + (" once" if h.once else ""), h.goto) for h in child.handlers]
+
+
+def _exits(box: Box) -> dict[str, str]:
+    """The exits of a series that are drawn: abort where something in it says so."""
+    exits = {SUCCEED: "success", FAIL: "failure"}
+    lanes = [*_own_events(box), *(lane for i in range(len(box.children)) for lane in _of_child(box, i))]
+    targets = [*(target for *_, target in lanes), *(child.success for child in box.children)]
+    return {**exits, ABORT: "abort"} if ABORT in targets else exits
 
 
 def _own_events(box: Box) -> list[tuple[str, str, str]]:

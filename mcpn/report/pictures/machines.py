@@ -217,7 +217,7 @@ def states_picture(
         nodes.append(Node(key_of[members[0]], lines, "node", _title(state, merged=merged), cluster))
     outcomes = dict.fromkeys(p.target for p in passages if isinstance(p.target, str))
     nodes += [
-        Node(f"end {end}", (end,), f"node {end}" if end in ("success", "failure") else "node")
+        Node(f"end {end}", (end,), f"node {end}" if end in ("success", "failure", "abort") else "node")
         for end in outcomes
     ]
     return Graph(name, nodes, list(_edges(passages, key_of, actions)), list(clusters.values()))

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
@@ -17,7 +17,7 @@ MOST_SECTIONS = 80
 MOST_INTERRUPTED = 4
 """Sections that an event may lead from to one target with a curve for each."""
 
-ENDS = {SUCCEED: "success", FAIL: "failure"}
+ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
 
 
 def objectives_drawing(mission_net: MissionNet, notes: Mapping[str, str] | None = None) -> Drawing:
@@ -116,8 +116,8 @@ class _Drawn:
 
 
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
-    yield section.success, (), "success"
-    yield section.failure, (), "failure"
+    for outcome, route in section.outcomes:
+        yield (route, ("abort",), "event") if outcome == "abort" else (route, (), outcome)
     for interruption in section.interruptions:
         word = f"on {interruption.event}" + (" once" if interruption.once else "")
         yield interruption.target, (word,), "event"

@@ -16,7 +16,7 @@ from mcpn._kernel import Zdd
 from mcpn.space.algebra import Guards, Without
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.section_type import ALL, Allowed
-from mcpn.space.local.sections import BEGIN, ENDS, Stage, WholeNet, outside
+from mcpn.space.local.sections import BEGIN, Stage, WholeNet, ends_of, outside
 from mcpn.space.memoized import memoized
 
 Filter: TypeAlias = Callable[[str], Allowed]
@@ -106,7 +106,8 @@ class Glued:
         self.net = self.mission_net.net
         self.layout = layout
         self.sections = {stage.name: stage for stage in sections}
-        begin, *ends = (outside(name, self.mission_net, layout) for name in (BEGIN, *ENDS))
+        around = (BEGIN, *ends_of(self.mission_net))
+        begin, *ends = (outside(name, self.mission_net, layout) for name in around)
         self.stages: dict[str, Stage] = {s.name: s for s in (begin, *sections, *ends)}
         self.empty = layout.store.empty()
         self.nothing = CompositeSet(self, {})

@@ -9,7 +9,7 @@ from typing import Literal, TypeVar, get_args
 
 from mcpn._kernel import Zdd
 from mcpn.mission.flatten import ObjectivesGraph, Section
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
@@ -29,9 +29,6 @@ Kind = Literal["places", "transitions"]
 
 BEGIN = "(begin)"
 """What stands for a section before the mission has begun; no section can have this name."""
-
-ENDS = (SUCCEED, FAIL)
-"""What stands for a section after the mission: the routes to its ends."""
 
 NOWHERE = -1
 """Where a place of a local net lies in the whole net that says by which event the section was left."""
@@ -176,7 +173,7 @@ class WholeNet:
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
         events = {exit_: interruption.target for exit_, interruption in exits_on(section)}
-        routes = {"success": section.success, "failure": section.failure, **events}
+        routes = {**dict(section.outcomes), **events}
         own = self._control(part, type_)
         places, transitions = (self._located(kind, part, type_, own) for kind in get_args(Kind))
         used = self._used[type_, part.used]
@@ -243,6 +240,12 @@ class WholeNet:
         return found
 
 
+def ends_of(mission_net: MissionNet) -> dict[str, int]:
+    """What stands for a section after the mission: the routes to its ends, each with its place."""
+    routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
+    return {routes[end]: place for end, place in mission_net.ends.items()}
+
+
 def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
     """What stands before the mission or after it: one state of its own, with no hardware of its own."""
     builder = NetBuilder(name, priorities=True)
@@ -255,7 +258,7 @@ def outside(name: str, mission_net: MissionNet, layout: Layout) -> Stage:
     net, mission = builder.build(), mission_net.mission.name
     local = replace(mission_net, net=net, roles={2: ("success", mission), 3: ("failure", mission)})
     part = LocalPart(Used(mission_net.usage, ()), ObjectivesGraph((), ""))
-    here = {BEGIN: mission_net.beginning, SUCCEED: mission_net.success, FAIL: mission_net.failure}[name]
+    here = mission_net.beginning if name == BEGIN else ends_of(mission_net)[name]
     routes = {"success": mission_net.graph.entry} if name == BEGIN else {}
     places, transitions = [NOWHERE, here, NOWHERE, NOWHERE], [NOWHERE, mission_net.start][: 1 + len(routes)]
     type_ = SectionType(part, local, explore_local(net), layout)
