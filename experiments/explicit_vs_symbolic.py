@@ -24,12 +24,12 @@ from typing import Any
 import plots
 from limits import Result, measured
 
+from mcpn.check.sizes import summarise
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
 from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
 from mcpn.space.local.composing import composite_space
 from mcpn.space.stable.alternatives import direct_with_proof
-from mcpn.space.summary import summarise
 
 ENGINES = ("explicit", "symbolic", "direct", "local", "pyeda")
 

@@ -34,15 +34,13 @@ def main() -> None:
     parser.add_argument("mission", type=Path, nargs="?", default=ULYSSE)
     mission_net = compose(read_mission(parser.parse_args().mission))
     for on in ("markings", "alternatives"):
-        questions = Questions(
-            mission_net.net, mission_net, on="markings" if on == "markings" else "alternatives"
-        )
+        questions = Questions(mission_net, on="markings" if on == "markings" else "alternatives")
         started = time.process_time()
         space = questions.space
         reached = (time.process_time() - started) * 1000
         print(f"{on}: reached in {reached:.0f} ms, {space.everything.count()} states")
         for text, fair in FORMULAS:
-            asked = Questions(mission_net.net, mission_net, on=on, fair=fair)
+            asked = Questions(mission_net, on=on, fair=fair)
             formula = asked.formula(text)
             evaluation = asked.evaluation  # on a space of its own, reached before the clock runs
             started = time.process_time()

@@ -19,8 +19,8 @@ from math import comb
 from limits import Result, measured
 
 import mcpn
+from mcpn.check.sizes import summarise
 from mcpn.net.petri import NetBuilder, PetriNet
-from mcpn.space.summary import summarise
 
 
 def kanban(cards: int) -> PetriNet:

@@ -1,6 +1,7 @@
 """What a Python user types first: the functions that ``mcpn`` itself offers.
 
-Each takes a mission, or its net where one has been composed already.
+Each takes a mission, or its net where one has been composed already, and builds what it needs. Who asks
+several questions of one mission opens a study, which keeps what was built: :class:`mcpn.study.Study`.
 
 >>> import mcpn
 >>> mission = mcpn.read_mission("experiments/ulysse/mission.xml")
@@ -18,29 +19,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mcpn.check.logic.questions import Answer, Questions
-from mcpn.check.sizes import Counting, sizes
-from mcpn.check.spaces import Asked, On
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission as _read
-from mcpn.net.compose import MissionNet, as_net
 from mcpn.net.petri import PetriNet
-from mcpn.notebook import show_with
-from mcpn.space.summary import SpaceSummary
+from mcpn.study import Study
 
 if TYPE_CHECKING:
     from mcpn.check.causes.find import Causes
+    from mcpn.check.engines import Asked, On
+    from mcpn.check.logic.questions import Answer
+    from mcpn.check.sizes import Counting
+    from mcpn.net.compose import MissionNet
     from mcpn.report.pictures.drawing import Drawing
-
-
-def _shown(what: object, kind: str) -> str | None:
-    """What a notebook shows of an object."""
-    from mcpn.report.notebook import show
-
-    return show(what, kind)
-
-
-show_with(_shown)
+    from mcpn.space.summary import SpaceSummary
 
 
 def read_mission(path: str | Path) -> Mission:
@@ -80,7 +71,7 @@ def states(
         >>> found.states, found.stable_states
         (44299, 260)
     """
-    return sizes(of if isinstance(of, PetriNet) else as_net(of), engine=engine, on=on)[0]
+    return Study(of).states(engine=engine, on=on)
 
 
 def ctl(
@@ -114,10 +105,7 @@ def ctl(
         >>> ctl(mission, "AF (success | failure)", fair=("progress",)).holds
         True
     """
-    mission_net = None if isinstance(of, PetriNet) else as_net(of)
-    net = of if mission_net is None else mission_net.net
-    assert isinstance(net, PetriNet)
-    return Questions(net, mission_net, on=on, fair=fair, engine=engine).answer(formula)
+    return Study(of).ctl(formula, on=on, fair=fair, engine=engine)
 
 
 def picture(
@@ -140,10 +128,7 @@ def picture(
         >>> "going_up" in drawing.svg
         True
     """
-    from mcpn.report.pictures.choice import drawn
-    from mcpn.report.pictures.nets import net_drawing
-
-    return net_drawing(of) if isinstance(of, PetriNet) else drawn(as_net(of), kind, section)
+    return Study(of).picture(None if isinstance(of, PetriNet) else kind, section)
 
 
 def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
@@ -162,6 +147,4 @@ def causes(of: Mission | MissionNet, *, engine: Asked = "auto") -> Causes:
         >>> [sorted(cut) for cut in found.mission.cut_sets]
         [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
     """
-    from mcpn.check.causes.find import find_causes
-
-    return find_causes(as_net(of), engine=engine)
+    return Study(of).causes(engine=engine)

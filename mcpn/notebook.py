@@ -1,31 +1,20 @@
-"""How objects show themselves in a notebook.
+"""How objects show themselves in a notebook: as the report draws them.
 
-A check or a net must not import the report, which stands behind it. So the report's way to show things is
-registered here, by :mod:`mcpn.face`, which is loaded when the first object is to be shown.
+A check or a net must not import the report, which stands behind it. So the report is named here, and loaded
+when the first object is shown.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib import import_module
 
-_show: Callable[[object, str], str | None] | None = None
-
-
-def show_with(show: Callable[[object, str], str | None]) -> None:
-    """Registers what shows objects.
-
-    Args:
-        show: Given an object and ``svg`` or ``html``, the text, or ``None`` where it cannot be shown so.
-    """
-    global _show
-    _show = show
+SHOWN_BY = "mcpn.report.notebook"
+"""The module whose ``show`` is given an object and ``svg`` or ``html``."""
 
 
 def _shown(what: object, kind: str) -> str | None:
-    if _show is None:
-        import_module("mcpn.face")
-    return None if _show is None else _show(what, kind)
+    shown: str | None = import_module(SHOWN_BY).show(what, kind)
+    return shown
 
 
 class Drawn:

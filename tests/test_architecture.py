@@ -29,6 +29,7 @@ WAY = [
     "check",
     "controller",
     "report",
+    "study",
     "testing",
     "face",
     "cli",
@@ -55,6 +56,7 @@ def test_imports_only_point_backwards(path: Path) -> None:
             "mcpn.check",
             "mcpn.controller",
             "mcpn.face",
+            "mcpn.study",
         }
         return
     assert room in WAY, f"{path} stands in no known room"
@@ -79,6 +81,49 @@ def test_rooms_do_not_import_each_other_in_circles() -> None:
     assert [
         sorted(circle) for circle in networkx.strongly_connected_components(ways) if len(circle) > 1
     ] == []
+
+
+BUILDERS = {
+    "by_reduction",
+    "composite_space",
+    "count",
+    "count_markings",
+    "direct",
+    "direct_with_proof",
+    "explore",
+    "explore_markings",
+    "explore_tokens",
+    "local_graph",
+    "prove_confluent",
+    "pyeda_reference",
+    "reach",
+    "reach_briefly",
+    "reach_markings",
+}
+"""Names of ``mcpn.space`` that build a space, or count one."""
+SPACES = {"CompositeSpace", "DiagramAlternatives", "DiagramMarkings"}
+"""Classes of spaces over a whole net."""
+
+
+def builders(path: Path) -> set[str]:
+    """What a module outside of ``mcpn.space`` takes from it to build spaces."""
+    found = set[str]()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mcpn.space"):
+            found |= {alias.name for alias in node.names} & BUILDERS
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            found |= {node.func.id} & SPACES
+    return found
+
+
+def test_engines_are_built_in_one_place() -> None:
+    found = {
+        str(path.relative_to(PACKAGE)): names
+        for path in MODULES
+        if path.relative_to(PACKAGE).parts[0] != "space" and (names := builders(path))
+    }
+    assert found.keys() == {"check/spaces.py"}
+    assert found["check/spaces.py"] == BUILDERS | SPACES - {"CompositeSpace"}
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))

@@ -209,7 +209,7 @@ def test_engines_are_compared(tmp_path: Path) -> None:
 
 
 def test_engines_that_disagree_are_a_loud_error() -> None:
-    from mcpn.space.compare import SIZES, Measurement, disagreement
+    from mcpn.check.compare import SIZES, Measurement, disagreement
 
     one: dict[str, int | None] = {**dict.fromkeys(SIZES, 7), "states": 10}
     silent: dict[str, int | None] = {**dict.fromkeys(SIZES), "stable_states": 7}

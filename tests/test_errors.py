@@ -9,6 +9,7 @@ from importlib import import_module
 import pytest
 
 import mcpn
+from mcpn.check.compare import Disagreement
 from mcpn.errors import (
     ConfluenceError,
     DivergenceError,
@@ -22,7 +23,6 @@ from mcpn.errors import (
     UnsafeError,
     WorkersError,
 )
-from mcpn.space.compare import Disagreement
 
 
 def kinds(kind: type[McpnError]) -> set[type[McpnError]]:

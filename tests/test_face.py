@@ -18,7 +18,9 @@ import mcpn
 from mcpn.check.causes.find import Causes
 from mcpn.check.logic.questions import Answer
 from mcpn.check.verdicts.mission import MissionCheck
+from mcpn.check.verdicts.nets import NetCheck
 from mcpn.controller.hierarchy import TableController
+from mcpn.controller.modular import AnyController
 from mcpn.mission.model import Mission
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.space.summary import SpaceSummary
@@ -27,7 +29,7 @@ from tests.conftest import ROOT, ULYSSE
 from tests.net.nets import pt_nets
 
 
-@pytest.mark.parametrize("name", ["mcpn", "mcpn.face", "mcpn.check", "mcpn.controller"])
+@pytest.mark.parametrize("name", ["mcpn", "mcpn.face", "mcpn.study", "mcpn.check", "mcpn.controller"])
 def test_the_examples_are_true(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     found = doctest.testmod(import_module(name))
@@ -61,6 +63,12 @@ def test_a_users_type_checker_sees_what_they_give() -> None:
     assert_type(mcpn.causes(mission), Causes)
     assert_type(mcpn.controller(mission), TableController)
     assert_type(mcpn.picture(mission), Drawing)
+    study = mcpn.open(ULYSSE)
+    assert_type(study, mcpn.Study)
+    assert_type(study.check(), MissionCheck | NetCheck)
+    assert_type(study.verdicts(), MissionCheck)
+    assert_type(study.controller(), TableController)
+    assert_type(study.controller("modular"), AnyController)
     assert (Path(mcpn.__file__).parent / "py.typed").is_file()
 
 

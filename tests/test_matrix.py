@@ -15,8 +15,9 @@ from mcpn.check.causes.effects import Severity
 from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
+from mcpn.check.engines import Engine, On
 from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import Engine, On, space_of
+from mcpn.check.spaces import spaces_of
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.nets import Behaviour
 from mcpn.controller.generate import generate
@@ -62,14 +63,14 @@ def decided(found: MissionCheck) -> bool:
 def answers(engine: Engine, on: On, formula: str, *fair: str) -> bool:
     """Whether a formula is answered, with a run that shows it."""
     found = mission(contention=False)
-    questions = Questions(found.net, found, on=on, fair=fair, engine=engine)
+    questions = Questions(found, on=on, fair=fair, engine=engine)
     answer = questions.answer(formula)
     return bool(answer.witness.steps) or answer.holds
 
 
 def behaves(engine: Engine) -> bool:
     net = replace(mission(contention=False).net, priorities=False)
-    return Behaviour(space_of(net, engine)).home_markings >= 0
+    return Behaviour(spaces_of(net).space(engine)).home_markings >= 0
 
 
 CHECKED: dict[Engine, MissionCheck] = {}
@@ -145,7 +146,7 @@ def numbers(engine: Engine) -> bool:
 def controls(engine: Engine) -> bool:
     """A machine with an entry, and a state while x runs alone."""
     found = mission(contention=False)
-    space = space_of(found, engine, "alternatives")
+    space = spaces_of(found).space(engine, "alternatives")
     made = generate(found) if engine == "local" else flat_controller(found, written_out(space, engine))
     return any(state.objectives == ("x",) for machine in made.types for state in machine.states)
 

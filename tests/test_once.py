@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.check.spaces import Choice, Engine, space_of
+from mcpn.check.engines import Choice, Engine
+from mcpn.check.spaces import spaces_of
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import TableController
@@ -115,10 +116,12 @@ def holding(found: MissionNet, engine: Engine) -> dict[str, bool | None]:
 def hold_together(found: MissionNet, tmp_path: Path, seeds: Sequence[int] = (1, 2)) -> None:
     """Every engine counts the same, and every controller does what the net does."""
     listed = direct_with_proof(found.net)
-    markings = {engine: space_of(found, Choice(engine), "markings") for engine in ("explicit", "symbolic")}
+    markings = {
+        engine: spaces_of(found).space(Choice(engine), "markings") for engine in ("explicit", "symbolic")
+    }
     assert markings["explicit"].everything.count() == markings["symbolic"].everything.count()
     for engine in ENGINES:
-        space = space_of(found, Choice(engine), "alternatives")
+        space = spaces_of(found).space(Choice(engine), "alternatives")
         assert space.everything.count() == listed.states, engine
         assert sum(space.firings(space.everything).values()) == listed.edges, engine
         assert holding(found, engine) == holding(found, "explicit"), engine

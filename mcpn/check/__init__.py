@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Asked
+    from mcpn.check.engines import Asked
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet

@@ -7,21 +7,47 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from mcpn.check.spaces import SMALL, Choice, On, answered, space_of
+from mcpn.check.engines import SMALL, Choice, On, answered
+from mcpn.check.spaces import Subject, spaces_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.net.petri import PetriNet
-from mcpn.space.summary import SpaceSummary, summarise
+from mcpn.space.summary import SpaceSummary, summary_of, summary_of_counts
 
 if TYPE_CHECKING:
-    from mcpn.net.compose import MissionNet
     from mcpn.space.markings.explicit import Progress
 
 Counting: TypeAlias = Literal["auto", "explicit", "symbolic", "local", "pyeda"]
 """Who counts: an engine by name, ``pyeda`` being the small reference, or ``auto``."""
 
 
+def summarise(
+    of: Subject, engine: str, *, max_states: int | None = None, progress: Progress | None = None
+) -> SpaceSummary:
+    """Explores a net and says its sizes.
+
+    Args:
+        of: The net, or its spaces.
+        engine: One of :data:`mcpn.space.summary.ENGINES`.
+        max_states: Limit for the explicit engine.
+        progress: Called now and then by the explicit engine.
+
+    Returns:
+        The sizes.
+
+    Raises:
+        UnsafeError: The net is not 1-safe, and has priorities or the engine is pyeda.
+        UnboundedError: The net is unbounded.
+        LimitError: A limit was hit, or the engine is not installed.
+    """
+    started, spaces = time.perf_counter(), spaces_of(of)
+    if engine == "symbolic":
+        return summary_of(spaces.symbolic(), started)
+    if engine == "explicit":
+        return summary_of_counts(spaces.net, spaces.counted(max_states, progress), engine, started)
+    return summary_of_counts(spaces.net, spaces.reference(), engine, started)
+
+
 def sizes(
-    of: PetriNet | MissionNet,
+    of: Subject,
     *,
     engine: Counting = "auto",
     on: On | None = None,
@@ -31,7 +57,7 @@ def sizes(
     """Counts the states of a net, or of a mission.
 
     Args:
-        of: The net, or the mission's.
+        of: The spaces of a net or of a mission, or what they are to be built of.
         engine: Who counts.
         on: Whether all markings are counted, or the stable states alone, which leaves all else ``None``. By
             default all markings, but for a mission that is asked of sections: by ``local``, or by ``auto``
@@ -48,22 +74,20 @@ def sizes(
             event has several outcomes or none.
         LimitError: A limit was hit.
     """
-    net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
+    spaces = spaces_of(of)
+    net, mission_net = spaces.net, spaces.mission_net
     if engine == "pyeda":
-        return summarise(net, engine), None
+        return summarise(spaces, engine), None
 
     def markings(choice: Choice) -> SpaceSummary:
-        if (
-            choice.engine == "local"
-        ):  # sections hand on stable states: what is between them the whole net tells
-            return replace(
-                summarise(net, "symbolic"), stable_states=stable(choice).stable_states, engine="local"
-            )
-        return summarise(net, choice.engine, max_states=choice.limit, progress=progress)
+        if choice.engine == "local":  # sections hand on stable states: the rest the whole net tells
+            whole = summarise(spaces, "symbolic")
+            return replace(whole, stable_states=stable(choice).stable_states, engine="local")
+        return summarise(spaces, choice.engine, max_states=choice.limit, progress=progress)
 
     def stable(choice: Choice) -> SpaceSummary:
         started = time.perf_counter()
-        count = space_of(of, choice, "alternatives", progress=progress).everything.count()
+        count = spaces.space(choice, "alternatives", progress=progress).everything.count()
         seconds = time.perf_counter() - started
         own = len(net.places), len(net.transitions)
         return SpaceSummary(*own, None, None, count, None, None, None, None, choice.engine, seconds)

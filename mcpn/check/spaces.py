@@ -1,297 +1,369 @@
-"""Who makes the space that a question is asked of: the one place where questions meet the engines.
+"""The state spaces of one mission or net: the one place where engines are built, each space once.
 
-Where nobody names an engine, static facts choose first, then who gives an answer. Stable states are listed
-with their proof where they are few: that is quick, and its runs are shortest. More are held by sections;
-where composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all markings.
+Questions ask :class:`Spaces` for a space by an engine (:mod:`mcpn.check.engines`). What has been built for
+one question is there for the next.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
+import copy
+from collections.abc import Callable, Hashable
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from mcpn.errors import InputError, LimitError, PremiseError
+from mcpn.check.engines import MORTAL, Choice, Engine, On, too_much_hardware
+from mcpn.errors import InputError, LimitError, SemanticsError
 from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.bounded import reach_markings
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
-from mcpn.space.diagrams.symbolic import reach
-from mcpn.space.markings.explicit import MAX_MARKINGS, Progress, explore
+from mcpn.space.diagrams.symbolic import SymbolicSpace, reach, reach_briefly
+from mcpn.space.markings.explicit import MAX_MARKINGS, Counts, Progress, count, explore
+from mcpn.space.stable.completion import MAX_STABLE_STATES
+from mcpn.space.summary import MOST_PLACES_FOR_PYEDA
 from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from mcpn.net.compose import MissionNet
+    from mcpn.net.templates import TemplateSet
     from mcpn.space.arrays import ArraySpace
+    from mcpn.space.diagrams.order import Order
+    from mcpn.space.local.composite import CompositeSpace
+    from mcpn.space.pyeda_reference import ReferenceCounts
+    from mcpn.space.stable.alternatives import AlternativesGraph
 
 # Each engine is loaded when it is asked.
 
-On: TypeAlias = Literal["markings", "alternatives"]
-Engine: TypeAlias = Literal["explicit", "symbolic", "local"]
-"""Arrays, decision diagrams or composition."""
-Asked: TypeAlias = Literal["auto", "explicit", "symbolic", "local"]
-"""An engine by name, or ``auto``."""
-
-FEW = 50_000
-"""Stable states times sections up to which stable states are listed without being asked for.
-
-What is asked of each section, as causes are, costs that product where states are listed.
-"""
-
-EXPECTED = 2
-"""Stable states to expect at least for each section and set of hardware; most missions have 2 to 10."""
-
-SMALL = 100_000
-"""Markings listed beside few stable states, where their number is asked for or an event has two outcomes."""
-
-MORTAL = 500_000
-"""Stable states with hardware that may die that are listed beside few where it may not."""
-
-Found = TypeVar("Found")
+Built = TypeVar("Built")
+Subject: TypeAlias = "Spaces | MissionNet | PetriNet"
+"""What questions are asked of: spaces that may be there already, or the net that they are to be built of."""
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """An engine that is asked, or that has answered.
+class Spaces:
+    """The state spaces of one net or of one mission, each built when it is first asked for, and then kept.
 
-    Args:
-        engine: The engine.
-        why: Why this one; ``None`` where it was named.
-        max_states: Its limit on states that are listed; ``None`` for its own.
-        allowed: The user's limit, of which the former is a part where states are few; ``None`` for none.
-        brief: Whether it ends soon, whatever the mission is: it lists stable states, of which there are few.
-    """
-
-    engine: Engine
-    why: str | None = None
-    max_states: int | None = None
-    allowed: int | None = None
-    brief: bool = False
-
-    def __str__(self) -> str:
-        return f"engine {self.engine}" if self.why is None else f"engine {self.engine}: {self.why}"
-
-    @property
-    def limit(self) -> int:
-        """The most states that it lists."""
-        return MAX_MARKINGS if self.max_states is None else self.max_states
-
-    def beside(self, most: int) -> int:
-        """The most states of another graph that it lists: its limit, or another one where states are few."""
-        if not self.brief:
-            return self.limit
-        return most if self.allowed is None else min(most, self.allowed)
-
-
-@dataclass(frozen=True, slots=True)
-class NoSpace:
-    """An answer that needed no space.
-
-    Args:
-        why: How it was had.
-        engine: What stands for an engine.
-    """
-
-    why: str
-    engine: Literal["search"] = "search"
-
-    def __str__(self) -> str:
-        return f"engine {self.engine}: {self.why}"
-
-
-def answered(
-    ask: Callable[[Choice], Found],
-    mission_net: MissionNet | None,
-    *,
-    engine: Asked,
-    on: On,
-    max_states: int | None = None,
-) -> tuple[Found, Choice]:
-    """The first answer to a question, and whose it is: of one engine after the other for ``auto``.
-
-    Args:
-        ask: Asks one engine.
-        mission_net: The mission that is asked about; ``None`` for a net of no mission.
-        engine: Who is asked.
-        on: The graph that the question speaks of.
-        max_states: The user's limit on states that are listed one by one.
-
-    Raises:
-        LimitError: No engine stays within its limits; the error is that of the last.
-        PremiseError: The same, where only composition was asked.
-    """
-    choices = _choices(mission_net, engine, on, max_states)
-    choice = next(choices)
-    while True:
-        try:
-            return ask(choice), choice
-        except (LimitError, PremiseError) as error:
-            other = next(choices, None)
-            if other is None:
-                raise
-            choice = replace(other, why=other.why or f"{choice.engine} gives no answer: {error}")
-
-
-def _choices(
-    mission_net: MissionNet | None, engine: Asked, on: On, max_states: int | None
-) -> Iterator[Choice]:
-    """The engines to ask, the one that promises most first."""
-    if engine != "auto":
-        yield Choice(engine, max_states=max_states)
-        return
-    if mission_net is None or on == "markings":
-        yield Choice("symbolic", "a diagram holds all markings, however many they are", max_states)
-        yield Choice("explicit", max_states=max_states)
-        return
-    sections = len(mission_net.graph.sections)
-    limit = FEW // max(sections, 1)
-    limit = limit if max_states is None else min(limit, max_states)
-    many = _too_much_hardware(mission_net, limit) or _many_sections(mission_net, limit)
-    if many is None:
-        yield Choice("explicit", "the stable states are few", limit, max_states, brief=True)
-        many = f"there are more than {limit} stable states"
-    own = "the one section is" if sections == 1 else f"each type of the {sections} sections is"
-    yield Choice("local", f"{many}, so {own} explored on its own", max_states)
-    yield Choice("symbolic", max_states=max_states)
-
-
-def expected_small(mission_net: MissionNet, max_states: int | None = None) -> bool:
-    """Whether the stable states of a mission are listed before anything else is tried."""
-    return next(_choices(mission_net, "auto", "alternatives", max_states)).brief
-
-
-def _too_much_hardware(mission_net: MissionNet, limit: int) -> str | None:
-    """Why a mission has more states than a limit, where its hardware alone says so.
-
-    Before it begins any set of hardware may be out of service, each in a stable state of its own.
-    """
-    faulty = sum(h.faulty for h in mission_net.mission.hardware)
-    return f"{faulty} hardware resources that may fail have 2^{faulty} states" if 2**faulty > limit else None
-
-
-def _many_sections(mission_net: MissionNet, limit: int) -> str | None:
-    """Why a mission is expected to have more stable states than a limit, where listing need not find it out.
-
-    In each section that is entered any set of hardware may be out of service, in stable states of their own.
-    """
-    faulty, sections = sum(h.faulty for h in mission_net.mission.hardware), len(mission_net.graph.sections)
-    if 2**faulty * sections * EXPECTED <= limit:
-        return None
-    many = f"{faulty} hardware resources that may fail in {sections} sections are expected to have many"
-    return f"{many} stable states"
-
-
-def space_of(
-    of: PetriNet | MissionNet,
-    by: Choice | Engine,
-    on: On = "markings",
-    *,
-    progress: Progress | None = None,
-    tokens: bool = True,
-    may_die: bool = False,
-    executor: Executor | None = None,
-) -> Space[Any]:
-    """The space of a net or of a mission, on one of its graphs, by one of the engines.
+    Also an error is kept: a limit that was hit, a net that is not safe, an event with two outcomes. What was
+    built within a limit on states serves every higher limit. Callbacks for progress and executors matter
+    while a space is built; the space does not depend on them.
 
     Args:
         of: The net, or the mission's.
-        by: The engine.
-        on: The graph; the alternatives graph is of nets with priorities.
-        progress: Called now and then with states and edges, or with local spaces done and to do.
-        tokens: Whether the places of a net without priorities may hold several tokens.
-        may_die: Whether the hardware of the mission may die (:mod:`mcpn.net.mortal`). Internal evolution is
-            then known to be confluent, for dying changes nothing but what may be repaired.
-        executor: Where composition explores sections; this process by default.
+        templates: Those that the mission was composed with, for composition; the paper's by default.
 
-    Raises:
-        InputError: The net has no such graph, or composition is asked of a net of no mission.
-        SemanticsError: The net is unbounded, or not 1-safe though it has priorities or may hold no more than
-            one token in a place; of the alternatives graph, internal evolution is not confluent or divergent.
-        LimitError: A limit was hit.
+    Attributes:
+        net: The net.
+        mission_net: The mission's net; ``None`` for a net of no mission.
     """
-    net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
-    by = Choice(by) if isinstance(by, str) else by
-    if on == "alternatives" and not net.priorities:
-        raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
-    if by.engine == "local" and (mission_net is None or on == "markings"):
-        message = "composition makes the alternatives graph of a mission: sections hand on stable states only"
-        raise InputError.at(None, message)
-    if on == "markings":
-        return markings_by(net, by, progress, tokens=tokens)
-    from mcpn.space.stable.clash_words import in_mission_words
 
-    with in_mission_words(mission_net):
-        if by.engine == "local":
-            assert mission_net is not None, "asked of a mission"
-            from mcpn.space.local.composing import composite_space
+    def __init__(self, of: PetriNet | MissionNet, *, templates: TemplateSet | None = None) -> None:
+        self.mission_net: MissionNet | None = None if isinstance(of, PetriNet) else of
+        self.net: PetriNet = of if isinstance(of, PetriNet) else of.net
+        self.templates = templates
+        self._kept: dict[Hashable, tuple[int, Any]] = {}
 
-            return composite_space(mission_net, progress=progress, may_die=may_die, executor=executor)
-        if by.engine == "explicit" and not may_die:
-            return stable_states(of, by, progress)[0]
-        if may_die:
-            assert mission_net is not None, "asked of a mission"
-            from mcpn.net.mortal import mortal
+    def _once(self, key: Hashable, build: Callable[[], Built], limit: int = 0) -> Built:
+        """What was built under a key, or the error that was raised; it is built where neither is known.
 
-            net = mortal(mission_net).net
+        Args:
+            key: What is built, without the limit on states.
+            build: Builds it.
+            limit: The limit on states under which it is built.
+        """
+        if key in self._kept:
+            known, found = self._kept[key]
+            if known == limit or (known < limit and not isinstance(found, LimitError)):
+                if isinstance(found, LimitError | SemanticsError):
+                    raise copy.copy(found)
+                return found  # type: ignore[no-any-return]
+        try:
+            built = build()
+        except (LimitError, SemanticsError) as error:
+            self._kept[key] = limit, copy.copy(error)  # without its traceback, which holds much
+            raise
+        self._kept[key] = limit, built
+        return built
+
+    @property
+    def mission(self) -> MissionNet:
+        """The mission's net.
+
+        Raises:
+            InputError: The net is of no mission.
+        """
+        if self.mission_net is None:
+            raise InputError.at(None, f"{self.net.name} is a net of no mission: expected a mission")
+        return self.mission_net
+
+    # --- by engine and graph ---
+
+    def space(
+        self,
+        by: Choice | Engine,
+        on: On = "markings",
+        *,
+        progress: Progress | None = None,
+        tokens: bool = True,
+        may_die: bool = False,
+        executor: Executor | None = None,
+    ) -> Space[Any]:
+        """The space on one of the graphs, by one of the engines.
+
+        Args:
+            by: The engine.
+            on: The graph; the alternatives graph is of nets with priorities.
+            progress: Called now and then with states and edges, or with local spaces done and to do.
+            tokens: Whether the places of a net without priorities may hold several tokens.
+            may_die: Whether the hardware of the mission may die (:mod:`mcpn.net.mortal`). Internal evolution
+                is then known to be confluent, for dying changes nothing but what may be repaired.
+            executor: Where composition explores sections; this process by default.
+
+        Raises:
+            InputError: The net has no such graph, or composition is asked of a net of no mission.
+            SemanticsError: The net is unbounded, or not 1-safe though it has priorities or may hold no more
+                than one token in a place; of the alternatives graph, internal evolution is not confluent or
+                divergent.
+            LimitError: A limit was hit.
+        """
+        by = Choice(by) if isinstance(by, str) else by
+        if on == "alternatives" and not self.net.priorities:
+            raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
+        if by.engine == "local" and (self.mission_net is None or on == "markings"):
+            message = (
+                "composition makes the alternatives graph of a mission: sections hand on stable states only"
+            )
+            raise InputError.at(None, message)
+        if on == "markings":
+            return self.markings(by, progress, tokens=tokens)
+        from mcpn.space.stable.clash_words import in_mission_words
+
+        with in_mission_words(self.mission_net):
+            if by.engine == "local":
+                return self.composite(may_die=may_die, progress=progress, executor=executor)
+            if may_die:
+                return self._dying(by, progress)
+            return self.stable(by, progress)[0] if by.engine == "explicit" else self.reduced(by, progress)[0]
+
+    def _dying(self, by: Choice, progress: Progress | None) -> Space[Any]:
+        """The alternatives graph of the mission where its hardware may die, states listed or on diagrams."""
         if by.engine == "symbolic":
-            return alternatives_by(markings_by(net, by, progress), by.limit, proof=not may_die)[0]
+            return self._mortal.reduced(by, progress, proof=False)[0]
+        return self._mortal.unproved(by.beside(MORTAL), progress)
+
+    @property
+    def _mortal(self) -> Spaces:
+        """The spaces of the same mission where hardware may die."""
+        from mcpn.net.mortal import mortal
+
+        return self._once("mortal", lambda: Spaces(mortal(self.mission)))
+
+    # --- the whole net ---
+
+    def stable(self, by: Choice, progress: Progress | None = None) -> tuple[ArraySpace, str]:
+        """The alternatives graph by listing, and the proof of confluence used; see :meth:`space`."""
+        if self.mission_net is not None and (found := too_much_hardware(self.mission_net, by.limit)):
+            raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
+        graph, space = self._listed(by.limit, progress)
+        return space, graph.proof or ""
+
+    def listed(self, max_states: int | None = None, progress: Progress | None = None) -> AlternativesGraph:
+        """The alternatives graph with its stable states listed, and proved; its errors are the net's own."""
+        return self._listed(MAX_STABLE_STATES if max_states is None else max_states, progress)[0]
+
+    def _listed(self, max_states: int, progress: Progress | None) -> tuple[AlternativesGraph, ArraySpace]:
+        def build() -> tuple[AlternativesGraph, ArraySpace]:
+            step(Doing.LISTING)  # before arrays are loaded, which takes its time
+            from mcpn.space.arrays import ArraySpace
+            from mcpn.space.stable.alternatives import direct_with_proof
+
+            graph = direct_with_proof(self.net, max_states=max_states, progress=progress)
+            return graph, ArraySpace(graph)
+
+        return self._once("listed", build, max_states)
+
+    def unproved(self, max_states: int, progress: Progress | None = None) -> ArraySpace:
+        """The same without a proof of confluence, which it rests on."""
+
+        def build() -> ArraySpace:
+            from mcpn.space.arrays import ArraySpace
+            from mcpn.space.stable.alternatives import direct
+
+            return ArraySpace(direct(self.net, proof=False, max_states=max_states, progress=progress))
+
+        return self._once("unproved", build, max_states)
+
+    def markings(
+        self, by: Choice, progress: Progress | None = None, *, tokens: bool = True
+    ) -> ArraySpace | DiagramMarkings:
+        """The markings graph; see :meth:`space`."""
+        tokens = tokens and not self.net.priorities  # else the net must be 1-safe
+        if by.engine == "explicit":
+            return self._once(("explicit", tokens), lambda: self._arrays(by, progress, tokens), by.limit)
+        edges = by.why is not None and not self.net.priorities  # no diagram was asked for by name
+
+        def build() -> ArraySpace | DiagramMarkings:
+            space = self.symbolic(tokens=tokens, edges=edges)
+            if space.listed is None:
+                return DiagramMarkings(space)
+            from mcpn.space.arrays import ArraySpace
+
+            return ArraySpace(space.listed)
+
+        return self._once(("markings", tokens, edges), build)
+
+    def _arrays(self, by: Choice, progress: Progress | None, tokens: bool) -> ArraySpace:
+        step(Doing.LISTING_MARKINGS)
         from mcpn.space.arrays import ArraySpace
-        from mcpn.space.stable.alternatives import direct
 
-        return ArraySpace(direct(net, proof=False, max_states=by.beside(MORTAL), progress=progress))
-
-
-def stable_states(
-    of: PetriNet | MissionNet, by: Choice, progress: Progress | None = None
-) -> tuple[ArraySpace, str]:
-    """The alternatives graph by listing, and the proof of confluence used; see :func:`space_of`."""
-    net, mission_net = (of, None) if isinstance(of, PetriNet) else (of.net, of)
-    if mission_net is not None and (found := _too_much_hardware(mission_net, by.limit)):
-        raise LimitError(f"{found}, the limit on states is {by.limit}: use --engine local")
-    step(Doing.LISTING)  # before arrays are loaded, which takes its time
-    from mcpn.space.arrays import ArraySpace
-    from mcpn.space.stable.alternatives import direct_with_proof
-
-    graph = direct_with_proof(net, max_states=by.limit, progress=progress)
-    return ArraySpace(graph), graph.proof or ""
-
-
-def markings_by(
-    net: PetriNet, by: Choice, progress: Progress | None = None, *, tokens: bool = True
-) -> ArraySpace | DiagramMarkings:
-    """The markings graph of a net; see :func:`space_of`."""
-    step(Doing.LISTING_MARKINGS if by.engine == "explicit" else Doing.MAKING_DIAGRAM)
-    if by.engine == "explicit":
-        from mcpn.space.arrays import ArraySpace
-
-        if not tokens or net.priorities:  # the net must be 1-safe
-            return ArraySpace(explore(net, max_states=by.limit, progress=progress))
+        if not tokens:
+            return ArraySpace(explore(self.net, max_states=by.limit, progress=progress))
         from mcpn.space.markings.counted import explore_markings
 
-        return ArraySpace(explore_markings(net, max_states=by.limit, progress=progress))
-    edges = by.why is not None and not net.priorities  # no diagram was asked for by name
-    space = reach_markings(net, edges=edges) if tokens else reach(net, edges=edges)
-    if space.listed is not None:
+        return ArraySpace(explore_markings(self.net, max_states=by.limit, progress=progress))
+
+    def symbolic(self, *, tokens: bool = True, edges: bool = False) -> SymbolicSpace:
+        """All markings as a diagram.
+
+        Args:
+            tokens: Whether places may hold several tokens.
+            edges: Whether firings are kept where the markings were listed, if they fit.
+        """
+        tokens = tokens and not self.net.priorities  # else the net must be 1-safe
+
+        def build() -> SymbolicSpace:
+            step(Doing.MAKING_DIAGRAM)
+            return (reach_markings if tokens else reach)(self.net, edges=edges)
+
+        return self._once(("symbolic", tokens, edges), build)
+
+    @property
+    def diagram(self) -> DiagramMarkings:
+        """All markings of a bounded net on a diagram, with as many tokens as there are."""
+        return self._once("diagram", lambda: DiagramMarkings(self.symbolic()))
+
+    def reduced(
+        self, by: Choice, progress: Progress | None = None, *, proof: bool = True
+    ) -> tuple[Space[Any], str]:
+        """The alternatives graph by way of all markings of a 1-safe net, and the proof of confluence."""
+
+        def build() -> tuple[Space[Any], str]:
+            markings = self.markings(by, progress, tokens=False)
+            step(Doing.PROVING)
+            if not isinstance(markings, DiagramMarkings):
+                from mcpn.space.stable.alternatives import by_reduction
+
+                graph = by_reduction(markings.graph)
+                return type(markings)(graph), graph.proof or ""
+            from mcpn.space.stable.confluence import prove_confluent
+
+            space = markings.space
+            proved = prove_confluent(self.net, max_states=by.limit, space=space) if proof else ""
+            return DiagramAlternatives(space), proved
+
+        listed_early = by.why is not None and not self.net.priorities
+        return self._once(("reduced", by.engine, listed_early, proof), build, by.limit)
+
+    def ordered(self, order: Order | None = None, seed: int | None = None) -> SymbolicSpace:
+        """All markings on a diagram whose order of places is given, or raced with one that a seed draws."""
+        key = "ordered", None if order is None else tuple(order), seed
+        return self._once(key, lambda: reach_markings(self.net, order=order, seed=seed))
+
+    @property
+    def brief(self) -> DiagramMarkings | None:
+        """All markings on a diagram, where few steps reach them and no place holds two tokens."""
+
+        def build() -> DiagramMarkings | None:
+            space = reach_briefly(self.net)
+            return None if space is None else DiagramMarkings(space)
+
+        return self._once("brief", build)
+
+    def counted(
+        self, max_states: int | None = None, progress: Progress | None = None, *, tokens: bool = True
+    ) -> Counts:
+        """The sizes of the markings graph, counted marking by marking without keeping the firings."""
+        tokens, limit = tokens and not self.net.priorities, max_states or MAX_MARKINGS
+
+        def build() -> Counts:
+            if not tokens:
+                return count(self.net, max_states=limit, progress=progress)
+            from mcpn.space.markings.counted import count_markings
+
+            return count_markings(self.net, max_states=limit, progress=progress)
+
+        return self._once(("counted", tokens), build, limit)
+
+    def reference(self) -> ReferenceCounts:
+        """What the small independent reference counts.
+
+        Raises:
+            UnsafeError: The net is not 1-safe.
+            LimitError: The net is large, or pyeda is not installed.
+        """
+        if len(self.net.places) > MOST_PLACES_FOR_PYEDA:
+            raise LimitError(f"more than {MOST_PLACES_FOR_PYEDA} places, the limit of the reference engine")
+        try:
+            from mcpn.space import pyeda_reference
+
+            return self._once("reference", lambda: pyeda_reference.count(self.net))
+        except ImportError as error:
+            raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
+
+    def with_tokens(self, max_states: int) -> ArraySpace:
+        """All markings of a bounded net listed, with as many tokens as there are, priorities respected."""
         from mcpn.space.arrays import ArraySpace
+        from mcpn.space.markings.counted import explore_tokens
 
-        return ArraySpace(space.listed)
-    return DiagramMarkings(space)
+        def build() -> ArraySpace:
+            return ArraySpace(explore_tokens(self.net, max_states=max_states))
+
+        return self._once("with tokens", build, max_states)
+
+    # --- by sections ---
+
+    def composite(
+        self,
+        *,
+        may_die: bool = False,
+        progress: Progress | None = None,
+        executor: Executor | None = None,
+    ) -> CompositeSpace:
+        """The alternatives graph of the mission by composition; see :meth:`space`.
+
+        Raises:
+            PremiseError: A section hands on more than the state of its hardware.
+        """
+        from mcpn.space.local.composing import composite_space
+
+        def build() -> CompositeSpace:
+            return composite_space(
+                self.mission,
+                templates=self.templates,
+                executor=executor,
+                progress=progress,
+                may_die=may_die,
+            )
+
+        return self._once(("composite", may_die), build)
+
+    def section(self, name: str) -> Spaces:
+        """The spaces of one section on its own net, which begins where the section does.
+
+        Raises:
+            InputError: There is no such section.
+        """
+        from mcpn.net.sections import part_of
+
+        return self._once(("section", name), lambda: Spaces(part_of(self.mission, name).net(self.templates)))
+
+    def local(self, name: str, max_states: int | None = None) -> tuple[MissionNet, AlternativesGraph]:
+        """The local graph of a section, with its net; see :func:`mcpn.space.local.composing.local_graph`."""
+        from mcpn.space.local.composing import local_graph
+
+        limit = MAX_STABLE_STATES if max_states is None else max_states
+        return self._once(("local", name), lambda: local_graph(self.mission, name, limit), limit)
 
 
-def alternatives_by(
-    markings: ArraySpace | DiagramMarkings, max_states: int, *, proof: bool = True
-) -> tuple[Space[Any], str]:
-    """The alternatives graph of a net whose markings graph is there, and the proof of confluence used."""
-    step(Doing.PROVING)
-    if not isinstance(markings, DiagramMarkings):
-        from mcpn.space.stable.alternatives import by_reduction
-
-        graph = by_reduction(markings.graph)
-        return type(markings)(graph), graph.proof or ""
-    from mcpn.space.stable.confluence import prove_confluent
-
-    net, space = markings.net, markings.space
-    proved = prove_confluent(net, max_states=max_states, space=space) if proof else ""
-    return DiagramAlternatives(space), proved
+def spaces_of(of: Subject) -> Spaces:
+    """The spaces of a mission's net or of a net; those that are given, if they are."""
+    return of if isinstance(of, Spaces) else Spaces(of)

@@ -19,7 +19,6 @@ from mcpn.cli.shared import (
     jobs_option,
     json_option,
     limit_option,
-    mission_net_of,
     progress_line,
     scheduler_option,
     tell_warnings,
@@ -28,7 +27,7 @@ from mcpn.cli.shared import (
 from mcpn.errors import InputError
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Asked
+    from mcpn.check.engines import Asked
     from mcpn.report.causes import Classes
 
 MOST_TOLD = 50
@@ -84,27 +83,25 @@ def causes(
         without_threads_of_numpy()
     from dataclasses import asdict
 
-    from mcpn.check.causes.find import find_causes
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
     from mcpn.report import causes as report
     from mcpn.report.openpsa import open_psa
     from mcpn.report.text import print_choice
+    from mcpn.study import open_study
     from mcpn.workers import executor_of
 
     started = time.perf_counter()
     classes = _classes(severities)
     if fmeca is not None:
         report.check_table_name(fmeca)
-    mission_net = mission_net_of(mission, import_root)
+    study = open_study(mission, import_root=import_root)
     if not as_json:
-        tell_warnings(mission_net)
+        tell_warnings(study.mission_net)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
     with progress_line(as_json, told) as progress:
         with executor_of(jobs, scheduler) as executor:
-            every = find_causes(
-                mission_net, engine=engine, progress=progress, max_states=max_states, executor=executor
-            )
+            every = study.causes(engine=engine, progress=progress, max_states=max_states, executor=executor)
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)
@@ -116,7 +113,7 @@ def causes(
         numbers = risk(every.prospects, max_states)
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
-        write_atomically(openpsa, open_psa(mission_net.usage, every.mission.cut_sets, cut_sets))
+        write_atomically(openpsa, open_psa(study.mission_net.usage, every.mission.cut_sets, cut_sets))
     if fmeca is not None:
         report.save_fmeca(rows, fmeca, classes)
     if as_json:

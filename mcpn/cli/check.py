@@ -18,12 +18,9 @@ from mcpn.cli.shared import (
     emit_json,
     engine_option,
     import_option,
-    is_net,
     jobs_option,
     json_option,
     limit_option,
-    mission_net_of,
-    net_of,
     progress_line,
     scheduler_option,
     tell_warnings,
@@ -31,9 +28,8 @@ from mcpn.cli.shared import (
 )
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Asked
+    from mcpn.check.engines import Asked
     from mcpn.check.verdicts.mission import MissionCheck
-    from mcpn.net.petri import PetriNet
 
 
 @click.command()
@@ -61,24 +57,26 @@ def check(
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
     without_threads_of_numpy()
-    if structure or is_net(file):
-        _check_net(net_of(file, import_root), structure, max_states, as_json)
-        return
-    from mcpn.check.verdicts.mission import check as check_mission
-    from mcpn.workers import executor_of
+    from mcpn.study import open_study
 
     started = time.perf_counter()
-    mission_net = mission_net_of(file, import_root)
-    warned = [] if as_json else tell_warnings(mission_net)
+    study = open_study(file, import_root=import_root)
+    if structure or study.is_net:
+        from mcpn.report.nets import net_object, print_net, print_structure, structure_object
+
+        if structure:
+            arcs = study.structure()
+            emit_json(structure_object(arcs)) if as_json else print_structure(arcs)
+        else:
+            does = study.behaviour(max_states=max_states)
+            emit_json(net_object(does)) if as_json else print_net(does)
+        return
+    from mcpn.workers import executor_of
+
+    warned = [] if as_json else tell_warnings(study.mission_net)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES
     with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
-        found = check_mission(
-            mission_net,
-            engine=engine,
-            max_states=max_states,
-            progress=progress,
-            executor=executor,
-        )
+        found = study.verdicts(engine=engine, max_states=max_states, progress=progress, executor=executor)
     seconds = time.perf_counter() - started
     if as_json:
         emit_json(_check_object(found, seconds, internal))
@@ -88,18 +86,6 @@ def check(
         print_check(found, seconds, internal=internal, told=warned)
     if not found.passed:
         sys.exit(EXIT_FAILED)
-
-
-def _check_net(net: PetriNet, structure: bool, max_states: int | None, as_json: bool) -> None:
-    from mcpn.check.verdicts.nets import Structure, check_net
-    from mcpn.report.nets import net_object, print_net, print_structure, structure_object
-
-    if structure:
-        examined = Structure(net)
-        emit_json(structure_object(examined)) if as_json else print_structure(examined)
-        return
-    found = check_net(net) if max_states is None else check_net(net, max_states=max_states)
-    emit_json(net_object(found)) if as_json else print_net(found)
 
 
 def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[str, Any]:

@@ -16,21 +16,18 @@ from mcpn.cli.shared import (
     emit_json,
     engine_option,
     import_option,
-    is_net,
     jobs_option,
     json_option,
     limit_option,
-    mission_net_of,
     progress_line,
     scheduler_option,
     without_threads_of_numpy,
 )
 
 if TYPE_CHECKING:
+    from mcpn.check.engines import Asked, On
     from mcpn.check.logic.questions import Answer, Questions
     from mcpn.check.logic.verdicts import ContestAnswer
-    from mcpn.check.spaces import Asked, On
-    from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
@@ -91,15 +88,15 @@ def ctl(
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
-    from mcpn.check.logic.questions import Questions
     from mcpn.check.logic.verdicts import answer_typed
+    from mcpn.study import open_study
     from mcpn.workers import executor_of
 
-    net, mission_net = _subject(file, import_root)
+    study = open_study(file, import_root=import_root)
     objects, answers = [], []
     with executor_of(jobs, scheduler) as executor:
-        questions = Questions(
-            net, mission_net, on=graph, fair=fair, engine=engine, max_states=max_states, executor=executor
+        questions = study.questions(
+            on=graph, fair=fair, engine=engine, max_states=max_states, executor=executor
         )
         # Everything asked is understood before anything is answered.
         for text in formulas:
@@ -114,22 +111,13 @@ def ctl(
     if scn:
         _write_scenario(answers[0], scn)
     if as_json:
-        emit_json([*objects, *(_answer_object(answer, net) for answer in answers)])
+        emit_json([*objects, *(_answer_object(answer, study.net) for answer in answers)])
     elif answers:
         from mcpn.report.text import print_answers
 
-        print_answers(answers, net, mission_net)
+        print_answers(answers, study.net, study.spaces.mission_net)
     if not all(answer.holds for answer in answers):
         sys.exit(EXIT_FAILED)
-
-
-def _subject(file: Path, import_root: Path | None) -> tuple[PetriNet, MissionNet | None]:
-    from mcpn.net.formats import read_net
-
-    if is_net(file):
-        return read_net(file), None
-    mission_net = mission_net_of(file, import_root)
-    return mission_net.net, mission_net
 
 
 def _of_contest(

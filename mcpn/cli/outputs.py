@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import click
 
@@ -13,20 +13,14 @@ from mcpn.cli.shared import (
     STATES_AND_EDGES,
     emit_json,
     import_option,
-    is_net,
     jobs_option,
     json_option,
     limit_option,
-    mission_net_of,
-    net_of,
     progress_line,
     scheduler_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
-
-if TYPE_CHECKING:
-    from mcpn.report.pictures.drawing import Drawing
 
 
 @click.command()
@@ -66,20 +60,19 @@ def controller(
     if smallest and form == "modular":
         raise click.UsageError("--minimise merges states of machines: a modular controller has none")
     without_threads_of_numpy()
-    from mcpn.controller.generate import generate
     from mcpn.controller.hierarchy import TableController
     from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
+    from mcpn.study import open_study
     from mcpn.workers import executor_of
 
-    mission_net = mission_net_of(mission, import_root)
+    study = open_study(mission, import_root=import_root)
     if form == "auto" and (smallest or target not in OF_RULES):
         form = "hierarchical"
     told = STATES_AND_EDGES if form == "flat" else SECTIONS
     with progress_line(as_json, told) as progress, executor_of(jobs, scheduler) as executor:
-        found = generate(
-            mission_net,
+        found = study.controller(
             form,
             max_states=max_states,
             progress=progress,
@@ -90,7 +83,7 @@ def controller(
     if smallest and isinstance(found, TableController):
         found = minimise(found)
         size = f"{size}; minimised: {found.states} states, {found.moves} edges"
-    texts = files(found, mission_net, target)
+    texts = files(found, study.mission_net, target)
     write_folder(output, texts)
     paths = [str(output / name) for name in texts]
     if as_json:
@@ -127,9 +120,10 @@ def convert(
     """
     from mcpn.net.formats import WRITABLE, save_net
     from mcpn.report.pictures.drawing import KNOWN
+    from mcpn.study import open_study
 
     if target.suffix.lower() in KNOWN:
-        _picture(source, draw, section, import_root).save(target)
+        open_study(source, import_root=import_root).picture(draw, section).save(target)
         if as_json:
             emit_json({"file": str(target), "warnings": []})
         return
@@ -139,23 +133,10 @@ def convert(
     if target.suffix.lower() not in WRITABLE:
         expected = ", ".join((*WRITABLE, *KNOWN))
         raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}, expected {expected}")
-    net = net_of(source, import_root)
+    net = open_study(source, import_root=import_root).net
     warning = save_net(net, target)
     if as_json:
         sizes = {"places": len(net.places), "transitions": len(net.transitions)}
         emit_json({"file": str(target), **sizes, "warnings": [warning] if warning else []})
     elif warning:
         click.echo(f"warning: {warning}", err=True)
-
-
-def _picture(source: Path, draw: str | None, section: str | None, import_root: Path | None) -> Drawing:
-    """The picture that is asked for."""
-    from mcpn.report.pictures.choice import drawn
-    from mcpn.report.pictures.nets import net_drawing
-
-    if not is_net(source):
-        kind = draw or ("mission" if section is None else "alternatives")
-        return drawn(mission_net_of(source, import_root), kind, section)
-    if draw not in (None, "net") or section:
-        raise InputError.at(Source(str(source)), "found a net, expected a mission: only these have sections")
-    return net_drawing(net_of(source, import_root))

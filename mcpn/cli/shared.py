@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from mcpn.check.spaces import Choice, NoSpace
+    from mcpn.check.engines import Choice, NoSpace
     from mcpn.net.compose import MissionNet
-    from mcpn.net.petri import PetriNet
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -81,30 +80,6 @@ def choice_object(choice: Choice | NoSpace) -> dict[str, str | None]:
 def without_threads_of_numpy() -> None:
     """Keeps numpy from starting threads for its linear algebra, which most commands do not use."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-
-def mission_net_of(path: Path, import_root: Path | None) -> MissionNet:
-    """The net of a mission file."""
-    from mcpn.mission.xml import read_mission
-    from mcpn.net.compose import compose
-
-    return compose(read_mission(path, import_root=import_root))
-
-
-def is_net(path: Path) -> bool:
-    """Whether a file is a net, by its suffix; else it is a mission, as its root element must confirm."""
-    from mcpn.net.formats import READABLE
-
-    return path.suffix.lower() in READABLE
-
-
-def net_of(path: Path, import_root: Path | None) -> PetriNet:
-    """A net, or that of a mission."""
-    from mcpn.net.formats import read_net
-
-    if is_net(path):
-        return read_net(path)
-    return mission_net_of(path, import_root).net
 
 
 def emit_json(document: object) -> None:

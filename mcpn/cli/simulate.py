@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option, mission_net_of
+from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option
 from mcpn.errors import InputError, LimitError, Source
 
 if TYPE_CHECKING:
@@ -68,8 +68,11 @@ def simulate(
     input, unless a file or a number of random ones is given.
     """
     from mcpn.controller.simulator import MAX_VISITED, Simulation
+    from mcpn.study import open_study
 
-    simulation = Simulation(mission_net_of(mission, import_root), max_states or MAX_VISITED)
+    simulation = Simulation(
+        open_study(mission, import_root=import_root).mission_net, max_states or MAX_VISITED
+    )
     session = _Session(simulation, quiet=as_json)
     if events is not None:
         session.replay(events)

@@ -19,20 +19,16 @@ from mcpn.cli.shared import (
     emit_json,
     engine_option,
     import_option,
-    is_net,
     json_option,
     limit_option,
-    mission_net_of,
-    net_of,
     progress_line,
     without_threads_of_numpy,
 )
 
 if TYPE_CHECKING:
+    from mcpn.check.engines import Asked, Choice, On
     from mcpn.check.sizes import Counting
-    from mcpn.check.spaces import Asked, Choice, On
-    from mcpn.net.compose import MissionNet
-    from mcpn.net.petri import PetriNet
+    from mcpn.check.spaces import Spaces
     from mcpn.space.algebra import Space
     from mcpn.space.markings.explicit import Progress
     from mcpn.space.summary import SpaceSummary
@@ -71,49 +67,42 @@ def states(
     """Count the reachable states of FILE: the markings of a net, the stable states of a large mission."""
     from dataclasses import asdict
 
-    from mcpn.check.sizes import sizes
+    from mcpn.study import open_study
 
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
         raise click.UsageError("--order, --seed and --save-order are of the symbolic engine, on markings")
     if chosen:
-        found = _in_order(net_of(file, import_root), order, seed, save_order)
+        found = _in_order(open_study(file, import_root=import_root).spaces, order, seed, save_order)
         emit_counts(asdict(found) | {"why": None}, as_json)
         return
-    of = net_of(file, import_root) if is_net(file) else mission_net_of(file, import_root)
-    told = SECTIONS if engine in ("auto", "local") and not is_net(file) else STATES_AND_EDGES
+    study = open_study(file, import_root=import_root)
+    told = SECTIONS if engine in ("auto", "local") and not study.is_net else STATES_AND_EDGES
     with progress_line(as_json, told) as progress:
-        found, choice = sizes(of, engine=engine, on=graph, max_states=max_states, progress=progress)
+        found, choice = study.sizes(engine=engine, on=graph, max_states=max_states, progress=progress)
     emit_counts(asdict(found) | ({"why": None} if choice is None else choice_object(choice)), as_json)
 
 
-def _in_order(net: PetriNet, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
-    from mcpn.space.diagrams.bounded import reach_markings
+def _in_order(spaces: Spaces, order: Path | None, seed: int | None, save_order: Path | None) -> SpaceSummary:
     from mcpn.space.diagrams.order import read_order, write_order
     from mcpn.space.summary import summary_of
 
-    started = time.perf_counter()
-    space = reach_markings(net, order=read_order(order, net) if order else None, seed=seed)
+    started, net = time.perf_counter(), spaces.net
+    space = spaces.ordered(read_order(order, net) if order else None, seed)
     if save_order:
         write_order(save_order, net, space.places, space.order)
     return summary_of(space, started)
 
 
 def _listed(
-    mission_net: MissionNet, method: str, proof: bool, choice: Choice, progress: Progress | None
+    spaces: Spaces, method: str, proof: bool, choice: Choice, progress: Progress | None
 ) -> Space[Any]:
     """The alternatives graph as the user wants it listed."""
-    from mcpn.check.spaces import space_of
-    from mcpn.space.arrays import ArraySpace
-    from mcpn.space.markings.explicit import explore
-    from mcpn.space.stable.alternatives import by_reduction, direct
-
-    net, limit = mission_net.net, choice.limit
     if method == "reduction":
-        return ArraySpace(by_reduction(explore(net, progress=progress, max_states=limit)))
+        return spaces.reduced(choice, progress)[0]
     if not proof:
-        return ArraySpace(direct(net, proof=False, progress=progress, max_states=limit))
-    return space_of(mission_net, choice, "alternatives", progress=progress)
+        return spaces.unproved(choice.limit, progress)
+    return spaces.space(choice, "alternatives", progress=progress)
 
 
 @click.command()
@@ -142,30 +131,31 @@ def alternatives(
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
-    from mcpn.check.spaces import answered, space_of
+    from mcpn.check.engines import answered
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import AlternativesGraph
     from mcpn.space.stable.clash_words import in_mission_words
     from mcpn.space.stable.listing import written_out
+    from mcpn.study import open_study
 
     without_threads_of_numpy()
     if method is not None or not proof:
         if engine not in ("auto", "explicit"):
             raise click.UsageError("--method and --no-proof are of the explicit engine")
         engine = "explicit"
-    mission_net = mission_net_of(mission, import_root)
+    study = open_study(mission, import_root=import_root)
+    mission_net, spaces = study.mission_net, study.spaces
     started = time.perf_counter()
     if section is not None:
-        from mcpn.net.sections import part_of
-
-        mission_net, engine = part_of(mission_net, section).net(), "explicit"
+        spaces, engine = spaces.section(section), "explicit"
+        mission_net = spaces.mission
 
     def ask(choice: Choice) -> Space[Any]:
         if choice.engine == "explicit" and not choice.brief:
             with progress_line(as_json) as progress:
-                return _listed(mission_net, method or "direct", proof, choice, progress)
+                return _listed(spaces, method or "direct", proof, choice, progress)
         with progress_line(as_json or choice.brief, SECTIONS) as progress:
-            return space_of(mission_net, choice, "alternatives", progress=progress)
+            return spaces.space(choice, "alternatives", progress=progress)
 
     with in_mission_words(mission_net):
         space, choice = answered(ask, mission_net, engine=engine, on="alternatives", max_states=max_states)
@@ -204,9 +194,11 @@ def compare(
     """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree."""
     from dataclasses import asdict
 
-    from mcpn.space.compare import disagreement, measure
+    from mcpn.check.compare import disagreement, measure
+    from mcpn.study import open_study
 
-    subject = net_of(file, import_root) if is_net(file) else mission_net_of(file, import_root).mission
+    study = open_study(file, import_root=import_root)
+    subject = study.net if study.is_net else study.mission_net.mission
     if plot is not None:
         from mcpn.report.pictures.plots import ready
 

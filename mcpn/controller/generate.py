@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, overload
 
+from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.controller.hierarchy import TableController, flat_controller, hierarchical_controller
 from mcpn.controller.modular import AnyController, ModularController
 from mcpn.controller.rules import modular_controller
 from mcpn.controller.sizes import MAX_TABLE_STATES, rather_rules, standing, too_large
 from mcpn.errors import LimitError
 from mcpn.net.compose import MissionNet
-from mcpn.space.local.composing import composite_space
-from mcpn.space.local.composite import CompositeSpace
-from mcpn.space.stable.alternatives import direct_with_proof
 from mcpn.space.stable.clash_words import in_mission_words
 from mcpn.space.stable.completion import MAX_STABLE_STATES
-from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -30,51 +27,47 @@ MOST_UNTOLD = 10_000
 
 @overload
 def generate(
-    mission_net: MissionNet,
+    of: Spaces | MissionNet,
     form: Literal["flat", "hierarchical"] = "hierarchical",
     *,
     max_states: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
     executor: Executor | None = None,
-    composite: CompositeSpace | None = None,
 ) -> TableController: ...
 @overload
 def generate(
-    mission_net: MissionNet,
+    of: Spaces | MissionNet,
     form: Literal["modular"],
     *,
     max_states: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
     executor: Executor | None = None,
-    composite: CompositeSpace | None = None,
 ) -> ModularController: ...
 @overload
 def generate(
-    mission_net: MissionNet,
+    of: Spaces | MissionNet,
     form: Form | Literal["auto"],
     *,
     max_states: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
     executor: Executor | None = None,
-    composite: CompositeSpace | None = None,
 ) -> AnyController: ...
 def generate(
-    mission_net: MissionNet,
+    of: Spaces | MissionNet,
     form: Form | Literal["auto"] = "hierarchical",
     *,
     max_states: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], object] | None = None,
     executor: Executor | None = None,
-    composite: CompositeSpace | None = None,
 ) -> AnyController:
     """Generates the controller of a mission.
 
     Args:
-        mission_net: The mission's net.
+        of: The mission's spaces, or its net.
         form: Hierarchical, whose size is the sum of the sizes of types of sections; modular, of rules; flat;
             or ``auto``: hierarchical unless a section has many states, then modular.
         max_states: How many states a machine may have.
@@ -82,12 +75,12 @@ def generate(
         told: Called with the sizes, in words, before large sections are listed, and where ``auto`` takes
             the modular form.
         executor: Where types of sections are explored; this process by default.
-        composite: The mission's composite, where it has been made.
 
     Raises:
         SemanticsError: The mission is not safe or not confluent, or a section hands on more than hardware.
         LimitError: A machine would have more states than allowed; the message says how many.
     """
+    spaces, mission_net = spaces_of(of), spaces_of(of).mission
     if form == "flat":
         faulty = sum(h.faulty for h in mission_net.mission.hardware)
         limit = MAX_STABLE_STATES if max_states is None else max_states
@@ -96,13 +89,10 @@ def generate(
                 f"{faulty} hardware resources that may fail have 2^{faulty} states and a flat controller has "
                 f"more, the limit is {limit}: the hierarchical one needs no such product"
             )
-        step(Doing.LISTING)
         with in_mission_words(mission_net):
-            graph = direct_with_proof(mission_net.net, progress=progress, max_states=limit)
-        return flat_controller(mission_net, graph)
-    if composite is None:
-        with in_mission_words(mission_net):
-            composite = composite_space(mission_net, progress=progress, executor=executor)
+            return flat_controller(mission_net, spaces.listed(limit, progress))
+    with in_mission_words(mission_net):
+        composite = spaces.composite(progress=progress, executor=executor)
     if form == "modular":
         return modular_controller(composite)
     names = standing(composite)

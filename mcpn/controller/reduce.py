@@ -139,9 +139,7 @@ def _short(group: _Group, known: int) -> Iterator[Short]:
         while left and others:
             best = max(others, key=lambda told: ((others[told] & left).bit_count(), -told))
             apart = others.pop(best) & left
-            if (
-                not apart
-            ):  # some full rules do not contradict this one; the states of the others go
+            if not apart:  # some full rules do not contradict this one; the states of the others go
                 states = _where(elsewhere(effect), (*chosen, *kept))
                 chosen += _enough(states, (best, *others))
                 break

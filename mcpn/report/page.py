@@ -11,7 +11,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
@@ -30,40 +30,11 @@ if TYPE_CHECKING:
     from mcpn.check.causes.fmeca import Row
     from mcpn.check.causes.risk import Risk
     from mcpn.check.verdicts.mission import MissionCheck
-    from mcpn.report.local import LocalPicture
+    from mcpn.report.findings import Findings
 
 
 MOST_ROWS = 2000
 """Rows of one table of a page."""
-
-
-@dataclass(frozen=True)
-class Findings:
-    """What a report tells; what could not be found is ``None``, and a note says why.
-
-    Args:
-        check: The mission's verdicts.
-        causes: Its causes of failure.
-        fmeca: The FMECA table.
-        controller: The hierarchical controller, as the JSON object of :mod:`mcpn.controller.targets.json`.
-        notes: Why something is missing.
-        warnings: What reading the mission found suspicious.
-        engine: The engine that was used.
-        seconds: Time by what took it.
-        risk: Numbers of risk, where the mission's files give rates.
-        local: Local graphs.
-    """
-
-    check: MissionCheck
-    causes: Causes | None = None
-    fmeca: Sequence[Row] | None = None
-    controller: Mapping[str, Any] | None = None
-    notes: Sequence[str] = ()
-    warnings: Sequence[str] = ()
-    engine: str = ""
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    risk: Risk | None = None
-    local: Sequence[LocalPicture] = ()
 
 
 @dataclass(frozen=True)

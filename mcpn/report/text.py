@@ -9,14 +9,14 @@ from mcpn.report.terminal import Terminal
 from mcpn.report.words import in_words, modes_in_words
 
 if TYPE_CHECKING:
+    from mcpn.check.compare import Measurement
+    from mcpn.check.engines import Choice, NoSpace
     from mcpn.check.logic.questions import Answer
-    from mcpn.check.spaces import Choice, NoSpace
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
     from mcpn.check.verdicts.modes import Mode
     from mcpn.net.compose import MissionNet
     from mcpn.net.events import Event
     from mcpn.net.petri import PetriNet
-    from mcpn.space.compare import Measurement
     from mcpn.space.local.composite import CompositeSpace
 
 SENTENCES: Mapping[str, tuple[str, str, str]] = {

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
-from mcpn.space.markings.explicit import MAX_MARKINGS, Progress
+from mcpn.space.markings.explicit import Counts
 
 if TYPE_CHECKING:
     from mcpn.space.diagrams.symbolic import SymbolicSpace
+    from mcpn.space.pyeda_reference import ReferenceCounts
 
 ENGINES = ("explicit", "symbolic", "pyeda")
 """The engines that count: marking by marking, by decision diagrams, and the small independent reference."""
@@ -55,37 +54,6 @@ class SpaceSummary:
     order: str | None = None
 
 
-def summarise(
-    net: PetriNet, engine: str, *, max_states: int | None = None, progress: Progress | None = None
-) -> SpaceSummary:
-    """Explores a net and says its sizes.
-
-    Args:
-        net: The net.
-        engine: One of :data:`ENGINES`.
-        max_states: Limit for the explicit engine.
-        progress: Called now and then by the explicit engine.
-
-    Returns:
-        The sizes.
-
-    Raises:
-        UnsafeError: The net is not 1-safe, and has priorities or the engine is pyeda.
-        UnboundedError: The net is unbounded.
-        LimitError: A limit was hit, or the engine is not installed.
-    """
-    started = time.perf_counter()
-    if engine == "symbolic":
-        from mcpn.space.diagrams.bounded import reach_markings
-
-        return summary_of(reach_markings(net), started)
-    counts = _explicit(net, max_states or MAX_MARKINGS, progress) if engine == "explicit" else _pyeda(net)
-    states, edges, stable, dead, tokens, in_place = counts
-    seconds = time.perf_counter() - started
-    sizes = len(net.places), len(net.transitions)
-    return SpaceSummary(*sizes, states, edges, stable, dead, tokens, in_place, None, engine, seconds)
-
-
 def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
     """The sizes of markings reached as a diagram.
 
@@ -111,28 +79,26 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
     )
 
 
-_Counts = tuple[int, int, int | None, int, int, int]
+def summary_of_counts(
+    net: PetriNet, found: Counts | ReferenceCounts, engine: str, started: float
+) -> SpaceSummary:
+    """The same of markings that were counted.
 
-
-def _explicit(net: PetriNet, max_states: int, progress: Callable[[int, int], None] | None) -> _Counts:
-    from mcpn.space.markings.counted import TokenCounts, count_markings
-
-    found = count_markings(net, max_states=max_states, progress=progress)
-    stable = found.stable if net.priorities else None
-    in_place = min(found.max_tokens, 1)
-    if isinstance(found, TokenCounts):
-        in_place = max(found.bounds, default=0)
-    return found.states, found.edges, stable, found.dead, found.max_tokens, in_place
-
-
-def _pyeda(net: PetriNet) -> _Counts:
-    if len(net.places) > MOST_PLACES_FOR_PYEDA:
-        raise LimitError(f"more than {MOST_PLACES_FOR_PYEDA} places, the limit of the reference engine")
-    try:
-        from mcpn.space.pyeda_reference import count
-
-        found = count(net)
-    except ImportError as error:
-        raise LimitError("the reference engine needs pyeda: pip install 'mcpn[pyeda]'") from error
-    sizes = found.states, found.edges, found.stable_states, found.dead_states, found.max_tokens
-    return *sizes, min(found.max_tokens, 1)
+    Args:
+        net: The net.
+        found: The counts.
+        engine: Who has counted.
+        started: When counting began, by :func:`time.perf_counter`.
+    """
+    if isinstance(found, Counts):
+        stable, dead = found.stable if net.priorities else None, found.dead
+    else:
+        stable, dead = found.stable_states, found.dead_states
+    bounds: tuple[int, ...] = getattr(found, "bounds", (min(found.max_tokens, 1),))
+    return SpaceSummary(
+        *(len(net.places), len(net.transitions)),
+        *(found.states, found.edges, stable, dead, found.max_tokens, max(bounds, default=0)),
+        None,
+        engine,
+        time.perf_counter() - started,
+    )

@@ -8,7 +8,8 @@ from typing import Any, get_args
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.prospects import Goal, Prospects
-from mcpn.check.spaces import Engine, space_of
+from mcpn.check.engines import Engine
+from mcpn.check.spaces import spaces_of
 from mcpn.net.compose import MissionNet
 
 ENGINES: tuple[Engine, ...] = get_args(Engine)
@@ -25,12 +26,12 @@ class Asked:
     def __init__(self, found: MissionNet, engine: Engine = "explicit") -> None:
         self.found = found
         self.engine: Engine = engine
-        self.prospects: Prospects[Any] = Prospects(found, space_of(found, engine, "alternatives"))
+        self.prospects: Prospects[Any] = Prospects(found, spaces_of(found).space(engine, "alternatives"))
         self.sections = {section.name: section for section in found.graph.all_sections()}
 
     @cached_property
     def cuts(self) -> CutSets[Any]:
-        return CutSets(self.found, space_of(self.found, self.engine, "alternatives", may_die=True))
+        return CutSets(self.found, spaces_of(self.found).space(self.engine, "alternatives", may_die=True))
 
     @cached_property
     def all(self) -> Causes:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from mcpn.check.causes.find import find_causes
+from mcpn.check.engines import FEW, Choice, Engine, On, answered
 from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import FEW, Choice, Engine, On, answered
+from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import LimitError
 from mcpn.mission.model import Objective
@@ -72,7 +73,7 @@ def test_much_hardware_is_not_listed_to_find_out() -> None:
 def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) -> None:
     formula = "EF (failure & oos(GPS_sensor))"
     for limit, engine in ((None, "explicit"), (100, "local")):
-        questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", max_states=limit)
+        questions = Questions(ulysse_net, on="alternatives", max_states=limit)
         answer = questions.answer(formula)
         assert answer.holds
         assert answer.choice.engine == engine
@@ -87,7 +88,7 @@ def test_all_questions_of_stable_states_have_one_home(ulysse_net: MissionNet) ->
 def test_a_mission_that_composition_refuses_is_held_by_a_diagram() -> None:
     templates = Wearing()
     mission = read_mission(ROOT / "experiments" / "ulysse" / "mission.xml")
-    found = check(compose(mission, templates), templates=templates, max_states=100)
+    found = check(Spaces(compose(mission, templates), templates=templates), max_states=100)
     assert found.choice.engine == "symbolic"
     assert found.choice.why is not None
     assert found.choice.why.startswith("local gives no answer: section")

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, event, given, reject
 from hypothesis import strategies as st
 
+from mcpn.check.engines import Asked
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Justice
@@ -19,7 +20,6 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.syntax import parse
 from mcpn.check.logic.verdicts import answer_all
 from mcpn.check.logic.witness import explain
-from mcpn.check.spaces import Asked
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
@@ -210,7 +210,6 @@ def test_ulysse(
     ulysse_net: MissionNet, engine: Asked, on: str, formula: str, fair: tuple[str, ...], holds: bool
 ) -> None:
     questions = Questions(
-        ulysse_net.net,
         ulysse_net,
         on="markings" if on == "markings" else "alternatives",
         engine=engine,

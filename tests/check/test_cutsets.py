@@ -16,10 +16,10 @@ from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.prospects import Prospects
+from mcpn.check.engines import Engine
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse
-from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.modes import situation
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection

@@ -6,7 +6,8 @@ import networkx as nx
 import numpy as np
 from hypothesis import event, given
 
-from mcpn.check.spaces import Asked, Choice
+from mcpn.check.engines import Asked, Choice
+from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.mission import REQUIRED, MissionCheck, Verdict, _verdicts, check
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
@@ -77,7 +78,7 @@ def by_markings(mission_net: MissionNet, most: int) -> MissionCheck:
         alternatives = ArraySpace(by_reduction(graph))
     except SemanticsError:
         decided = Verdict("confluent", False)
-    return _verdicts(mission_net, Choice("explicit"), decided, ArraySpace(graph), alternatives)
+    return _verdicts(Spaces(mission_net), Choice("explicit"), decided, ArraySpace(graph), alternatives)
 
 
 def listing_agrees(mission_net: MissionNet) -> None:

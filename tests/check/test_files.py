@@ -10,10 +10,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from mcpn.check.engines import Asked
 from mcpn.check.logic.contest import Property
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
-from mcpn.check.spaces import Asked, space_of
+from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.nets import EXAMINATIONS
 from mcpn.errors import Source
 from mcpn.net.petri import PetriNet
@@ -74,8 +75,8 @@ def test_all_are_answered_as_the_definitions_say_on_one_space(
         return counting
 
     with (
-        patch(f"{Questions.__module__}.space_of", counted(space_of)),
-        patch(f"{Questions.__module__}.reach_briefly", counted(reach_briefly)),
+        patch("mcpn.check.spaces.Spaces.space", counted(Spaces.space)),
+        patch("mcpn.check.spaces.reach_briefly", counted(reach_briefly)),
     ):
         answers = [
             (found.name, found.value) for found in answer_all(questions, asked, (*EXAMINATIONS, "OneSafe"))

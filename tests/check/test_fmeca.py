@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from mcpn.check.causes.effects import Severity, changes
 from mcpn.check.causes.fmeca import Row, fmeca
-from mcpn.check.spaces import Engine
+from mcpn.check.engines import Engine
 from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import ElementarySection

@@ -8,7 +8,7 @@ import pytest
 
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.spaces import Engine
+from mcpn.check.engines import Engine
 from mcpn.mission.model import Activity, Block, Objective, Parallel, Recursive
 from mcpn.net.compose import MissionNet, compose
 from tests.check.asked import ENGINES

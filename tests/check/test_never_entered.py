@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mcpn.check.causes.cutsets import CutSet
-from mcpn.check.spaces import Engine
+from mcpn.check.engines import Engine
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from tests.check.asked import ENGINES, Asked

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from mcpn.check.engines import Engine
 from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse
-from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.errors import LimitError

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mcpn.check.causes import chain, section_chains
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
-from mcpn.check.spaces import space_of
+from mcpn.check.spaces import spaces_of
 from mcpn.errors import ConfluenceError, InputError, LimitError, Source
 from mcpn.mission.model import (
     Activity,
@@ -51,7 +51,7 @@ def numbers(found: MissionNet, max_states: int = 5000) -> Risk:
 
 
 def sections_numbers(found: MissionNet, max_states: int = 5000) -> Risk:
-    return risk(Prospects(found, space_of(found, "local", "alternatives")), max_states)
+    return risk(Prospects(found, spaces_of(found).space("local", "alternatives")), max_states)
 
 
 def assert_same(one: Risk, other: Risk) -> None:
@@ -456,4 +456,4 @@ def test_numbers_by_composition_and_by_diagrams_are_those_of_the_whole(
         returns_early(type(error).__name__)
         return
     assert_same(whole, sections_numbers(found))
-    assert_same(whole, risk(Prospects(found, space_of(found, "symbolic", "alternatives"))))
+    assert_same(whole, risk(Prospects(found, spaces_of(found).space("symbolic", "alternatives"))))

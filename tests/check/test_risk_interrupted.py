@@ -20,7 +20,8 @@ from hypothesis import strategies as st
 
 from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
-from mcpn.check.spaces import Engine, space_of
+from mcpn.check.engines import Engine
+from mcpn.check.spaces import spaces_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
 from mcpn.mission.model import Block, DeclaredEvent, Handler, Hardware, Mission, Objective, Parallel
 from mcpn.mission.xml import read_mission
@@ -45,7 +46,7 @@ def assert_same(found: Risk, numbers: Numbers) -> None:
 
 def by(engine: Engine, mission: Mission) -> Risk:
     found = compose(mission)
-    return risk(Prospects(found, space_of(found, engine, "alternatives")))
+    return risk(Prospects(found, spaces_of(found).space(engine, "alternatives")))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -181,7 +182,7 @@ def judge(mission: Mission) -> str:
     numbers = Dense(found, graph).numbers()
     assert_same(risk(Prospects(found, ArraySpace(graph))), numbers)
     for engine in ("symbolic", "local"):
-        assert_same(risk(Prospects(found, space_of(found, engine, "alternatives"))), numbers)
+        assert_same(risk(Prospects(found, spaces_of(found).space(engine, "alternatives"))), numbers)
     handled = {i.event for section in found.graph.all_sections() for i in section.interruptions}
     rates = {event.name for event in mission.events if event.rate}
     if not handled:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.cutsets import Moment
-from mcpn.check.spaces import Engine
+from mcpn.check.engines import Engine
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose

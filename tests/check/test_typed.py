@@ -9,9 +9,9 @@ import pytest
 from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
+from mcpn.check.engines import Engine, NoSpace, On
 from mcpn.check.logic.questions import Answer, Questions
 from mcpn.check.logic.verdicts import answer_typed
-from mcpn.check.spaces import Engine, NoSpace, On
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
 from mcpn.net.compose import MissionNet, compose
@@ -71,7 +71,7 @@ def test_searches_answer_of_missions_as_their_spaces_do(
     net = found.net
     try:
         explore(net, max_states=3000)
-        spaces = Questions(net, found, on=on, engine="explicit")
+        spaces = Questions(found, on=on, engine="explicit")
         _ = spaces.space
     except (LimitError, SemanticsError):
         assume(False)
@@ -88,7 +88,7 @@ def test_searches_answer_of_missions_as_their_spaces_do(
         "EF (!stable)",
     ]
     with patch(f"{QUESTIONS}.expected_small", lambda *_: False):
-        answers = answer_typed(Questions(net, found, on=on), asked)
+        answers = answer_typed(Questions(found, on=on), asked)
     for answer in answers:
         assert answer.holds == spaces.answer(answer.formula).holds, answer.formula
         end = end_of(net, answer)
@@ -181,11 +181,11 @@ def no_space(*_: object, **__: object) -> Any:
 def test_a_search_answers_without_the_space(formula: str, holds: bool) -> None:
     net = ring(40)
     needed = "EG" in formula  # a path that stays: no search finds one
-    with patch(f"{QUESTIONS}.reach_briefly", lambda _: None):
+    with patch("mcpn.check.spaces.reach_briefly", lambda _: None):
         if needed:
             answer = Questions(net).answer(formula)
         else:
-            with patch(f"{QUESTIONS}.space_of", no_space):
+            with patch("mcpn.check.spaces.Spaces.space", no_space):
                 answer = Questions(net).answer(formula)
             assert isinstance(answer.choice, NoSpace)
     assert answer.holds is holds
@@ -196,7 +196,10 @@ def test_a_search_answers_without_the_space(formula: str, holds: bool) -> None:
 
 def test_formulas_of_one_call_share_a_search_and_keep_their_order() -> None:
     asked = ["EF (eat1 & eat5)", "EF deadlock", "think0 & EF deadlock", "EF deadlock"]
-    with patch(f"{QUESTIONS}.space_of", no_space), patch(f"{QUESTIONS}.reach_briefly", lambda _: None):
+    with (
+        patch("mcpn.check.spaces.Spaces.space", no_space),
+        patch("mcpn.check.spaces.reach_briefly", lambda _: None),
+    ):
         found = answer_typed(Questions(ring(30)), asked)
     assert [answer.formula for answer in found] == asked
     assert [answer.holds for answer in found] == [True] * 4
@@ -206,7 +209,10 @@ def test_where_no_space_can_be_had_an_answer_says_that_no_run_is_shown() -> None
     def none(*_: object, **__: object) -> Any:
         raise LimitError("too large")
 
-    with patch(f"{QUESTIONS}.space_of", none), patch(f"{QUESTIONS}.reach_briefly", lambda _: None):
+    with (
+        patch("mcpn.check.spaces.Spaces.space", none),
+        patch("mcpn.check.spaces.reach_briefly", lambda _: None),
+    ):
         answer = Questions(ring(8)).answer("EG think0")
         assert answer.holds
         assert any("no run is shown" in note and "too large" in note for note in answer.witness.notes)
@@ -219,8 +225,8 @@ def test_an_engine_by_name_and_fairness_ask_the_space(ulysse_net: MissionNet) ->
         answer = Questions(ring(4), engine=engine).answer("EF deadlock")
         assert (answer.holds, answer.choice.engine) == (True, engine)
     with patch(f"{QUESTIONS}.expected_small", lambda *_: False):
-        fair = Questions(ulysse_net.net, ulysse_net, fair=["progress"]).answer("EF success")
-        found = Questions(ulysse_net.net, ulysse_net).answer("EF success")
+        fair = Questions(ulysse_net, fair=["progress"]).answer("EF success")
+        found = Questions(ulysse_net).answer("EF success")
     assert (fair.holds, found.holds, fair.choice.engine, found.choice.engine) == (
         True,
         True,
@@ -233,10 +239,10 @@ def test_what_is_dead_is_stable(ulysse_net: MissionNet) -> None:
     """``deadlock`` means the same on both graphs; hardware that may fail keeps a mission's ends alive."""
     for formula, holds in (("EF deadlock", False), ("EF (deadlock & !success & !failure)", False)):
         for on in GRAPHS:
-            assert Questions(ulysse_net.net, ulysse_net, on=on).answer(formula).holds is holds
+            assert Questions(ulysse_net, on=on).answer(formula).holds is holds
     robust = compose(_robust())  # no hardware may fail, so that the ends are dead
     for on in GRAPHS:
-        asked = Questions(robust.net, robust, on=on)
+        asked = Questions(robust, on=on)
         assert asked.answer("EF deadlock").holds
         assert asked.answer("AG (deadlock -> (success | failure))").holds
 

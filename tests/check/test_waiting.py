@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from mcpn.check.engines import Engine
 from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.modes import situation
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Activity, Hardware, Mission, Objective, Parallel, Recursive, Robot, Software
@@ -62,7 +62,7 @@ def for_the_first_alternative() -> Mission:
 @pytest.mark.parametrize("waits", [for_hardware, for_exclusive_software, for_the_first_alternative])
 def test_an_activity_waits_for_what_another_one_has(waits: Callable[[], Mission], engine: Engine) -> None:
     found = compose(waits())
-    questions = Questions(found.net, found, on="alternatives", engine=engine)
+    questions = Questions(found, on="alternatives", engine=engine)
 
     def holds(formula: str) -> bool:
         return questions.answer(formula).holds
@@ -80,7 +80,7 @@ def test_an_activity_waits_for_what_another_one_has(waits: Callable[[], Mission]
 
 def test_a_value_stands_after_words_about_alternatives_alone() -> None:
     found = compose(for_hardware())
-    questions = Questions(found.net, found, on="alternatives", engine="explicit")
+    questions = Questions(found, on="alternatives", engine="explicit")
     with pytest.raises(InputError, match="no alternative of b is named other"):
         questions.answer("EF waiting(b)=other")
     with pytest.raises(InputError, match=r"expected refused\(b\) alone, found =b after it"):
@@ -124,7 +124,7 @@ def test_each_activity_is_one_thing_in_the_words_of_every_engine(mission: Missio
         return
     wait = waiting_in(found, graph)
     for engine in ENGINES:
-        questions = Questions(found.net, found, on="alternatives", engine=engine)
+        questions = Questions(found, on="alternatives", engine=engine)
         for section in found.graph.walk():
             for name in section.activities:
                 assert questions.answer(one_of(section.name, found.usage.activities[name])).holds

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from mcpn.check.engines import Engine
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.witness import Witness, explain, scenario
-from mcpn.check.spaces import Engine
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.report.words import in_words
@@ -126,7 +126,7 @@ def test_fair_cycles_meet_every_constraint(net: PetriNet, data: st.DataObject) -
 
 
 def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
-    questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine="explicit")
+    questions = Questions(ulysse_net, on="alternatives", engine="explicit")
 
     def notes(text: str) -> list[str]:
         answer = questions.answer(text)
@@ -141,7 +141,7 @@ def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
     ]
     assert sorted(notes(f"EF ({' & '.join(words)})")) == sorted(words)
     # What is written by places and transitions is said so; what fails is said in the same words.
-    plain = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine="explicit")
+    plain = Questions(ulysse_net, on="alternatives", engine="explicit")
     answer = plain.answer("EF GPS_sensor_OOS")
     assert [note.rpartition(": ")[2] for note in answer.witness.notes] == ["GPS_sensor_OOS"]
     assert notes("AG !oos(GPS_sensor)") == ["oos(GPS_sensor)"]
@@ -149,7 +149,7 @@ def test_a_run_is_explained_in_the_users_words(ulysse_net: MissionNet) -> None:
 
 @pytest.mark.parametrize("engine", ["explicit", "symbolic"])
 def test_a_roboticist_can_read_how_ulysse_fails(ulysse_net: MissionNet, engine: Engine) -> None:
-    questions = Questions(ulysse_net.net, ulysse_net, on="alternatives", engine=engine)
+    questions = Questions(ulysse_net, on="alternatives", engine=engine)
     answer = questions.answer("EF failure")
     assert answer.holds
     told = list(in_words(ulysse_net, answer.witness.run))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from mcpn.check.engines import Engine
 from mcpn.check.logic.questions import Questions
-from mcpn.check.spaces import Engine
 from mcpn.check.verdicts.mission import check
 from mcpn.check.verdicts.modes import Situation
 from mcpn.errors import InputError
@@ -102,13 +102,13 @@ def looking() -> MissionNet:
 )
 def test_words_mean_what_they_say(engine: Engine, formula: str, holds: bool) -> None:
     found = looking()
-    assert Questions(found.net, found, on="alternatives", engine=engine).answer(formula).holds is holds
+    assert Questions(found, on="alternatives", engine=engine).answer(formula).holds is holds
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_run_until_something_is_explained_all_along(engine: Engine) -> None:
     found = looking()
-    answer = Questions(found.net, found, on="alternatives", engine=engine).answer("E[!oos(lamp) U oos(arm)]")
+    answer = Questions(found, on="alternatives", engine=engine).answer("E[!oos(lamp) U oos(arm)]")
     assert answer.holds
     assert [note for note in answer.witness.notes if "!oos(lamp)" in note] != []
     assert str(answer.witness.run.events[-1]) == "arm_EV_OOS"
@@ -128,7 +128,7 @@ def test_what_follows_an_event_that_happens_once(engine: Engine) -> None:
         mission(of, away, Objective(name="home", activities=("go",), success="away", failure="home"))
     )
     assert [section.name for section in found.graph.walk()] == ["away", "home"]
-    questions = Questions(found.net, found, on="alternatives", engine=engine)
+    questions = Questions(found, on="alternatives", engine=engine)
     for formula, holds in (
         ("EF objective(home)", True),
         ("EF (objective(away) & event(recall))", True),
@@ -174,4 +174,4 @@ def test_sizes_are_of_the_stable_markings(ulysse_net: MissionNet, engine: Engine
 def test_a_word_about_nothing_of_the_mission_is_an_error(formula: str, words: str) -> None:
     found = looking()
     with pytest.raises(InputError, match=words):
-        Questions(found.net, found, on="alternatives").answer(formula)
+        Questions(found, on="alternatives").answer(formula)

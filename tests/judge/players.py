@@ -8,7 +8,8 @@ from contextlib import suppress
 from functools import cache
 from typing import Any, Literal, Protocol, TypeVar
 
-from mcpn.check.spaces import Engine, space_of
+from mcpn.check.engines import Engine
+from mcpn.check.spaces import spaces_of
 from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.generate import generate
 from mcpn.controller.minimise import minimise
@@ -84,7 +85,7 @@ class OfGraph:
 
     def __init__(self, mission_net: MissionNet, engine: Engine, max_states: int) -> None:
         self.mission_net = mission_net
-        space = space_of(mission_net, engine, "alternatives")
+        space = spaces_of(mission_net).space(engine, "alternatives")
         listed = getattr(space, "graph", None)
         self.graph = (
             listed if isinstance(listed, AlternativesGraph) else written_out(space, engine, max_states)

@@ -220,7 +220,7 @@ def test_ulysse_goes_up_when_it_leaks(ulysse: Mission) -> None:
             assert out[:3] == out[3:]
     assert graph.edges == 1332 + met
     wanted = "AG(event(leak) -> EX objective(going_up))"
-    answers = Questions(found.net, found, on="alternatives")
+    answers = Questions(found, on="alternatives")
     assert answers.answer(wanted).holds
 
 

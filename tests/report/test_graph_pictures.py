@@ -170,10 +170,11 @@ def test_ulysse(ulysse: MissionNet, kind: str, section: str | None, tmp_path: Pa
 
 def test_the_local_graph_answers_what_happens_when_the_gps_fails(ulysse: MissionNet) -> None:
     """During the dive, the IMU takes over; when it fails too, there is no way."""
+    from mcpn.check.spaces import spaces_of
     from mcpn.report.pictures.machines import local_drawing
 
-    assert ">GPS_sensor out<" in local_drawing(ulysse, "transect.diving").svg
-    merged = local_drawing(ulysse, "transect.diving", merged=True)
+    assert ">GPS_sensor out<" in local_drawing(spaces_of(ulysse), "transect.diving").svg
+    merged = local_drawing(spaces_of(ulysse), "transect.diving", merged=True)
     lines = [str(t.text) for t in etree.fromstring(merged.svg.encode()).iter(f"{SVG}text")]
     assert [line for line in lines if line.split(":")[0] in ("localisation", "no way")] == [
         "localisation: gps_localisation",

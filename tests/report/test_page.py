@@ -14,7 +14,6 @@ from typing import Any
 
 import pytest
 
-from mcpn.cli.report import findings
 from mcpn.mission.model import (
     Activity,
     Alternative,
@@ -28,7 +27,8 @@ from mcpn.mission.model import (
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.causes import fmeca_rows
-from mcpn.report.page import Findings, page
+from mcpn.report.findings import Findings, findings
+from mcpn.report.page import page
 from mcpn.runtime import Controller
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE

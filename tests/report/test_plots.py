@@ -62,7 +62,7 @@ def test_without_matplotlib_nothing_is_measured(
     with pytest.raises(LimitError, match=r"a plot needs matplotlib: pip install 'mcpn\[experiments\]'"):
         save_plot(tmp_path / "p.svg", [Bars("seconds", {"one": 1})])
     (tmp_path / "n.net").write_text(NET)
-    monkeypatch.setattr("mcpn.space.compare.measure", lambda *_, **__: pytest.fail("measured"))
+    monkeypatch.setattr("mcpn.check.compare.measure", lambda *_, **__: pytest.fail("measured"))
     assert run(["compare", str(tmp_path / "n.net"), "--plot", str(tmp_path / "n.svg")]) == 2
     assert "a plot needs matplotlib" in capsys.readouterr().err
     assert [file.name for file in tmp_path.iterdir()] == ["n.net"]

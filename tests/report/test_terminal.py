@@ -16,11 +16,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mcpn.check.spaces import Engine
+from mcpn.check.engines import Engine
 from mcpn.check.verdicts.mission import check
-from mcpn.cli.report import findings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.report.findings import findings
 from mcpn.report.progress import Steps, counted, exploring, listening, sections
 from mcpn.report.terminal import LEAST_WIDTH, Terminal, plain
 from mcpn.report.words import modes_in_words

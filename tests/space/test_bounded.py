@@ -14,6 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.sizes import summarise
 from mcpn.check.verdicts.nets import Behaviour, check_net
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.events import Event
@@ -28,7 +29,6 @@ from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import SymbolicSpace, closure
 from mcpn.space.markings import widths
 from mcpn.space.markings.counted import count_tokens, explore_tokens
-from mcpn.space.summary import summarise
 from tests.check.formulas import formulas, read, satisfying
 from tests.check.test_behaviour import ahead
 from tests.check.test_ctl import names, satisfy

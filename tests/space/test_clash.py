@@ -7,7 +7,7 @@ from collections import deque
 import pytest
 from hypothesis import assume, event, given
 
-from mcpn.check.spaces import Engine
+from mcpn.check.engines import Engine
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
 from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot, Software

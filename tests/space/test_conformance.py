@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from mcpn.check.sizes import summarise
 from mcpn.errors import LimitError, UnsafeError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet
-from mcpn.space.summary import ENGINES, MOST_PLACES_FOR_PYEDA, SpaceSummary, summarise
+from mcpn.space.summary import ENGINES, MOST_PLACES_FOR_PYEDA, SpaceSummary
 from mcpn.testing import missions
 from tests.draws import fewer
 from tests.net.nets import nets, reachable

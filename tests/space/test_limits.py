@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn._kernel import MemoryLimit, SafeNet
-from mcpn.check.spaces import Choice, space_of
+from mcpn.check.engines import Choice
+from mcpn.check.spaces import spaces_of
 from mcpn.controller.generate import generate
 from mcpn.errors import LimitError, UnboundedError
 from mcpn.mission.model import SUCCEED, Handler, Mission, Objective, Parallel
@@ -140,10 +141,12 @@ def test_stable_markings(mission: Mission) -> None:
     def by(max_states: int) -> Choice:
         return Choice("explicit", max_states=max_states)
 
-    assert_exact(lambda max_states: space_of(found, by(max_states), "alternatives"), size, "limit on states")
+    assert_exact(
+        lambda max_states: spaces_of(found).space(by(max_states), "alternatives"), size, "limit on states"
+    )
     dying = DiagramAlternatives(reach(mortal(found).net)).everything.count()
     assert_exact(
-        lambda max_states: space_of(found, by(max_states), "alternatives", may_die=True),
+        lambda max_states: spaces_of(found).space(by(max_states), "alternatives", may_die=True),
         dying,
         "more than {limit} stable",
     )
@@ -281,9 +284,9 @@ def test_hardware_that_alone_is_too_much() -> None:
     found = compose(small.mission(of, Objective(name="x", activities=("look",))))
     alone = "5 hardware resources that may fail have 2\\^5 states"
     with pytest.raises(LimitError, match=alone):
-        space_of(found, Choice("explicit", max_states=2**5 - 1), "alternatives")
+        spaces_of(found).space(Choice("explicit", max_states=2**5 - 1), "alternatives")
     with pytest.raises(LimitError) as caught:
-        space_of(found, Choice("explicit", max_states=2**5), "alternatives")
+        spaces_of(found).space(Choice("explicit", max_states=2**5), "alternatives")
     assert "2^5" not in str(caught.value)
 
 

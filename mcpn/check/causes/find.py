@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
 from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects, refuse_abort
-from mcpn.check.spaces import Asked, Choice, answered, space_of
+from mcpn.check.engines import Asked, Choice, answered
+from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.errors import InputError
 from mcpn.mission.flatten import Section
 from mcpn.net.compose import MissionNet
@@ -123,34 +124,32 @@ class Causes(Told):
 
 
 def find_causes(
-    mission_net: MissionNet,
+    of: Spaces | MissionNet,
     *,
     engine: Asked = "auto",
     max_states: int | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
-    stable: Space[Any] | None = None,
 ) -> Causes:
     """The failure causes of a mission: all but the tables of ``fmeca`` and the numbers of ``risk``.
 
     All engines give the same answers; runs are shortest but for composition, where they pass as few sections
-    as can be. The arguments are those of :func:`mcpn.check.verdicts.mission.check`, and ``stable``, the
-    alternatives graph by the engine that is named, where it has been made.
+    as can be. The arguments are those of :func:`mcpn.check.verdicts.mission.check`.
 
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit: on states, memory or minimal cut sets.
     """
+    spaces, mission_net = spaces_of(of), spaces_of(of).mission
     refuse_abort(mission_net)
 
-    def spaces(by: Choice) -> tuple[Space[Any], Space[Any]]:
-        told, known = None if by.brief else progress, stable
-        if known is None:
-            known = space_of(mission_net, by, "alternatives", progress=told, executor=executor)
-        return known, space_of(mission_net, by, "alternatives", may_die=True, executor=executor)
+    def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
+        told = None if by.brief else progress
+        living = spaces.space(by, "alternatives", progress=told, executor=executor)
+        return living, spaces.space(by, "alternatives", may_die=True, executor=executor)
 
     (living, dying), choice = answered(
-        spaces, mission_net, engine=engine, on="alternatives", max_states=max_states
+        both, mission_net, engine=engine, on="alternatives", max_states=max_states
     )
     step(Doing.FINDING_NEEDS)
     prospects, cuts = Prospects(mission_net, living), CutSets(mission_net, dying)

@@ -7,24 +7,22 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from mcpn.check.engines import Asked, Choice, NoSpace, On, answered, expected_small
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.logic.names import PROGRESS, Names, progress
 from mcpn.check.logic.syntax import parse
-from mcpn.check.spaces import Asked, Choice, NoSpace, On, answered, expected_small, space_of
+from mcpn.check.spaces import Subject, spaces_of
 from mcpn.errors import InputError, UnsafeError
-from mcpn.net.petri import PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.base import Diagrams
 from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.diagrams.symbolic import SymbolicSpace, reach_briefly
 from mcpn.space.search.goal import Formula
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from mcpn.check.logic.witness import Witness
-    from mcpn.net.compose import MissionNet
 
 
 @dataclass(frozen=True)
@@ -50,15 +48,14 @@ class Answer:
 
 
 class Questions:
-    """Answers questions about one net; the space is made once, when it is first needed.
+    """Answers questions about one net; the space is built once, when it is first needed.
 
     Args:
-        net: The net.
-        mission_net: The mission that it is of, if any.
+        of: The spaces of a mission or of a net, or what they are to be built of.
         on: The graph that formulas speak of; by default a mission's stable states, or a net's markings.
         fair: ``progress`` or formulas that hold again and again on the infinite paths that count.
         engine: Who makes the space: arrays, diagrams, composition, or ``auto``, see
-            :mod:`mcpn.check.spaces`, with a search before it where one may do.
+            :mod:`mcpn.check.engines`, with a search before it where one may do.
         max_states: Limit on states that are listed one by one.
         executor: Where composition explores sections; this process by default.
 
@@ -68,8 +65,7 @@ class Questions:
 
     def __init__(
         self,
-        net: PetriNet,
-        mission_net: MissionNet | None = None,
+        of: Subject,
         *,
         on: On | None = None,
         fair: Sequence[str] = (),
@@ -77,11 +73,11 @@ class Questions:
         max_states: int | None = None,
         executor: Executor | None = None,
     ) -> None:
+        self.spaces = spaces_of(of)
+        self.net, self.mission_net = net, mission_net = self.spaces.net, self.spaces.mission_net
         on = on or ("markings" if mission_net is None else "alternatives")
         if on == "alternatives" and not net.priorities:
             raise InputError.at(None, "the alternatives graph is of missions: this net has no priorities")
-        self.net = net
-        self.mission_net = mission_net
         self.on: On = on
         self.engine = engine
         self.max_states = max_states
@@ -120,7 +116,7 @@ class Questions:
 
     @property
     def space(self) -> Space[Any]:
-        """The space that formulas speak of; it raises what :func:`mcpn.check.spaces.space_of` does."""
+        """The space that formulas speak of; it raises what :meth:`mcpn.check.spaces.Spaces.space` does."""
         return self._chosen[0]
 
     @property
@@ -134,9 +130,7 @@ class Questions:
 
     def _made(self, *, tokens: bool = True) -> tuple[Space[Any], Choice]:
         def by(choice: Choice) -> Space[Any]:
-            return space_of(
-                self.mission_net or self.net, choice, self.on, tokens=tokens, executor=self.executor
-            )
+            return self.spaces.space(choice, self.on, tokens=tokens, executor=self.executor)
 
         space, choice = answered(
             by, self.mission_net, engine=self.engine, on=self.on, max_states=self.max_states
@@ -147,14 +141,9 @@ class Questions:
 
     def brief(self) -> bool:
         """Whether the space is there or quickly made, of a net that may be searched instead."""
-        if not (self.made or self.net.priorities) and self._soon is not None:
-            choice = Choice("symbolic", "a diagram soon holds all markings")
-            self._chosen = DiagramMarkings(self._soon), choice
+        if not (self.made or self.net.priorities) and (soon := self.spaces.brief) is not None:
+            self._chosen = soon, Choice("symbolic", "a diagram soon holds all markings")
         return self.made
-
-    @cached_property
-    def _soon(self) -> SymbolicSpace | None:
-        return reach_briefly(self.net)
 
     def one_safe(self) -> bool:
         """Whether no place ever holds two tokens; where none does, the space is made by that.

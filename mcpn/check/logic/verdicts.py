@@ -19,12 +19,12 @@ from itertools import chain, count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mcpn._kernel import Store
+from mcpn.check.engines import Asked, Choice, NoSpace
 from mcpn.check.logic.formulas import EX, says_paths
 from mcpn.check.logic.known import SOME_DEADLOCK, Known
 from mcpn.check.logic.questions import Answer, Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first
 from mcpn.check.logic.witness import NoRun, Witness, explain
-from mcpn.check.spaces import Asked, Choice, NoSpace
 from mcpn.errors import InputError, LimitError, McpnError
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings

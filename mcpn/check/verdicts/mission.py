@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from mcpn.check.spaces import SMALL, Asked, Choice, alternatives_by, answered, markings_by, stable_states
+from mcpn.check.engines import SMALL, Asked, Choice, answered
+from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.check.verdicts.modes import Mode, functioning_modes
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.facts.usage import Usage
@@ -21,10 +22,9 @@ from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
-from mcpn.net.templates import TemplateSet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
-from mcpn.space.markings.explicit import Progress, count
+from mcpn.space.markings.explicit import Progress
 from mcpn.space.run import Run, run_of_fewest_events, transitions_of
 from mcpn.space.stable.clash_words import explained
 from mcpn.steps import Doing, step
@@ -114,7 +114,7 @@ class MissionCheck(Told):
     """All that one check of a mission found.
 
     Args:
-        mission_net: The mission's net.
+        spaces: The mission's spaces, where the check has left those that it has built.
         verdicts: By name, required ones first.
         choice: The engine that answered.
         markings: The markings graph, where the check has made it.
@@ -124,7 +124,7 @@ class MissionCheck(Told):
         unselectable: What can never be selected, entered or used, with its line.
     """
 
-    mission_net: MissionNet
+    spaces: Spaces
     verdicts: dict[str, Verdict]
     choice: Choice
     markings: Space[Any] | None = None
@@ -132,6 +132,11 @@ class MissionCheck(Told):
     stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
+
+    @property
+    def mission_net(self) -> MissionNet:
+        """The mission's net."""
+        return self.spaces.mission
 
     def __repr__(self) -> str:
         verdicts = ", ".join(f"{name}: {verdict.holds}" for name, verdict in self.verdicts.items())
@@ -147,7 +152,7 @@ class MissionCheck(Told):
         if self.markings is not None or self.choice.engine != "explicit":
             return self.sizes_seen
         try:
-            found = count(self.mission_net.net, max_states=self.choice.beside(SMALL))
+            found = self.spaces.counted(self.choice.beside(SMALL), tokens=False)
         except (LimitError, UnsafeError):
             return None
         return found.states, found.edges
@@ -177,59 +182,54 @@ class MissionCheck(Told):
 
 
 def check(
-    mission_net: MissionNet,
+    of: Spaces | MissionNet,
     *,
     engine: Asked = "auto",
     max_states: int | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
-    templates: TemplateSet | None = None,
 ) -> MissionCheck:
     """Checks a mission: every verdict, with its runs.
 
     Args:
-        mission_net: The mission's net.
-        engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.check.spaces`.
+        of: The mission's spaces, or its net.
+        engine: Arrays, diagrams, composition or ``auto``, see :mod:`mcpn.check.engines`.
         max_states: Limit on states that are listed one by one.
         progress: Called now and then with states and edges, or with local spaces done and to do.
         executor: Where composition explores sections; this process by default.
-        templates: Those that the mission was composed with, for composition; the paper's by default.
 
     Raises:
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
+    spaces = spaces_of(of)
 
     def by(choice: Choice) -> MissionCheck:
         markings: Space[Any] | None = None
         alternatives: Space[Any] | None = None
         try:
             if choice.engine == "local":
-                from mcpn.space.local.composing import composite_space
-
-                alternatives = composite_space(
-                    mission_net, templates=templates, executor=executor, progress=progress
-                )
+                alternatives = spaces.composite(executor=executor, progress=progress)
                 proof = "each type of section, and each way from one to the next, proved on its own net"
-            elif choice.engine == "symbolic" or not mission_net.net.priorities:  # without, none is stable
+            elif choice.engine == "symbolic" or not spaces.net.priorities:  # without, none is stable
                 every = replace(choice, max_states=choice.beside(SMALL))
-                markings = graph = markings_by(mission_net.net, every, progress, tokens=False)
-                alternatives, proof = alternatives_by(graph, every.limit)
+                markings = spaces.markings(every, progress, tokens=False)
+                alternatives, proof = spaces.reduced(every, progress)
             else:
-                alternatives, proof = stable_states(mission_net, choice, None if choice.brief else progress)
+                alternatives, proof = spaces.stable(choice, None if choice.brief else progress)
             decided = Verdict("confluent", True, proof)
         except (UnsafeError, ConfluenceError, DivergenceError) as error:
             fault: SemanticsError = error
             if choice.engine == "explicit":
-                markings, fault = _of_markings(mission_net, choice, error)
-            decided = _broken(mission_net, fault)
-        return _verdicts(mission_net, choice, decided, markings, alternatives)
+                markings, fault = _of_markings(spaces, choice, error)
+            decided = _broken(spaces.mission, fault)
+        return _verdicts(spaces, choice, decided, markings, alternatives)
 
-    return answered(by, mission_net, engine=engine, on="alternatives", max_states=max_states)[0]
+    return answered(by, spaces.mission, engine=engine, on="alternatives", max_states=max_states)[0]
 
 
 def _of_markings(
-    mission_net: MissionNet, choice: Choice, error: SemanticsError
+    spaces: Spaces, choice: Choice, error: SemanticsError
 ) -> tuple[Space[Any] | None, SemanticsError]:
     """What all markings say of a mission that is not safe, or has an event without one outcome.
 
@@ -242,7 +242,7 @@ def _of_markings(
     """
     listed = replace(choice, max_states=choice.beside(SMALL))
     try:
-        markings = markings_by(mission_net.net, listed, tokens=False)
+        markings = spaces.markings(listed, tokens=False)
     except UnsafeError as unsafe:
         return None, unsafe
     except LimitError:
@@ -267,14 +267,14 @@ def _broken(mission_net: MissionNet, error: SemanticsError) -> Verdict:
 
 
 def _verdicts(
-    mission_net: MissionNet,
+    spaces: Spaces,
     choice: Choice,
     decided: Verdict,
     markings: Space[Any] | None,
     alternatives: Space[Any] | None,
 ) -> MissionCheck:
     """Every verdict; where one fails, the others as far as there is a space to be asked."""
-    space = alternatives or markings
+    mission_net, space = spaces.mission, alternatives or markings
     known, reason = [decided], "" if space else UNDECIDED[decided.name]
     never: tuple[Problem, ...] = ()
     firings: Mapping[int, int] = {}
@@ -291,7 +291,7 @@ def _verdicts(
     by_name = {verdict.name: verdict for verdict in known}
     names = (*required_of(mission_net), *informative_of(mission_net))
     return MissionCheck(
-        mission_net,
+        spaces,
         {name: by_name.get(name, Verdict(name, None, reason)) for name in names},
         choice,
         markings,

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Generic
 
+from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.errors import LimitError, UnboundedError, UnsafeError
 from mcpn.net.petri import PetriNet
 from mcpn.net.siphons import (
@@ -27,12 +28,12 @@ from mcpn.net.siphons import (
 )
 from mcpn.net.structure import incidence
 from mcpn.space.algebra import S, Space
-from mcpn.space.diagrams.bounded import reach_markings
-from mcpn.space.diagrams.spaces import DiagramMarkings
-from mcpn.space.markings.counted import explore_tokens
 from mcpn.space.markings.tokens import REPEATED, Boundedness, boundedness
 from mcpn.space.search.goal import DEADLOCK
 from mcpn.space.search.portfolio import Portfolio
+
+MOST_LISTED = 1_000_000
+"""Markings listed at most, of a net with priorities that is not 1-safe, or in a coverability tree."""
 
 
 class Behaviour(Generic[S]):
@@ -160,18 +161,19 @@ class NetCheck:
     home_markings: int | None = None
 
 
-def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
+def check_net(of: Spaces | PetriNet, *, max_states: int = MOST_LISTED) -> NetCheck:
     """Decides the behavioural properties of a net; those that need all of infinitely many markings stay open.
 
     Args:
-        net: Any net. Its markings are reached as a diagram; those of a net with priorities that is not 1-safe
-            are listed one by one, up to the limit.
+        of: Any net, or its spaces. Its markings are reached as a diagram; those of a net with priorities that
+            is not 1-safe are listed one by one, up to the limit.
         max_states: Limit for those, and for the coverability tree.
 
     Raises:
         LimitError: A limit was hit.
     """
-    space, bounded, most = _reached(net, max_states)
+    spaces = spaces_of(of)
+    net, (space, bounded, most) = spaces.net, _reached(spaces, max_states)
     if space is None or most is None:
         # A search may still find a deadlock, or that there is none.
         for _, found in () if net.priorities else Portfolio(net).decide([DEADLOCK]):
@@ -195,17 +197,15 @@ def check_net(net: PetriNet, *, max_states: int = 1_000_000) -> NetCheck:
     )
 
 
-def _reached(net: PetriNet, max_states: int) -> tuple[Space[Any] | None, Boundedness, int | None]:
+def _reached(spaces: Spaces, max_states: int) -> tuple[Space[Any] | None, Boundedness, int | None]:
     """The markings of a bounded net, whether it is bounded, and the most tokens in a place."""
     try:
-        space = DiagramMarkings(reach_markings(net))
+        space = spaces.diagram
     except UnsafeError:
-        bounded = boundedness(net, max_states=max_states)
+        bounded = boundedness(spaces.net, max_states=max_states)
         if not bounded.bounded:
             return None, bounded, None
-        from mcpn.space.arrays import ArraySpace
-
-        return ArraySpace(explore_tokens(net, max_states=max_states)), bounded, bounded.bound
+        return spaces.with_tokens(max_states), bounded, bounded.bound
     except UnboundedError as error:
         return None, Boundedness(False, error.bounds, error.run, error.pump, REPEATED), None
     most = space.space.max_tokens_in_place

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.errors import InputError
 from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import Drawing
@@ -11,11 +12,11 @@ from mcpn.report.pictures.drawing import Drawing
 KINDS = ("mission", "objectives", "net", "alternatives", "controller")
 
 
-def drawn(mission_net: MissionNet, kind: str = "mission", section: str | None = None) -> Drawing:
+def drawn(of: Spaces | MissionNet, kind: str = "mission", section: str | None = None) -> Drawing:
     """A picture of a mission.
 
     Args:
-        mission_net: The mission's net.
+        of: The mission's spaces, or its net.
         kind: One of :data:`KINDS`.
         section: Of this section alone.
 
@@ -26,73 +27,71 @@ def drawn(mission_net: MissionNet, kind: str = "mission", section: str | None = 
     """
     known = _WHOLE if section is None else _OF_SECTION
     if kind not in known:
-        of = "" if section is None else " of a section"
-        raise InputError.at(None, f"found the picture {kind!r}, expected one{of} of {', '.join(known)}")
-    return _WHOLE[kind](mission_net) if section is None else _OF_SECTION[kind](mission_net, section)
+        what = "" if section is None else " of a section"
+        raise InputError.at(None, f"found the picture {kind!r}, expected one{what} of {', '.join(known)}")
+    spaces = spaces_of(of)
+    return _WHOLE[kind](spaces) if section is None else _OF_SECTION[kind](spaces, section)
 
 
-def _mission(mission_net: MissionNet) -> Drawing:
+def _mission(spaces: Spaces) -> Drawing:
     from mcpn.report.pictures.mission import mission_drawing
 
-    return mission_drawing(mission_net)
+    return mission_drawing(spaces.mission)
 
 
-def _objectives(mission_net: MissionNet) -> Drawing:
+def _objectives(spaces: Spaces) -> Drawing:
     from mcpn.report.pictures.objectives import objectives_drawing
 
-    return objectives_drawing(mission_net)
+    return objectives_drawing(spaces.mission)
 
 
-def _net(mission_net: MissionNet) -> Drawing:
+def _net(spaces: Spaces) -> Drawing:
     from mcpn.report.pictures.nets import units_drawing
 
-    return units_drawing(mission_net)
+    return units_drawing(spaces.mission)
 
 
-def _alternatives(mission_net: MissionNet) -> Drawing:
+def _alternatives(spaces: Spaces) -> Drawing:
     from mcpn.report.pictures.machines import alternatives_drawing
-    from mcpn.space.stable.alternatives import direct_with_proof
     from mcpn.space.stable.clash_words import in_mission_words
-    from mcpn.steps import Doing, step
 
-    step(Doing.LISTING)
-    with in_mission_words(mission_net):
-        return alternatives_drawing(mission_net, direct_with_proof(mission_net.net))
+    with in_mission_words(spaces.mission):
+        return alternatives_drawing(spaces.mission, spaces.listed())
 
 
-def _controller(mission_net: MissionNet) -> Drawing:
+def _controller(spaces: Spaces) -> Drawing:
     from mcpn.controller.generate import generate
     from mcpn.report.pictures.machines import controller_drawing
 
-    return controller_drawing(generate(mission_net))
+    return controller_drawing(generate(spaces))
 
 
-def _section_net(mission_net: MissionNet, section: str) -> Drawing:
+def _section_net(spaces: Spaces, section: str) -> Drawing:
     from mcpn.report.pictures.nets import section_net_drawing
 
-    return section_net_drawing(mission_net, section)
+    return section_net_drawing(spaces, section)
 
 
-def _local(mission_net: MissionNet, section: str) -> Drawing:
+def _local(spaces: Spaces, section: str) -> Drawing:
     from mcpn.report.pictures.machines import local_drawing
 
-    return local_drawing(mission_net, section)
+    return local_drawing(spaces, section)
 
 
-def _section_controller(mission_net: MissionNet, section: str) -> Drawing:
+def _section_controller(spaces: Spaces, section: str) -> Drawing:
     from mcpn.report.pictures.machines import local_drawing
 
-    return local_drawing(mission_net, section, actions=True)
+    return local_drawing(spaces, section, actions=True)
 
 
-_WHOLE: Mapping[str, Callable[[MissionNet], Drawing]] = {
+_WHOLE: Mapping[str, Callable[[Spaces], Drawing]] = {
     "mission": _mission,
     "objectives": _objectives,
     "net": _net,
     "alternatives": _alternatives,
     "controller": _controller,
 }
-_OF_SECTION: Mapping[str, Callable[[MissionNet, str], Drawing]] = {
+_OF_SECTION: Mapping[str, Callable[[Spaces, str], Drawing]] = {
     "net": _section_net,
     "alternatives": _local,
     "controller": _section_controller,

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.modes import Situation, situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine, TableController, section_machine
@@ -22,7 +23,6 @@ from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
 from mcpn.report.pictures.objectives import ENDS, objectives_picture
 from mcpn.report.words import what_happens
-from mcpn.space.local.composing import local_graph
 from mcpn.space.stable.alternatives import AlternativesGraph
 
 MOST_STATES = 16
@@ -52,13 +52,11 @@ class DrawnEvent:
     actions: tuple[PlannedAction, ...] = ()
 
 
-def local_drawing(
-    mission_net: MissionNet, section: str, *, actions: bool = False, merged: bool = False
-) -> Drawing:
+def local_drawing(spaces: Spaces, section: str, *, actions: bool = False, merged: bool = False) -> Drawing:
     """The picture of the local graph of a section.
 
     Args:
-        mission_net: The mission's net.
+        spaces: The mission's spaces.
         section: The section's name.
         actions: Whether each event shows what the controller does: the picture of the section's controller.
         merged: Whether states that run the same are one box, however few they are.
@@ -68,9 +66,9 @@ def local_drawing(
         SemanticsError: It is not safe, or not confluent.
         LimitError: It has too many states.
     """
-    local, graph = local_graph(mission_net, section)
+    local, graph = spaces.local(section)
     if actions:
-        part = part_of(mission_net, section)
+        part = part_of(spaces.mission, section)
         machine = section_machine(local, graph, part, forgetful(part.net())[1])
         return machine_drawing(machine, f"Controller of the section {section}")
     return local_graph_drawing(local, graph, section, merged=merged)

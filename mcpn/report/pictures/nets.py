@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator
 
+from mcpn.check.spaces import Spaces
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import PetriNet, Provenance
-from mcpn.net.sections import part_of
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
-from mcpn.space.local.composing import local_graph
 
 MOST_LISTED = 20_000
 """Stable markings that are listed at most to tell which places are temporary."""
@@ -26,19 +25,19 @@ def net_drawing(net: PetriNet) -> Drawing:
     return drawing(net_picture(net, f"Net {net.name}"))
 
 
-def section_net_drawing(mission_net: MissionNet, section: str) -> Drawing:
+def section_net_drawing(spaces: Spaces, section: str) -> Drawing:
     """The picture of the local net of a section, place by place.
 
     Args:
-        mission_net: The mission's net.
+        spaces: The mission's spaces.
         section: The section's name.
 
     Raises:
         InputError: There is no such section.
     """
-    local = part_of(mission_net, section).net()
+    local = spaces.section(section).mission
     try:
-        _, graph = local_graph(mission_net, section, MOST_LISTED)
+        _, graph = spaces.local(section, MOST_LISTED)
     except (LimitError, SemanticsError):
         return drawing(net_picture(local.net, f"Net of the section {section}"))
     marked = {

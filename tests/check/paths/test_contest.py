@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from mcpn.check.engines import Asked
 from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.questions import Questions
 from mcpn.check.logic.verdicts import answer_all
-from mcpn.check.spaces import Asked
 from mcpn.net.formats import read_net
 
 QUICK = (

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import event, given, reject
 from hypothesis import strategies as st
 
+from mcpn.check.engines import Asked
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.questions import Questions
 from mcpn.check.paths.formulas import Happens, SomePath, normal
-from mcpn.check.spaces import Asked
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import MissionNet, compose
@@ -76,7 +76,7 @@ def test_every_engine_and_tableaux_agree_on_missions(mission: Mission, data: st.
 def test_ulysse(
     ulysse_net: MissionNet, engine: Asked, formula: str, fair: tuple[str, ...], holds: bool
 ) -> None:
-    questions = Questions(ulysse_net.net, ulysse_net, engine=engine, fair=fair)
+    questions = Questions(ulysse_net, engine=engine, fair=fair)
     assert questions.answer(formula).holds is holds
 
 

@@ -8,12 +8,13 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 
+from mcpn.check.sizes import summarise
+from mcpn.check.spaces import Spaces
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
-from mcpn.space.local.composing import composite_space
-from mcpn.space.summary import ENGINES, summarise
+from mcpn.space.summary import ENGINES
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
 """What engines must agree on, as far as each counts it."""
@@ -85,9 +86,9 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Me
 
 
 def _local(mission: Mission) -> tuple[dict[str, int | None], float]:
-    mission_net = compose(mission)
+    spaces = Spaces(compose(mission))
     started = time.perf_counter()
-    stable = composite_space(mission_net).everything.count()
+    stable = spaces.composite().everything.count()
     return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
 
 

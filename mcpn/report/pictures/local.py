@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 
+from mcpn.check.spaces import Spaces
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.net.compose import MissionNet
 from mcpn.net.sections import SectionParts
 from mcpn.report.pictures.graph import Graph, Placed, lay_out_all
 from mcpn.report.pictures.machines import states_picture, states_within
-from mcpn.space.local.composing import local_graph
 
 MOST_LOCAL_STATES, MOST_DRAWN, MOST_BOXES = 20_000, 24, 60
 """States of a section that are listed for its drawing, drawings of a report, and boxes of each."""
@@ -34,15 +33,16 @@ class LocalPicture:
 
 
 def local_pictures(
-    mission_net: MissionNet, progress: Callable[[int, int], None] | None = None
+    spaces: Spaces, progress: Callable[[int, int], None] | None = None
 ) -> tuple[list[LocalPicture], list[str]]:
     """Local graphs as far as they can be drawn, and for each that cannot why.
 
     Args:
-        mission_net: The mission's net.
+        spaces: The mission's spaces.
         progress: Called before each type of section with how many are done, and how many when the last is.
     """
     alike: dict[Hashable, list[str]] = {}
+    mission_net = spaces.mission
     alone = SectionParts(mission_net.usage).alone
     for section in mission_net.graph.sections:
         alike.setdefault(alone(section).type, []).append(section.name)
@@ -58,7 +58,7 @@ def local_pictures(
             )
             break
         try:
-            local, graph = local_graph(mission_net, names[0], MOST_LOCAL_STATES)
+            local, graph = spaces.local(names[0], MOST_LOCAL_STATES)
         except (LimitError, SemanticsError) as error:
             notes.append(f"No local graph of {names[0]}: {error}")
             continue

@@ -1,0 +1,177 @@
+"""What a report tells of a mission: everything that is found of it, with the time that it took."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from mcpn.check.causes.find import Causes, find_causes
+from mcpn.check.causes.fmeca import Row, fmeca
+from mcpn.check.spaces import Spaces, spaces_of
+from mcpn.check.verdicts.mission import MissionCheck, check
+from mcpn.controller.generate import generate
+from mcpn.controller.targets.json import document
+from mcpn.errors import McpnError
+from mcpn.mission.facts.warnings import find_warnings
+from mcpn.report.pictures.local import LocalPicture, local_pictures
+from mcpn.report.progress import Steps, counted, exploring
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from mcpn.check.causes.prospects import Prospects
+    from mcpn.check.causes.risk import Risk
+    from mcpn.check.engines import Asked
+    from mcpn.mission.model import Mission
+    from mcpn.net.compose import MissionNet
+
+    Told = Callable[[int, int, float], str]
+
+MOST_ROWS = 50
+"""Objectives up to which a page has the FMECA table."""
+
+MOST_STATES = 200_000
+"""Markings that are listed at most for numbers of risk."""
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a report tells; what could not be found is ``None``, and a note says why.
+
+    Args:
+        check: The mission's verdicts.
+        causes: Its causes of failure.
+        fmeca: The FMECA table.
+        controller: The hierarchical controller, as the JSON object of :mod:`mcpn.controller.targets.json`.
+        notes: Why something is missing.
+        warnings: What reading the mission found suspicious.
+        engine: The engine that was used.
+        seconds: Time by what took it.
+        risk: Numbers of risk, where the mission's files give rates.
+        local: Local graphs.
+    """
+
+    check: MissionCheck
+    causes: Causes | None = None
+    fmeca: Sequence[Row] | None = None
+    controller: Mapping[str, Any] | None = None
+    notes: Sequence[str] = ()
+    warnings: Sequence[str] = ()
+    engine: str = ""
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    risk: Risk | None = None
+    local: Sequence[LocalPicture] = ()
+
+
+def findings(
+    of: Spaces | MissionNet,
+    engine: Asked = "auto",
+    max_states: int | None = None,
+    steps: Steps | None = None,
+    executor: Executor | None = None,
+) -> Findings:
+    """All that a report tells of a mission.
+
+    Args:
+        of: The mission's spaces, or its net.
+        engine: ``explicit``, ``symbolic``, ``local``, or ``auto``: the first of them that answers.
+        max_states: Limit on states that are listed.
+        steps: Told of each step and how far it is.
+        executor: Where types of sections are explored; this process by default.
+
+    Raises:
+        SemanticsError: A section hands on more than the state of its hardware.
+        LimitError: A limit was hit.
+    """
+    spaces = spaces_of(of)
+    mission_net = spaces.mission
+    steps = steps or Steps()
+    seconds: dict[str, float] = {}
+    notes: list[str] = []
+
+    @contextmanager
+    def timed(what: str, told: Told | None = None) -> Iterator[None]:
+        steps.begin(what, told)
+        started = time.perf_counter()
+        yield
+        seconds[what] = time.perf_counter() - started
+
+    def tried(what: str, find: Callable[[], Any], told: Told | None = None) -> Any:
+        try:
+            with timed(what, told):
+                return find()
+        except McpnError as error:
+            notes.append(f"No {what}: {error}")
+            return None
+
+    with timed("verdicts", counted if engine in ("auto", "local") else exploring):
+        checked = check(spaces, engine=engine, max_states=max_states, progress=steps.at, executor=executor)
+    chosen = checked.choice.engine
+    told = counted if chosen == "local" else exploring
+    warnings = [*map(str, (*find_warnings(mission_net.usage), *checked.unselectable))]
+    warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
+    if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
+        notes.append("No causes and no controller: the reaction to an event is not always the same.")
+        return Findings(
+            checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=chosen, seconds=seconds
+        )
+    causes, rows = tried("causes", lambda: _causes(checked, max_states, steps, executor), told) or (
+        None,
+        None,
+    )
+    if causes is not None and rows is None:
+        notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
+    controller = tried("controller", lambda: _controller(checked, max_states, steps, executor), counted)
+    with timed("local graphs", counted):
+        local, missing = local_pictures(spaces, steps.at)
+    notes += missing
+    risk = None
+    if causes is not None and _has_rates(mission_net.mission):
+        risk = tried("numbers of risk", lambda: _risk(causes.prospects))
+    warnings = list(dict.fromkeys(warnings))
+    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
+
+
+def _risk(prospects: Prospects[Any]) -> Risk:
+    from mcpn.check.causes.risk import risk  # an extra
+
+    return risk(prospects, MOST_STATES)
+
+
+def _has_rates(mission: Mission) -> bool:
+    """Whether something of a mission happens at a rate that its files give."""
+    return any(h.failure_rate for h in mission.hardware) or any(event.rate for event in mission.events)
+
+
+def _causes(
+    checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
+) -> tuple[Any, Any]:
+    """Causes and, of missions that are not long, the FMECA table."""
+    causes = find_causes(
+        checked.spaces,
+        engine=checked.choice.engine,
+        max_states=max_states,
+        progress=steps.at,
+        executor=executor,
+    )
+    if len(causes.objectives) > MOST_ROWS:
+        return causes, None
+    steps.begin("the FMECA table")
+    return causes, fmeca(causes.prospects)
+
+
+def _controller(
+    checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
+) -> dict[str, Any]:
+    """The controller, in one piece where sections cannot be taken apart and the mission is small."""
+    try:
+        made = generate(checked.spaces, max_states=max_states, progress=steps.at, executor=executor)
+    except McpnError:
+        if checked.choice.engine == "local":
+            raise
+        steps.begin("controller in one piece", exploring)
+        made = generate(checked.spaces, "flat", max_states=max_states, progress=steps.at)
+    return document(made, checked.mission_net)

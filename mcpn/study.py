@@ -1,0 +1,400 @@
+"""One mission or net with the spaces that were built of it: what commands, notebooks and scripts ask.
+
+>>> import mcpn
+>>> study = mcpn.open("experiments/ulysse/mission.xml")
+>>> study.check().passed
+True
+>>> study.ctl("AG EF (success | failure)").holds
+True
+>>> [sorted(cut) for cut in study.causes().mission.cut_sets]
+[['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
+
+Each space is built once (:mod:`mcpn.check.spaces`): these three questions share a list of stable states.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from mcpn.errors import InputError, Source
+from mcpn.net.petri import PetriNet
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from concurrent.futures import Executor
+
+    from mcpn.check.causes.find import Causes
+    from mcpn.check.engines import Asked, Choice, On
+    from mcpn.check.logic.questions import Answer, Questions
+    from mcpn.check.sizes import Counting
+    from mcpn.check.spaces import Spaces
+    from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.check.verdicts.nets import NetCheck, Structure
+    from mcpn.controller.generate import Form
+    from mcpn.controller.hierarchy import TableController
+    from mcpn.controller.modular import AnyController
+    from mcpn.mission.model import Mission
+    from mcpn.net.compose import MissionNet
+    from mcpn.net.templates import TemplateSet
+    from mcpn.report.findings import Findings
+    from mcpn.report.pictures.drawing import Drawing
+    from mcpn.report.progress import Steps
+    from mcpn.space.algebra import Space
+    from mcpn.space.markings.explicit import Progress
+    from mcpn.space.summary import SpaceSummary
+
+# A question loads what it needs: rooms are imported when they are asked.
+
+
+def open_study(path: str | Path, *, import_root: str | Path | None = None) -> Study:
+    """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
+
+    Args:
+        path: A mission, or a net: ``.net``, ``.pnml`` or ``.json``.
+        import_root: The directory that imports of a mission must stay in; by default the mission's own.
+
+    Raises:
+        InputError: The file is no valid mission, or no net, with every problem and its line.
+
+    Examples:
+        >>> study = open_study("experiments/ulysse/mission.xml")
+        >>> study
+        <study of the mission ulysse>
+        >>> study.states().states, study.check().stable_sizes
+        (44299, (260, 1332))
+    """
+    from mcpn.net.formats import READABLE, read_net
+
+    path = Path(path)
+    if path.suffix.lower() in READABLE:
+        return Study(read_net(path), file=path)
+    from mcpn.mission.xml import read_mission
+
+    root = None if import_root is None else Path(import_root)
+    return Study(read_mission(path, import_root=root), file=path)
+
+
+class Study:
+    """A mission, or a net, with its spaces: each is built when a question first needs it, and then kept.
+
+    Engines are ``explicit``, ``symbolic`` and ``local``; ``auto`` is the first of them that answers. A limit
+    ``max_states`` is on states that are listed one by one. What is asked of missions alone is an
+    :class:`mcpn.errors.InputError` for a net.
+
+    Args:
+        of: The mission, its net where it has been composed already, or a net of no mission.
+        templates: The templates to compose with, or that the net was composed with; the paper's by default.
+        file: Where it has been read from; errors say so.
+
+    Attributes:
+        file: The same.
+
+    Examples:
+        >>> from mcpn.mission.xml import read_mission
+        >>> study = Study(read_mission(Path("experiments/ulysse/mission.xml")))
+        >>> study.check(engine="local").passed, study.controller().sections[0].name
+        (True, 'coral_head.manual_moving')
+    """
+
+    def __init__(
+        self,
+        of: Mission | MissionNet | PetriNet,
+        *,
+        templates: TemplateSet | None = None,
+        file: Path | None = None,
+    ) -> None:
+        self._of = of
+        self._templates = templates
+        self.file = file
+        self._questions: dict[object, Questions] = {}
+
+    def __repr__(self) -> str:
+        of = self._of
+        what = "net" if isinstance(of, PetriNet) else "mission"
+        return f"<study of the {what} {of.mission.name if hasattr(of, 'mission') else of.name}>"
+
+    @property
+    def is_net(self) -> bool:
+        """Whether it is a net of no mission."""
+        return isinstance(self._of, PetriNet)
+
+    @cached_property
+    def spaces(self) -> Spaces:
+        """Its spaces, built or not; here the net of a mission is composed."""
+        from mcpn.check.spaces import Spaces
+
+        if isinstance(self._of, PetriNet):
+            return Spaces(self._of)
+        from mcpn.mission.model import Mission
+        from mcpn.net.compose import compose
+
+        of = compose(self._of, self._templates) if isinstance(self._of, Mission) else self._of
+        return Spaces(of, templates=self._templates)
+
+    @property
+    def net(self) -> PetriNet:
+        """The net, or that of the mission."""
+        return self.spaces.net
+
+    @property
+    def mission_net(self) -> MissionNet:
+        """The mission's net, with what its places mean.
+
+        Raises:
+            InputError: It is a net of no mission.
+        """
+        return self._of_mission("this").mission
+
+    def _of_mission(self, question: str) -> Spaces:
+        """The spaces of the mission, for a question that is asked of missions alone."""
+        if self.is_net:
+            source = None if self.file is None else Source(str(self.file))
+            raise InputError.at(source, f"found a net, expected a mission: {question} is asked of missions")
+        return self.spaces
+
+    # --- questions ---
+
+    def check(
+        self,
+        *,
+        engine: Asked = "auto",
+        max_states: int | None = None,
+        progress: Progress | None = None,
+        executor: Executor | None = None,
+    ) -> MissionCheck | NetCheck:
+        """Decides the verdicts of a mission, or the behaviour of a net.
+
+        Args:
+            engine: Who answers for a mission; a net is reached as a diagram.
+            max_states: Limit on states that are listed.
+            progress: Called now and then with states and edges, or with sections done and to do.
+            executor: Where sections are explored; this process by default.
+
+        Raises:
+            LimitError: A limit was hit.
+        """
+        if self.is_net:
+            return self.behaviour(max_states=max_states)
+        return self.verdicts(engine=engine, max_states=max_states, progress=progress, executor=executor)
+
+    def verdicts(
+        self,
+        *,
+        engine: Asked = "auto",
+        max_states: int | None = None,
+        progress: Progress | None = None,
+        executor: Executor | None = None,
+    ) -> MissionCheck:
+        """What :meth:`check` gives of a mission: verdicts with their runs, sizes, functioning modes."""
+        from mcpn.check.verdicts.mission import check
+
+        of = self._of_mission("whether a mission can succeed")
+        return check(of, engine=engine, max_states=max_states, progress=progress, executor=executor)
+
+    def behaviour(self, *, max_states: int | None = None) -> NetCheck:
+        """What :meth:`check` gives of a net: bounds, deadlocks, liveness; of a mission, those of its net."""
+        from mcpn.check.verdicts.nets import MOST_LISTED, check_net
+
+        return check_net(self.spaces, max_states=MOST_LISTED if max_states is None else max_states)
+
+    def structure(self) -> Structure:
+        """What the arcs of the net prove without its markings."""
+        from mcpn.check.verdicts.nets import Structure
+
+        return Structure(self.net)
+
+    def states(
+        self, *, engine: Counting = "auto", on: On | None = None, max_states: int | None = None
+    ) -> SpaceSummary:
+        """Counts the reachable states, exactly; see :func:`mcpn.states`."""
+        return self.sizes(engine=engine, on=on, max_states=max_states)[0]
+
+    def sizes(
+        self,
+        *,
+        engine: Counting = "auto",
+        on: On | None = None,
+        max_states: int | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[SpaceSummary, Choice | None]:
+        """The same, with the engine that was chosen; see :func:`mcpn.check.sizes.sizes`."""
+        from mcpn.check.sizes import sizes
+
+        return sizes(self.spaces, engine=engine, on=on, max_states=max_states, progress=progress)
+
+    def questions(
+        self,
+        *,
+        on: On | None = None,
+        fair: Sequence[str] = (),
+        engine: Asked = "auto",
+        max_states: int | None = None,
+        executor: Executor | None = None,
+    ) -> Questions:
+        """What answers formulas; those that are asked alike share what has been found out."""
+        from mcpn.check.logic.questions import Questions
+
+        key = on, tuple(fair), engine, max_states
+        if key not in self._questions:
+            self._questions[key] = Questions(
+                self.spaces, on=on, fair=fair, engine=engine, max_states=max_states, executor=executor
+            )
+        return self._questions[key]
+
+    def ctl(
+        self,
+        formula: str,
+        *,
+        on: On | None = None,
+        fair: Sequence[str] = (),
+        engine: Asked = "auto",
+        max_states: int | None = None,
+    ) -> Answer:
+        """Answers a formula of temporal logic, with a run that shows why; see :func:`mcpn.ctl`.
+
+        Raises:
+            InputError: The formula is none, or does not fit the net.
+            SemanticsError: The net is not 1-safe, or internal evolution is not confluent.
+            LimitError: A limit was hit.
+        """
+        return self.questions(on=on, fair=fair, engine=engine, max_states=max_states).answer(formula)
+
+    def causes(
+        self,
+        *,
+        engine: Asked = "auto",
+        max_states: int | None = None,
+        progress: Progress | None = None,
+        executor: Executor | None = None,
+    ) -> Causes:
+        """Finds what makes the mission and its objectives fail; see :func:`mcpn.causes`.
+
+        Raises:
+            SemanticsError: The mission is not safe or not confluent.
+            LimitError: A limit was hit.
+        """
+        from mcpn.check.causes.find import find_causes
+
+        return find_causes(
+            self._of_mission("what makes it fail"),
+            engine=engine,
+            max_states=max_states,
+            progress=progress,
+            executor=executor,
+        )
+
+    def alternatives(
+        self, *, engine: Asked = "auto", max_states: int | None = None, progress: Progress | None = None
+    ) -> Space[Any]:
+        """The alternatives graph of the mission: its stable states, and an edge for each event.
+
+        Raises:
+            SemanticsError: The mission is not safe or not confluent.
+            LimitError: A limit was hit.
+        """
+        from mcpn.check.engines import answered
+
+        spaces = self._of_mission("the alternatives graph")
+
+        def ask(choice: Choice) -> Space[Any]:
+            return spaces.space(choice, "alternatives", progress=progress)
+
+        return answered(ask, spaces.mission, engine=engine, on="alternatives", max_states=max_states)[0]
+
+    @overload
+    def controller(
+        self,
+        form: Literal["flat", "hierarchical"] = "hierarchical",
+        *,
+        max_states: int | None = None,
+        progress: Progress | None = None,
+        told: Callable[[str], object] | None = None,
+        executor: Executor | None = None,
+    ) -> TableController: ...
+    @overload
+    def controller(
+        self,
+        form: Form | Literal["auto"],
+        *,
+        max_states: int | None = None,
+        progress: Progress | None = None,
+        told: Callable[[str], object] | None = None,
+        executor: Executor | None = None,
+    ) -> AnyController: ...
+    def controller(
+        self,
+        form: Form | Literal["auto"] = "hierarchical",
+        *,
+        max_states: int | None = None,
+        progress: Progress | None = None,
+        told: Callable[[str], object] | None = None,
+        executor: Executor | None = None,
+    ) -> AnyController:
+        """Generates the controller of the mission; see :func:`mcpn.controller.generate.generate`.
+
+        Raises:
+            SemanticsError: The mission is not safe or not confluent.
+            LimitError: A machine would have more states than allowed.
+        """
+        from mcpn.controller.generate import generate
+
+        return generate(
+            self._of_mission("a controller"),
+            form,
+            max_states=max_states,
+            progress=progress,
+            told=told,
+            executor=executor,
+        )
+
+    # --- what people read ---
+
+    def picture(self, kind: str | None = None, section: str | None = None) -> Drawing:
+        """Draws the mission or the net; see :func:`mcpn.picture`.
+
+        Args:
+            kind: What is drawn of a mission, by default the mission as it is written, or the local graph of
+                a section; of a net nothing but ``net``.
+            section: Draw this section alone.
+
+        Raises:
+            InputError: There is no such section, or there is no such picture.
+            LimitError: The picture is too large to be read, or the extra ``pictures`` is missing.
+        """
+        from mcpn.report.pictures.choice import drawn
+        from mcpn.report.pictures.nets import net_drawing
+
+        if self.is_net and kind in (None, "net") and section is None:
+            return net_drawing(self.net)
+        kind = kind or ("mission" if section is None else "alternatives")
+        return drawn(self._of_mission("this picture"), kind, section)
+
+    def findings(
+        self,
+        *,
+        engine: Asked = "auto",
+        max_states: int | None = None,
+        steps: Steps | None = None,
+        executor: Executor | None = None,
+    ) -> Findings:
+        """What a report tells of the mission; see :func:`mcpn.report.findings.findings`."""
+        from mcpn.report.findings import findings
+
+        return findings(self._of_mission("a report"), engine, max_states, steps, executor)
+
+    def report(self, path: str | Path) -> None:
+        """Writes a report of the mission as one HTML page, as ``mcpn report`` does.
+
+        Args:
+            path: The page.
+
+        Raises:
+            SemanticsError: A section hands on more than the state of its hardware.
+            LimitError: A limit was hit.
+        """
+        from mcpn.files import write_atomically
+        from mcpn.report.page import page
+
+        write_atomically(Path(path), page(self.findings()))
