@@ -105,7 +105,10 @@ def causes(
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)
-        rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
+        told_rows = (
+            short and study.mission_net.abort is None
+        )  # asked for by --fmeca, it says why there are none
+        rows = table_of(found.prospects, wanted) if told_rows or fmeca is not None else []
     numbers = None
     if rates:
         from mcpn.check.causes.risk import risk
@@ -123,6 +126,8 @@ def causes(
         emit_json(document | choice_object(every.choice) | {"seconds": time.perf_counter() - started})
         return
     report.print_causes(found)
+    if study.mission_net.abort is not None:
+        click.echo("no FMECA table: it knows no mission yet that can be aborted")
     if rows:
         report.print_fmeca([r for r in rows if not objectives or r.objective in objectives], classes)
     if numbers is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +47,20 @@ COLUMNS = (
 )
 
 
+def safe(name: str, cut_sets: Sequence[CutSet]) -> str:
+    """When a mission can end neither in success nor in abort, by its minimal cut sets.
+
+    >>> safe("survey", [("motor",)])
+    'survey can end neither in success nor in abort if motor'
+    """
+    if not cut_sets:
+        return f"{name} can succeed or be aborted whatever hardware fails"
+    if () in cut_sets:
+        return f"{name} can never succeed nor be aborted"
+    lost = ", or if ".join(map(enumeration, cut_sets))
+    return f"{name} can end neither in success nor in abort if {lost}"
+
+
 def condition(name: str, cut_sets: Sequence[CutSet]) -> str:
     """When something fails, by its minimal cut sets.
 
@@ -79,6 +93,7 @@ def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
     """
     return {
         "mission": _goal(causes.mission, runs),
+        **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, of=safe)}),
         "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
         "survival": [
             {
@@ -97,11 +112,13 @@ def _events(run: Run | None) -> list[str] | None:
     return None if run is None else [str(event) for event in run.events]
 
 
-def _goal(goal: GoalCauses, runs: bool) -> dict[str, Any]:
+def _goal(
+    goal: GoalCauses, runs: bool, of: Callable[[str, Sequence[CutSet]], str] = condition
+) -> dict[str, Any]:
     return {
         "cut_sets": _lists(goal.cut_sets),
         "critical_events": _texts(goal.critical_events),
-        "condition": condition(goal.name, goal.cut_sets),
+        "condition": of(goal.name, goal.cut_sets),
         "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
         "critical": {
             "without_repairs": _all_critical(goal.critical),
@@ -200,6 +217,8 @@ def print_causes(causes: Causes) -> None:
     """Prints conditions of failure, what is survived, runs to failure, and critical events."""
     terminal = Terminal()
     terminal.print(condition(causes.mission.name, causes.mission.cut_sets), style="bold")
+    if causes.safety is not None:
+        terminal.print(safe(causes.safety.name, causes.safety.cut_sets), style="bold")
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)

@@ -144,6 +144,8 @@ def _answers(findings: Findings) -> Iterator[tuple[str, str]]:
         yield "note", f"It can succeed no more once this hardware is lost and not repaired: {lost}."
     else:
         yield "holds", "No loss of hardware alone makes it fail."
+    if findings.causes.safety is not None:
+        yield _safety(findings.causes.safety.cut_sets)
     alone = {lost[0] for lost in cut_sets if len(lost) == 1}
     mission = findings.check.mission_net.mission
     survived = [h.name for h in mission.hardware if h.faulty and h.name not in alone]
@@ -155,6 +157,19 @@ def _answers(findings: Findings) -> Iterator[tuple[str, str]]:
         if chance.unrated:
             told += f"; {without_a_rate(chance)}"
         yield "note", f"With the given rates {told}."
+
+
+def _safety(cut_sets: Sequence[Sequence[str]]) -> tuple[str, str]:
+    """What makes a mission that can abort end in neither success nor abort."""
+    if () in cut_sets:
+        return "fails", "It can never succeed, and never be aborted."
+    if not cut_sets:
+        return "holds", "Whatever hardware is lost, it can still succeed or be aborted."
+    lost = "; ".join(enumeration(lost) + (" together" if len(lost) > 1 else "") for lost in cut_sets)
+    return (
+        "note",
+        f"It can neither succeed nor be aborted once this hardware is lost and not repaired: {lost}.",
+    )
 
 
 def _what_if(rows: Sequence[Row]) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -88,9 +88,13 @@ class Play:
 
     # --- the questions ---------------------------------------------------------------------------------
 
-    def mission_survives(self, marking: Marking, dead: frozenset[str]) -> bool:
-        success = self.marks("MISSION_success")
-        return any(success(m) for m in self.reach([marking], [f"{h}_EV_RD" for h in dead]))
+    def mission_survives(
+        self, marking: Marking, dead: frozenset[str], ends: Sequence[str] = ("MISSION_success",)
+    ) -> bool:
+        """Whether the mission may still come to one of some ends."""
+        ended = [self.marks(end) for end in ends]
+        reached = self.reach([marking], [f"{h}_EV_RD" for h in dead])
+        return any(end(m) for m in reached for end in ended)
 
     def objective_survives(self, marking: Marking, name: str, dead: frozenset[str]) -> bool:
         """Whether the present run may end in success: its end, or an interruption, is no part of it."""

@@ -9,13 +9,13 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment
 from mcpn.check.causes.find import Causes
 from mcpn.check.causes.fmeca import fmeca
-from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.prospects import Prospects, refuse_reentry
 from mcpn.check.engines import Engine
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names
@@ -134,6 +134,8 @@ def confirm(asked: Asked) -> None:
             )
         ],
     )
+    if found.abort is not None:
+        confirm_safety(asked, play, everything)
     # Losing regions: as many states as plain search finds, with repairs and without.
     for dead in (frozenset[str](), frozenset(play.hardware)):
         lost = asked.prospects.losing(asked.goal(), repairs=not dead)
@@ -289,11 +291,42 @@ def pending(found: MissionNet, name: str) -> bool:
     return ("pending", name) in found.by_role
 
 
+def confirm_safety(asked: Asked, play: Play, everything: set[Marking]) -> None:
+    """Cut sets and losing regions of the safe ends are those of brute force."""
+    safe = ("MISSION_success", "MISSION_abort")
+    goal, dying = asked.prospects.safety, asked.cuts.safety
+    assert goal is not None
+    assert dying is not None
+    event("can be aborted")
+    subsets = play.subsets()
+    start = {d: play.after(play.initial, [f"{h}_EV_OOS" for h in sorted(d)]) for d in subsets}
+    lost = [d for d in subsets if not play.mission_survives(start[d], d, safe)]
+    assert asked.cuts.minimal(asked.cuts.defeating(dying, Moment.START)) == minimal(lost)
+    open_ = [m for m in everything if not any(play.marks(place)(m) for place in (*safe, "MISSION_begin"))]
+    whenever = [
+        d for d in subsets if not any(d <= play.out(m) and play.mission_survives(m, d, safe) for m in open_)
+    ]
+    assert asked.cuts.minimal(asked.cuts.defeating(dying, Moment.WHENEVER)) == minimal(whenever)
+    for dead in (frozenset[str](), frozenset(play.hardware)):
+        region = asked.prospects.losing(goal, repairs=not dead)
+        assert region.count() == sum(not play.mission_survives(m, dead, safe) for m in everything)
+        edges = asked.prospects.critical(goal, repairs=not dead)
+        crossing = sum(
+            play.mission_survives(m, dead, safe) and not play.mission_survives(after, dead, safe)
+            for m in everything
+            if m in open_ or play.marks("MISSION_begin")(m)
+            for happens, after in play.edges(m)
+            if not dead or not happens.endswith("_EV_RD")
+        )
+        assert sum(critical.edges for critical in edges) == crossing
+
+
 def small(mission: Mission, max_states: int) -> MissionNet | None:
     """The net of a mission that every engine answers for, or ``None``."""
     found = compose(mission)
     try:
         direct(found.net, max_states=max_states)
+        refuse_reentry(found.graph)
     except (LimitError, SemanticsError) as error:
         returns_early(type(error).__name__)
         return None
@@ -312,6 +345,23 @@ def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> 
     found = small(mission, 400)
     if found is not None:
         confirm(Asked(found, engine))
+
+
+ABORTING = missions(max_sections=5, max_hardware=2, max_producers=1, aborts=6)
+
+
+@fewer(0.6)
+@given(ABORTING, st.sampled_from(ENGINES))
+def test_cut_sets_of_missions_that_abort(mission: Mission, engine: Engine) -> None:
+    found = small(mission, 400)
+    if found is not None:
+        confirm(Asked(found, engine))
+
+
+@fewer(0.3)
+@given(ABORTING)
+def test_engines_agree_on_causes_of_missions_that_abort(mission: Mission) -> None:
+    agree_on_all_causes(mission)
 
 
 @fewer(0.15)
@@ -361,7 +411,8 @@ def agree_on_all_causes(mission: Mission) -> None:
         return
 
     def told(causes: Causes) -> object:
-        goals = (causes.mission, *causes.objectives.values())
+        goals = [causes.mission, *causes.objectives.values()]
+        goals += [] if causes.safety is None else [causes.safety]
         return (
             [
                 (
@@ -375,7 +426,7 @@ def agree_on_all_causes(mission: Mission) -> None:
                 for g in goals
             ],
             [(s.section, s.cut_sets, s.always, s.at_most, s.run is None) for s in causes.survival],
-            [replace(row) for row in fmeca(causes.prospects)],
+            [replace(row) for row in fmeca(causes.prospects)] if found.abort is None else [],
         )
 
     first, *others = (told(Asked(found, engine).all) for engine in ENGINES)

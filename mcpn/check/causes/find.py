@@ -12,7 +12,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from mcpn.check.causes.cutsets import CutSet, CutSets, Moment, Nonmonotone
-from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects, refuse_abort
+from mcpn.check.causes.prospects import CriticalEvent, Goal, Prospects, refuse_reentry
 from mcpn.check.engines import Asked, Choice, answered
 from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.errors import InputError
@@ -100,6 +100,7 @@ class Causes(Told):
         objectives: Why each elementary objective fails, by its name.
         survival: What the mission survives from its start and from the entry of each section.
         choice: The engine that answered.
+        safety: Why it ends neither in success nor in abort; ``None`` of a mission that cannot abort.
     """
 
     mission_net: MissionNet
@@ -108,6 +109,7 @@ class Causes(Told):
     objectives: Mapping[str, GoalCauses]
     survival: list[Survival]
     choice: Choice
+    safety: GoalCauses | None = None
 
     def __repr__(self) -> str:
         lost = "; ".join(" and ".join(cut_set) for cut_set in self.mission.cut_sets) or "no hardware"
@@ -141,7 +143,7 @@ def find_causes(
         LimitError: A limit was hit: on states, memory or minimal cut sets.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
-    refuse_abort(mission_net)
+    refuse_reentry(mission_net.graph)
 
     def both(by: Choice) -> tuple[Space[Any], Space[Any]]:
         told = None if by.brief else progress
@@ -187,4 +189,5 @@ def find_causes(
         },
         [survival(section) for section in (None, *mission_net.graph.sections)],
         choice,
+        None if prospects.safety is None or cuts.safety is None else causes(prospects.safety, cuts.safety),
     )

@@ -76,7 +76,7 @@ def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) ->
         A row for each resource that may fail and each objective that may run, in the mission's order of
         hardware, then of objectives; also where the failure has no effect, so that no pair is missing.
     """
-    refuse_abort(prospects.mission_net)
+    refuse_abort(prospects.mission_net, "the tables of FMECA")
     return list(_Table(prospects).rows(objectives))
 
 

@@ -18,7 +18,8 @@ from typing import Any, Generic, Literal, TypeAlias
 from mcpn.check.verdicts.modes import Mode, said_by
 from mcpn.errors import LimitError
 from mcpn.mission.facts.handover import entries
-from mcpn.mission.flatten import ElementarySection, Section
+from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition
@@ -27,17 +28,47 @@ from mcpn.space.memoized import memoized
 from mcpn.space.run import Run, transitions_of
 
 
-def refuse_abort(mission_net: MissionNet) -> None:
-    """Refuses questions about causes of a mission that can abort.
+def refuse_abort(mission_net: MissionNet, what: str) -> None:
+    """Refuses a question that does not know of a third end, of a mission that can abort.
+
+    Args:
+        mission_net: The mission's net.
+        what: What is asked for, in words.
 
     Raises:
-        LimitError: It can.
+        LimitError: It can, or what aborts may lead back into what it stops.
     """
     if mission_net.abort is not None:
-        raise LimitError(
-            "the mission can be aborted (a route says abort): causes, FMECA and numbers of risk do not "
-            "reckon with a third end yet"
-        )
+        raise LimitError(f"the mission can be aborted (a route says abort): {what} know no third end yet")
+    refuse_reentry(mission_net.graph)
+
+
+def refuse_reentry(graph: ObjectivesGraph, around: tuple[ParallelSection, ...] = ()) -> None:
+    """Refuses missions in which one event may abort a block and enter it again.
+
+    A run of an objective there would end and another begin without a state between them.
+
+    Args:
+        graph: The mission's graph, or that of a branch.
+        around: The blocks around it, the innermost first.
+
+    Raises:
+        LimitError: There may be such an event.
+    """
+    for block in graph.sections:
+        if not isinstance(block, ParallelSection):
+            continue
+        routes = set[str]() if block.abort is None else {block.abort}
+        for outer, further in zip((block, *around), (*around, None), strict=True):
+            if outer.name in routes:
+                raise LimitError(
+                    f"an abort of {block.name} may lead back into {outer.name} at once: causes and numbers "
+                    "of risk cannot tell one run of its objectives from the next"
+                )
+            left = further is not None and not routes.isdisjoint((SUCCEED, FAIL, ABORT))
+            routes = {route for _, route in further.outcomes} if further is not None and left else set()
+        for branch in block.branches:
+            refuse_reentry(branch.graph, (block, *around))
 
 
 Kind: TypeAlias = Literal["objective", "pending", "done", "oos", "alive", "dead"]
@@ -138,6 +169,14 @@ class Prospects(Generic[S]):
     def mission(self) -> Goal[S]:
         """Success of the mission."""
         won = self.space.marked([self.mission_net.success])
+        return Goal(self.mission_net.mission.name, self.space.everything - won, won)
+
+    @cached_property
+    def safety(self) -> Goal[S] | None:
+        """A safe end of the mission, success or abort; ``None`` of a mission that cannot abort."""
+        if self.mission_net.abort is None:
+            return None
+        won = self.space.marked([self.mission_net.success, self.mission_net.abort])
         return Goal(self.mission_net.mission.name, self.space.everything - won, won)
 
     @cached_property
@@ -299,13 +338,15 @@ class Prospects(Generic[S]):
         mine = (self.carrying(What.OUT_OF_SERVICE, name) for name in names)
         transitions = (self.unrepaired - self.failing).union(*mine)
         ends = [self.losing(goal, repairs=False)]
-        if goal is self.mission:
-            ends.insert(0, space.marked([self.mission_net.failure]))
+        whole = goal is self.mission or goal is self.safety
+        if whole:
+            ended = self.mission_net.ends.values()
+            ends.insert(0, space.marked(ended) - goal.won)
         oos = self.places("oos", names)
         for end, guards in product([space.restricted(end, oos, ()) for end in ends], (self.forced, None)):
             run = space.run(space.initial.pick(), end, None, transitions, guards)
             if run is not None:
-                if goal is not self.mission:
+                if not whole:
                     fails = self.carrying(What.FAILURE, goal.name)
                     run.append(next(e for e in space.edges(run[-1].target) if e.transition in fails))
                 return self._run(run)

@@ -77,7 +77,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         InputError: An objective that may run has no duration.
         LimitError: There are too many states to be listed, or too much hardware to be remembered.
     """
-    refuse_abort(prospects.mission_net)
+    refuse_abort(prospects.mission_net, "numbers of risk")
     _refuse_unknown(prospects)
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)
