@@ -119,12 +119,12 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
 def _contents(element: etree._Element) -> str:
     tag = etree.QName(element).localname
     rule = language().get(tag, _UNKNOWN)
-    found = (
+    children = (
         ", ".join(dict.fromkeys(f"<{etree.QName(child).localname}>" for child in element)) or "no children"
     )
     expected = ", ".join(f"<{name}>" for name in sorted(rule.children))
     optional = ", ".join(sorted(rule.attributes.keys() - rule.required))
     return (
-        f"<{tag}> with {', '.join(map(str, element.attrib)) or 'no attributes'} and {found} does not fit; "
+        f"<{tag}> with {', '.join(map(str, element.attrib)) or 'no attributes'} and {children} does not fit; "
         f"expected children among {expected or 'none'}, or an attribute among {optional or 'none'}"
     )

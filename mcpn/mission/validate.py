@@ -147,13 +147,13 @@ class _Checks:
         for software in self.mission.software:
             producers = self.producers.get(software.name, [])
             if len(producers) != 1:
-                found = ", ".join(a.name for a in producers) or "none"
+                names = ", ".join(a.name for a in producers) or "none"
                 wanted = f'produces="{software.name}"'
                 remedy = f"give {wanted} to the one that makes it"
                 if producers:
                     remedy = f"leave {wanted} on one of them"
                 needed = f"software {software.name} needs exactly one activity that produces it"
-                yield Problem(software.source, f"{needed}, found {found}: {remedy}")
+                yield Problem(software.source, f"{needed}, found {names}: {remedy}")
 
     def activity(self, activity: Activity) -> Iterator[Problem]:
         yield from _duplicates("alternative", activity.alternatives)

@@ -82,12 +82,12 @@ def minimise(
         solver.setOptionValue("mip_rel_gap", 1e6)
     solver.passModel(program)
     solver.run()
-    status, found = solver.getModelStatus(), solver.getInfo()
+    status, info = solver.getModelStatus(), solver.getInfo()
     if status == HighsModelStatus.kInfeasible:
         return Solved("infeasible")
     if (
         status == HighsModelStatus.kUnbounded
-        or found.primal_solution_status != SolutionStatus.kSolutionStatusFeasible
+        or info.primal_solution_status != SolutionStatus.kSolutionStatusFeasible
     ):
         return Solved("unknown")
-    return Solved("solved", tuple(solver.getSolution().col_value), found.objective_function_value)
+    return Solved("solved", tuple(solver.getSolution().col_value), info.objective_function_value)

@@ -54,10 +54,10 @@ def repeatable(net: PetriNet, transitions: Collection[int]) -> frozenset[int]:
 def _weights(changes: Sequence[Sparse], places: int) -> list[float]:
     """Weights of places that no change raises and as many as may be lower by 1; zeros where none is found."""
     # Variables: the weights, and by how much each change lowers the sum.
-    found = minimise(
+    solution = minimise(
         [0.0] * places + [-1.0] * len(changes),
         [({**of, places + row: 1.0}, -inf, 0.0) for row, of in enumerate(changes)],
         [-inf] * places + [0.0] * len(changes),
         [inf] * places + [1.0] * len(changes),
     )
-    return list(found.values[:places]) if found.kind == "solved" else [0.0] * places
+    return list(solution.values[:places]) if solution.kind == "solved" else [0.0] * places

@@ -46,11 +46,11 @@ def surroundings(net: PetriNet) -> list[tuple[int, int]]:
 
     A place that is read as well as consumed from stands before only: its token does not stay.
     """
-    found = []
+    pairs = []
     for t in net.transitions:
         taken, put, still = (_bits(p for p, _ in arcs) for arcs in (t.consume, t.produce, t.read))
-        found.append((taken | still, put | still & ~taken))
-    return found
+        pairs.append((taken | still, put | still & ~taken))
+    return pairs
 
 
 def siphons(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
@@ -276,16 +276,16 @@ def _sum(left: Sparse, a: int, right: Sparse, b: int) -> Sparse:
 
 def _minimal(rows: list[tuple[Sparse, Sparse]], max_compared: int, what: str) -> list[tuple[Sparse, Sparse]]:
     """Rows whose support holds that of no other; one for each support."""
-    found: list[tuple[int, tuple[Sparse, Sparse]]] = []
+    solutions: list[tuple[int, tuple[Sparse, Sparse]]] = []
     compared = 0
     for row in sorted(rows, key=lambda row: len(row[0])):
-        compared += len(found)
+        compared += len(solutions)
         if compared > max_compared:
             raise LimitError(f"more than {max_compared} comparisons of vectors: the limit on {what} was hit")
         support = _bits(row[0])
-        if not any(known & support == known for known, _ in found):
-            found.append((support, row))
-    return [row for _, row in found]
+        if not any(known & support == known for known, _ in solutions):
+            solutions.append((support, row))
+    return [row for _, row in solutions]
 
 
 def state_machine_components(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Places, ...]:
@@ -302,13 +302,13 @@ def state_machine_components(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tupl
         LimitError: The limit was hit.
     """
     around = surroundings(net)
-    found = []
+    components = []
     for flow in p_semiflows(net, max_rows=max_rows):
         support = _bits(flow)
         single = all((b & support).bit_count() < 2 and (a & support).bit_count() < 2 for b, a in around)
         if single and set(flow.values()) == {1}:
-            found.append(tuple(sorted(flow)))
-    return tuple(found)
+            components.append(tuple(sorted(flow)))
+    return tuple(components)
 
 
 def _bits(members: Iterable[int]) -> int:

@@ -196,19 +196,19 @@ def state_machine_units(net: PetriNet, *, steps: int = SEARCH_STEPS) -> tuple[tu
         Groups in the order found, each ascending; each verified, whatever the search did.
     """
     search = _UnitSearch(net)
-    found: list[tuple[int, ...]] = []
+    units: list[tuple[int, ...]] = []
     for unit in net.units:
         if not search.covered.issuperset(unit) and _holds_one_token(search.rows, net.initial, set(unit)):
-            found.append(tuple(sorted(set(unit))))
+            units.append(tuple(sorted(set(unit))))
             search.covered.update(unit)
     budget = steps + 10 * len(net.places)
     for seed in range(len(net.places)):
         if seed not in search.covered and budget > 0:
             budget -= search.grow(seed, min(steps // 10, budget))
             if search.group and _holds_one_token(search.rows, net.initial, search.group):
-                found.append(tuple(sorted(search.group)))
+                units.append(tuple(sorted(search.group)))
                 search.covered.update(search.group)
-    return tuple(found)
+    return tuple(units)
 
 
 class _UnitSearch:
@@ -318,40 +318,40 @@ def conflicts(net: PetriNet, transitions: Iterable[int]) -> tuple[tuple[int, int
             consumers.setdefault(place, []).append(number)
         for place in transition.read:
             readers.setdefault(place, []).append(number)
-    found: set[tuple[int, int]] = set()
+    pairs: set[tuple[int, int]] = set()
     for place, consuming in consumers.items():
-        found.update(combinations(consuming, 2))
-        found.update((min(t, u), max(t, u)) for t in consuming for u in readers.get(place, ()))
-    return tuple(sorted(found))
+        pairs.update(combinations(consuming, 2))
+        pairs.update((min(t, u), max(t, u)) for t in consuming for u in readers.get(place, ()))
+    return tuple(sorted(pairs))
 
 
 def place_bounds(net: PetriNet) -> list[float]:
     """Most tokens that a place can hold in a reachable marking, by the invariants; else infinity."""
-    found = [inf] * len(net.places)
+    bounds = [inf] * len(net.places)
     for vector in invariants(net):
         if min(vector.values()) > 0:
             total = sum(weight * net.initial[place] for place, weight in vector.items())
             for place, weight in vector.items():
-                found[place] = min(found[place], total // weight)
+                bounds[place] = min(bounds[place], total // weight)
     for unit in state_machine_units(net):
         for place in unit:
-            found[place] = min(found[place], 1)
-    return found
+            bounds[place] = min(bounds[place], 1)
+    return bounds
 
 
 def needs(net: PetriNet, transition: int) -> dict[int, int]:
     """Tokens that a transition needs, by place."""
     arcs = net.transitions[transition]
-    found = dict(arcs.consume)
+    weights = dict(arcs.consume)
     for place, weight in arcs.read:
-        found[place] = max(found.get(place, 0), weight)
-    return found
+        weights[place] = max(weights.get(place, 0), weight)
+    return weights
 
 
 def changes(net: PetriNet, transition: int) -> dict[int, int]:
     """Tokens that a firing of a transition adds, or takes, by place that it changes."""
     arcs = net.transitions[transition]
-    found = dict(arcs.produce)
+    effect = dict(arcs.produce)
     for place, weight in arcs.consume:
-        found[place] = found.get(place, 0) - weight
-    return {place: by for place, by in found.items() if by}
+        effect[place] = effect.get(place, 0) - weight
+    return {place: by for place, by in effect.items() if by}

@@ -75,18 +75,18 @@ def what_happens(event: Event, mission: str) -> str:
 
 def changes(before: Situation, after: Situation) -> list[str]:
     """What changes from one stable marking to the next, in mission words."""
-    found = [f"{name} begins" for name in after.objectives if name not in before.objectives]
+    phrases = [f"{name} begins" for name in after.objectives if name not in before.objectives]
     for activity, alternative in after.mode.items():
         was = before.mode.get(activity)
         if was is not None and was != alternative:
-            found.append(f"{activity} changes from {was} to {alternative}")
+            phrases.append(f"{activity} changes from {was} to {alternative}")
         elif was is None and alternative != activity:
-            found.append(f"{activity} runs as {alternative}")
-    found += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
-    found += [f"{name} waits" for name in after.waiting if name not in before.waiting]
+            phrases.append(f"{activity} runs as {alternative}")
+    phrases += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
+    phrases += [f"{name} waits" for name in after.waiting if name not in before.waiting]
     if after.outcome and not before.outcome:
-        found.append(f"the mission ends in {after.outcome}")
-    return found
+        phrases.append(f"the mission ends in {after.outcome}")
+    return phrases
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

@@ -148,17 +148,17 @@ class Controller:
         """The events that can be taken now, sorted."""
         with self._lock:
             tables, gone = self._tables, self._out_of_service
-            found = set[str]()
+            events = set[str]()
             covered = set[str]()
             if self._section:
-                found.update(self._section.possible(self._state, self._happened))
+                events.update(self._section.possible(self._state, self._happened))
                 covered.update(self._section.hardware)
             elif self._phase == BEFORE:
-                found.add(START)
+                events.add(START)
             for name in tables.hardware:
                 if name not in covered:
-                    found.add(f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS")
-            return tuple(sorted(found))
+                    events.add(f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS")
+            return tuple(sorted(events))
 
     # --- events ---
 
@@ -210,10 +210,10 @@ class Controller:
         hardware = failing or repaired
         actions: tuple[Action, ...] = ()
         if section is not None and event in section.number:
-            found = section.move(self._state, event, self._happened)
-            if found is None:
+            step = section.move(self._state, event, self._happened)
+            if step is None:
                 return None
-            target, actions, happening = found
+            target, actions, happening = step
             self._happened |= happening
             self._note(failing, repaired)
             if isinstance(target, str):

@@ -116,11 +116,11 @@ class TableSection:
 
     def entry(self, out_of_service: Set[str], happened: Set[str]) -> tuple[int, tuple[Action, ...]]:
         """The first state inside and the actions, with some hardware out of service."""
-        found = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.once, happened))
-        if found is None:
+        step = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.once, happened))
+        if step is None:
             gone = sorted(out_of_service)
             raise ControllerFileError(f"section {self.name} has no entry with {gone} out of service")
-        return found[0], self.actions(found[1])
+        return step[0], self.actions(step[1])
 
     def move(
         self, state: int, event: str, happened: Set[str] = frozenset()
@@ -135,10 +135,10 @@ class TableSection:
         number = self.number.get(event)
         if number is None:
             return None
-        found = self.machine.move(state, number, _numbers(self.once, happened))
-        if found is None:
+        step = self.machine.move(state, number, _numbers(self.once, happened))
+        if step is None:
             return None
-        target, actions, happening = found
+        target, actions, happening = step
         return target, self.actions(actions), {self.once[i] for i in happening}
 
     def possible(self, state: int, happened: Set[str] = frozenset()) -> list[str]:
@@ -214,14 +214,14 @@ class Laws:
 
     def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[ParameterValue, ...]:
         """Those in force for an alternative: the objective's, the alternative's, the activity's, by name."""
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         if activity is not None and activity in self.activities:
             said = self.activities[activity]
-            found |= said["parameters"]
-            found |= said["alternatives"].get(alternative, {"parameters": {}})["parameters"]
+            values |= said["parameters"]
+            values |= said["alternatives"].get(alternative, {"parameters": {}})["parameters"]
         if objective is not None and objective in self.objectives:
-            found |= self.objectives[objective]["parameters"]
-        return tuple(ParameterValue(name, p["value"], p["unit"]) for name, p in found.items())
+            values |= self.objectives[objective]["parameters"]
+        return tuple(ParameterValue(name, p["value"], p["unit"]) for name, p in values.items())
 
 
 class Tables:

@@ -142,12 +142,12 @@ class ArraySpace:
 
     def firings(self, states: ArraySet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
-        found = np.zeros(len(self.net.transitions), np.int64)
+        counts = np.zeros(len(self.net.transitions), np.int64)
         listed = np.flatnonzero(states.mask)
         for first in range(0, len(listed), AT_ONCE):
             labels = self.graph.labels_of(listed[first : first + AT_ONCE])
-            found += np.bincount(labels, minlength=len(found))
-        return {t: count for t, count in enumerate(found.tolist()) if count}
+            counts += np.bincount(labels, minlength=len(counts))
+        return {t: count for t, count in enumerate(counts.tolist()) if count}
 
     def image(self, states: ArraySet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
@@ -255,6 +255,6 @@ class ArraySpace:
     ) -> list[Edge] | None:
         """A shortest run from a state into a goal; see :meth:`mcpn.space.algebra.Space.run`."""
         passing = None if along is None else along.mask
-        found = self.graph.run_to(goal.mask, begin, self._edges(transitions, guards), passing)
+        edges = self.graph.run_to(goal.mask, begin, self._edges(transitions, guards), passing)
         labels, targets = self.graph.labels, self.graph.targets
-        return None if found is None else [Edge(int(labels[e]), int(targets[e])) for e in found]
+        return None if edges is None else [Edge(int(labels[e]), int(targets[e])) for e in edges]

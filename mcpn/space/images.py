@@ -43,10 +43,10 @@ class ImageStore:
 
     def of_rows(self, rows: Iterable[Sequence[int]]) -> Zdd:
         """The family of sets given one by one, each as its numbers."""
-        found = self.nothing
+        family = self.nothing
         for row in rows:
-            found |= self.store.singleton(sorted(row))
-        return found
+            family |= self.store.singleton(sorted(row))
+        return family
 
     def upward(self, family: Zdd) -> Zdd:
         """The sets of a family and all that contain one of them."""
@@ -108,15 +108,15 @@ class ImageStore:
         Raises:
             LimitError: There are more than :data:`MAX_MINIMAL`.
         """
-        found: list[tuple[int, ...]] = []
+        minima: list[tuple[int, ...]] = []
         weights = [1] * self.store.levels
         for size in range(self.levels + 1):
             if not family:
                 break
             members = family.weighing(weights, size, size)
-            if len(found) + members.count() > MAX_MINIMAL:
+            if len(minima) + members.count() > MAX_MINIMAL:
                 raise LimitError(f"more than {MAX_MINIMAL} minimal sets: the limit on cut sets was hit")
             new = [tuple(sorted(member)) for member in members]
-            found += new
+            minima += new
             family = family.without([self.store.condition(list(member)) for member in new]) if new else family
-        return found
+        return minima

@@ -47,16 +47,16 @@ class _Space:
         self.index = {place.top.uniqid: number for number, place in enumerate(self.places)}
 
     def marked(self, places: tuple[int, ...]) -> Any:
-        found = self.one
+        condition = self.one
         for place in places:
-            found = found & self.places[place]
-        return found
+            condition = condition & self.places[place]
+        return condition
 
     def unmarked(self, places: tuple[int, ...]) -> Any:
-        found = self.one
+        condition = self.one
         for place in places:
-            found = found & ~self.places[place]
-        return found
+            condition = condition & ~self.places[place]
+        return condition
 
     def enabled(self, markings: Any, t: SafeTransition) -> Any:
         return self.zero if t.blocked else markings & self.marked((*t.consume, *t.read))
@@ -72,13 +72,13 @@ class _Space:
 
     def _calm(self, markings: Any) -> dict[int, Any]:
         """By rank, the markings that enable no transition of a lower one."""
-        found: dict[int, Any] = {}
+        by_rank: dict[int, Any] = {}
         for rank in sorted({*self.net.ranks, EVENTS}):
-            found[rank] = markings
+            by_rank[rank] = markings
             for t, of in zip(self.net.safe_transitions, self.net.ranks, strict=True):
                 if of == rank:
-                    markings = markings & ~self.enabled(found[rank], t)
-        return found
+                    markings = markings & ~self.enabled(by_rank[rank], t)
+        return by_rank
 
     def firing(self, markings: Any) -> list[Any]:
         """The markings in which each transition fires, priorities respected."""

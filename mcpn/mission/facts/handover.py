@@ -43,22 +43,22 @@ class Handover:
         So it is where one edge of the objectives graph stops and starts the same activity (a retry, a
         protocol used twice in a row), and where two branches of a parallel block start the same one.
         """
-        found = set[str]()
+        activities = set[str]()
         for ending, target in _onward(self.usage.graph, {}):
-            found |= ending & _activities(entries(target))
-        return frozenset(found).union(activity for *_, activity in self.usage.started_twice())
+            activities |= ending & _activities(entries(target))
+        return frozenset(activities).union(activity for *_, activity in self.usage.started_twice())
 
     @cached_property
     def gated(self) -> frozenset[str]:
         """The sections, at any depth, that begin only when what stops before them has stopped."""
-        found = set[str]()
+        names = set[str]()
         for ending, target in _onward(self.usage.graph, {}):
             before = self._reached(ending)
             after = self._reached(_activities(entries(target)))
             if self._may_compete(before, after):
-                found.add(target.name)
-        found.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
-        return frozenset(found)
+                names.add(target.name)
+        names.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
+        return frozenset(names)
 
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
         """Whether what some activities do while they stop may compete with what others begin with."""

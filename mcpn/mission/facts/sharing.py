@@ -99,10 +99,10 @@ class Sharing:
 
     def _under_resources(self, resources: Iterable[str], without: str) -> frozenset[str]:
         usage = self.usage
-        found = frozenset[str]()
+        hardware = frozenset[str]()
         for k in resources:
             if k in usage.hardware:
-                found |= usage.hardware_under(k)
+                hardware |= usage.hardware_under(k)
             elif usage.producer[k] != without and usage.can_fail(k):
-                found |= self._under_all(usage.producer[k], without)
-        return found
+                hardware |= self._under_all(usage.producer[k], without)
+        return hardware

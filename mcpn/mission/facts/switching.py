@@ -110,21 +110,21 @@ class Switching:
 
     def _all_of(self, activity: str, resources: Iterable[str]) -> frozenset[Held]:
         usage = self.usage
-        found: frozenset[Held] = frozenset({frozenset()})
+        combinations: frozenset[Held] = frozenset({frozenset()})
         for k in resources:
             each = (
                 frozenset({self._held(activity, k)})
                 if k in usage.hardware
                 else self._possible(usage.producer[k])
             )
-            together = (one | other for one in found for other in each)
-            found = _minimal(held for held in together if len({h for h, _ in held}) == len(held))
-            if len(found) > MAX_WAYS:
+            together = (one | other for one in combinations for other in each)
+            combinations = _minimal(held for held in together if len({h for h, _ in held}) == len(held))
+            if len(combinations) > MAX_WAYS:
                 raise LimitError(
                     f"activity {activity}: more than {MAX_WAYS} sets of hardware make an alternative "
                     "possible: the limit on what it may switch back to was hit"
                 )
-        return found
+        return combinations
 
 
 def _minimal(ways: Iterable[frozenset[_T]]) -> frozenset[frozenset[_T]]:

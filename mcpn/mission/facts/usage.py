@@ -188,15 +188,15 @@ class Usage:
     @cached_property
     def contentions(self) -> tuple[Contention, ...]:
         """Every contention, each pair of activities once per resource and context; context by context."""
-        found: dict[Contention, None] = {}
+        pairs: dict[Contention, None] = {}
         for resource, (a, _), (b, _), context, source in self._concurrent_demands():
             pair = (a, b) if a < b else (b, a)
-            found.setdefault(Contention(resource, pair, context, source))
+            pairs.setdefault(Contention(resource, pair, context, source))
         for section, first, second, activity in self.started_twice():
             context = f"parallel block {section.name}"
-            found.setdefault(Contention(f"activity {activity}", (first, second), context, section.source))
-        contexts = {context: number for number, context in enumerate(dict.fromkeys(c.context for c in found))}
-        return tuple(sorted(found, key=lambda c: (contexts[c.context], c.rivals, c.wanted)))
+            pairs.setdefault(Contention(f"activity {activity}", (first, second), context, section.source))
+        contexts = {context: number for number, context in enumerate(dict.fromkeys(c.context for c in pairs))}
+        return tuple(sorted(pairs, key=lambda c: (contexts[c.context], c.rivals, c.wanted)))
 
     @cached_property
     def _contended(self) -> frozenset[Demand]:
@@ -285,15 +285,15 @@ class Usage:
         one makes its demands.
         """
         if activity not in self._inner:
-            found: set[tuple[str, Demand, Demand]] = set()
+            demands: set[tuple[str, Demand, Demand]] = set()
             for i, alternative in enumerate(self.activities[activity].alternatives):
                 own: Needs = {k: {(activity, i)} for k in alternative.consumes}
                 below = self.suppliers(activity, i)
                 for p in below:
-                    found |= self._inside(p)
-                    found.update(_both(own, self.tree_needs(p)))
+                    demands |= self._inside(p)
+                    demands.update(_both(own, self.tree_needs(p)))
                 for p, q in combinations(below, 2):
-                    found.update(_both(self.tree_needs(p), self.tree_needs(q)))
+                    demands.update(_both(self.tree_needs(p), self.tree_needs(q)))
                 under = frozenset[str]().union(*(self.closure(p) for p in below))
                 left = [
                     q
@@ -306,8 +306,8 @@ class Usage:
                         its: Needs = {k: {(activity, j)} for k in other.consumes}
                         its = _merge([its, *(self.tree_needs(p) for p in self.suppliers(activity, j))])
                         for q in left:
-                            found.update(_both(its, self.tree_needs(q)))
-            self._inner[activity] = frozenset(found)
+                            demands.update(_both(its, self.tree_needs(q)))
+            self._inner[activity] = frozenset(demands)
         return self._inner[activity]
 
     def tree_needs(self, activity: str) -> Needs:

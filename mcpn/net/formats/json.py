@@ -100,12 +100,12 @@ def read_json(path: Path, data: bytes) -> PetriNet:
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    members: dict[str, Any] = {}
     for key, value in pairs:
-        if key in found:
+        if key in members:
             raise ValueError(f"the key {key!r} is given twice")
-        found[key] = value
-    return found
+        members[key] = value
+    return members
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,11 +117,11 @@ class _Value:
 
     def fail(self, expected: str) -> NoReturn:
         if isinstance(self.value, dict | list):
-            found = "an object" if isinstance(self.value, dict) else "a list"
+            kind = "an object" if isinstance(self.value, dict) else "a list"
         else:
             shown = json.dumps(self.value)
-            found = shown if len(shown) < 40 else f"{shown[:40]}…"
-        raise InputError.at(None, f"{self.way} is {found}, expected {expected}")
+            kind = shown if len(shown) < 40 else f"{shown[:40]}…"
+        raise InputError.at(None, f"{self.way} is {kind}, expected {expected}")
 
     def get(self, key: str, *, optional: bool = False) -> _Value:
         if not isinstance(self.value, dict):

@@ -109,8 +109,8 @@ class _Reader:
         self.ids.add(key)
         for label in element:
             if _tag(label) not in _SKIPPED and _tag(label) not in _LABELS.get(tag, ()):
-                found = f"found <{_tag(label)}> in {tag} {key}"
-                self.fail(label, f"{found}, which place/transition nets do not have")
+                label_error = f"found <{_tag(label)}> in {tag} {key}"
+                self.fail(label, f"{label_error}, which place/transition nets do not have")
         if tag == "arc":
             self.arcs.append(element)
         elif tag == "place":
@@ -153,7 +153,7 @@ class _Reader:
 
     def sides(self, ends: dict[str, str]) -> dict[str, tuple[dict[str, int], dict[str, int], dict[str, int]]]:
         """What each transition consumes, produces and reads, by its id and the places' names."""
-        found: dict[str, tuple[dict[str, int], dict[str, int], dict[str, int]]] = {
+        arcs: dict[str, tuple[dict[str, int], dict[str, int], dict[str, int]]] = {
             t: ({}, {}, {}) for t in self.transitions
         }
         halves: dict[tuple[str, str], int] = {}
@@ -170,20 +170,20 @@ class _Reader:
             if into == (target in self.places):
                 self.fail(arc, f"arc {arc.get('id')} does not join a place and a transition")
             place, transition = (source, target) if into else (target, source)
-            side = found[transition][0 if into else 1]
+            side = arcs[transition][0 if into else 1]
             if self.ours(arc, "read") is not None:
                 pair = (place, transition)
                 halves[pair] = halves.get(pair, 0) + (weight if into else -weight)
                 marked[pair] = arc
                 if not into:
                     continue
-                side = found[transition][2]
+                side = arcs[transition][2]
             name = self.name(self.places[place])
             side[name] = side.get(name, 0) + weight
         for pair, difference in halves.items():
             if difference:
                 self.fail(marked[pair], f"read arc {marked[pair].get('id')} has no arc back of its weight")
-        return found
+        return arcs
 
     def end(self, arc: etree._Element, attribute: str, ends: dict[str, str]) -> str:
         key = arc.get(attribute, "")

@@ -178,7 +178,7 @@ class _Reader:
             yield current
 
     def tokens(self, text: str, line: int) -> list[_Token]:
-        found, at = [], 0
+        words, at = [], 0
         while at < len(text):
             match = _TOKEN.match(text, at)
             if not match:
@@ -187,9 +187,9 @@ class _Reader:
                 _Declaration(self.path, here).fail(f"found {wrong}, expected a name, an arc or an arrow")
             kind = match.lastgroup or ""
             if kind not in ("space", "comment"):
-                found.append(_Token(kind, match.group(), line, at + 1))
+                words.append(_Token(kind, match.group(), line, at + 1))
             at = match.end()
-        return found
+        return words
 
     def place(self, declaration: _Declaration) -> None:
         if declaration.peek().kind == "end":
@@ -292,16 +292,16 @@ class _Reader:
         for name, lines in lines_of.items():
             levels.setdefault(tuple(lines), []).append(name)
         below_of = {of: frozenset(n for i in of for n in self.priorities[i][2]) for of in levels}
-        found: dict[str, int] = {}
+        rank_of: dict[str, int] = {}
         later, last = frozenset[str](), 0
         for of in sorted(levels, key=lambda of: len(below_of[of])):
             if below_of[of] != later:
-                if below_of[of] != frozenset(found):
+                if below_of[of] != frozenset(rank_of):
                     message = "each transition of the net must be in a level of priority"
                     self.priorities[-1][0].fail(f"{message}, and above all of the levels after its own")
                 later, last = below_of[of], last + 1
-            found |= dict.fromkeys(levels[of], last)
-        return {name: last - level for name, level in found.items()}
+            rank_of |= dict.fromkeys(levels[of], last)
+        return {name: last - level for name, level in rank_of.items()}
 
 
 def read_tina(path: Path, data: bytes) -> PetriNet:

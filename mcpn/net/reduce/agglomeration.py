@@ -102,12 +102,12 @@ def _fuse(draft: Draft, place: int) -> bool:
 
 def flat(draft: Draft, transition: int) -> list[int]:
     """The firings of the original net that a transition stands for."""
-    found: list[int] = []
+    members: list[int] = []
     stack = [draft.runs[transition]]
     while stack:
         run = stack.pop()
         if isinstance(run, int):
-            found.append(run)
+            members.append(run)
         else:
             stack += run[::-1]
-    return found
+    return members

@@ -311,17 +311,17 @@ class _Control:
             for branch in section.branches
             if any(e == event for inner in branch.graph.sections for e in events_of(inner))
         ]
-        found = [Position(())]
+        positions_so_far = [Position(())]
         for number, positions in enumerate(handling, 1):
-            both = (one.beside(other) for one in found for other in positions)
-            found = [position for position in both if position.possible]
-            if len(found) > MAX_POSITIONS:
-                count = len(found) * prod(map(len, handling[number:]))
+            both = (one.beside(other) for one in positions_so_far for other in positions)
+            positions_so_far = [position for position in both if position.possible]
+            if len(positions_so_far) > MAX_POSITIONS:
+                count = len(positions_so_far) * prod(map(len, handling[number:]))
                 message = (
                     f"parallel block {section.name}: {count} combinations of where its branches are when "
                 )
                 raise LimitError(f"{message}the event {event} happens, the limit is {MAX_POSITIONS}")
-        return found
+        return positions_so_far
 
     def in_branch(self, section: ParallelSection, branch: Branch, event: str) -> Iterator[Position]:
         """Positions of this graph, that of a branch of a section, its ends among them."""

@@ -242,8 +242,8 @@ def _layered(graphs: Sequence[Graph]) -> list[Placed]:
     return [_placed(graph, layout) for graph, layout in zip(graphs, layouts, strict=True)]
 
 
-def _placed(graph: Graph, found: Layout) -> Placed:
-    left, bottom, right, top = map(float, found["bb"].split(","))
+def _placed(graph: Graph, layout: Layout) -> Placed:
+    left, bottom, right, top = map(float, layout["bb"].split(","))
     placed = Placed(right - left + 2 * MARGIN, top - bottom + 2 * MARGIN)
 
     def at(point: str) -> Point:
@@ -252,14 +252,14 @@ def _placed(graph: Graph, found: Layout) -> Placed:
 
     nodes = {f"n{number}": node for number, node in enumerate(graph.nodes)}
     clusters = {f"cluster_{number}": cluster for number, cluster in enumerate(graph.clusters)}
-    for item in found.get("objects", ()):
+    for item in layout.get("objects", ()):
         if item["name"] in clusters and "bb" in item:
             corners = item["bb"].split(",")
             (x, low), (end, high) = at(",".join(corners[:2])), at(",".join(corners[2:]))
             _frame(placed, clusters[item["name"]], Frame(x, high, end - x, low - high, "", ""))
         elif item["name"] in nodes:
             _place(placed, nodes[item["name"]], at(item["pos"]))
-    for item in found.get("edges", ()):
+    for item in layout.get("edges", ()):
         edge = graph.edges[int(item["class"][1:])]
         curve = _curve(edge, item["pos"], at)
         placed.curves.append(curve)
@@ -273,12 +273,12 @@ def _placed(graph: Graph, found: Layout) -> Placed:
 def _parts(graph: Graph) -> list[Graph]:
     """The inside of each cluster."""
     of = {node.key: node.cluster for node in graph.nodes}
-    found = []
+    parts = []
     for cluster in graph.clusters:
         members = [replace(node, cluster=None) for node in graph.nodes if node.cluster == cluster.key]
         edges = [e for e in graph.edges if of[e.source] == of[e.target] == cluster.key]
-        found.append(Graph(cluster.name, members, edges))
-    return found
+        parts.append(Graph(cluster.name, members, edges))
+    return parts
 
 
 def _nested(graph: Graph, inside: Mapping[str, Placed]) -> Placed:

@@ -50,15 +50,15 @@ def laid_out(questions: Sequence[Question], name: str) -> list[Layout]:
     from mcpn.report.pictures.drawing import needed
 
     needed("pygraphviz", "a drawing of a graph")
-    found = _answers([{**question, "splines": CURVES} for question in questions])
-    if found is not None:
-        return found
+    layouts = _answers([{**question, "splines": CURVES} for question in questions])
+    if layouts is not None:
+        return layouts
     singly = []
     for question in questions:
         for splines in (CURVES, STRAIGHT):
-            found = _answers([{**question, "splines": splines}])
-            if found is not None:
-                singly += found
+            layouts = _answers([{**question, "splines": splines}])
+            if layouts is not None:
+                singly += layouts
                 break
         else:
             raise LimitError(f"{name}: Graphviz finds no layout in {SECONDS} seconds")
@@ -80,12 +80,12 @@ def _answers(questions: Sequence[Question]) -> list[Layout] | None:
         return None
     if run.returncode:
         return None
-    found: list[Layout] = json.loads(run.stdout)
+    layouts: list[Layout] = json.loads(run.stdout)
     whole = all(
         sum("pos" in edge for edge in layout.get("edges", ())) == len(question["edges"])
-        for layout, question in zip(found, questions, strict=True)
+        for layout, question in zip(layouts, questions, strict=True)
     )
-    return found if whole else None
+    return layouts if whole else None
 
 
 def layout(question: Question) -> Layout:
@@ -119,8 +119,8 @@ def layout(question: Question) -> Layout:
             **label,
             **{"class": f"e{number}"},
         )
-    found: Layout = json.loads(graph.draw(format="json0", prog="dot"))
-    return found
+    answer: Layout = json.loads(graph.draw(format="json0", prog="dot"))
+    return answer
 
 
 def _space(width: float, height: float) -> str:

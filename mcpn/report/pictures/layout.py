@@ -280,12 +280,12 @@ def _success(box: Box, index: int) -> str:
 def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
     """The lanes that a child's routes use."""
     child = box.children[index]
-    found = [("failure", "failure", child.failure or FAIL)]
+    routes = [("failure", "failure", child.failure or FAIL)]
     if (success := _success(box, index)) != _next(box, index):
-        found.append(("success", "success", success))
+        routes.append(("success", "success", success))
     if child.abort is not None:
-        found.append(("event", "abort", child.abort))
-    return found + [("event", f"on {h.event}" + (" once" if h.once else ""), h.goto) for h in child.handlers]
+        routes.append(("event", "abort", child.abort))
+    return routes + [("event", f"on {h.event}" + (" once" if h.once else ""), h.goto) for h in child.handlers]
 
 
 def _exits(box: Box) -> dict[str, str]:

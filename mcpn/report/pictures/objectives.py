@@ -156,12 +156,12 @@ def _by_block(graph: ObjectivesGraph, name: str) -> Graph:
 def _groups(graph: ObjectivesGraph) -> dict[str, str]:
     names = [section.name for section in graph.sections]
     for depth in range(max(name.count(".") for name in names), 0, -1):
-        found = {name: ".".join(name.split(".")[:depth]) for name in names}
-        if len(set(found.values())) <= MOST_SECTIONS:
-            return found
+        group_of = {name: ".".join(name.split(".")[:depth]) for name in names}
+        if len(set(group_of.values())) <= MOST_SECTIONS:
+            return group_of
     size = -(-len(names) // MOST_SECTIONS)
-    found = {}
+    group_of = {}
     for start in range(0, len(names), size):
         part = names[start : start + size]
-        found |= dict.fromkeys(part, f"{part[0]} to {part[-1]}" if len(part) > 1 else part[0])
-    return found
+        group_of |= dict.fromkeys(part, f"{part[0]} to {part[-1]}" if len(part) > 1 else part[0])
+    return group_of

@@ -153,5 +153,5 @@ def _draw_bars(axes: Any, plot: Bars) -> None:
 
 
 def _far_apart(values: Iterable[float]) -> bool:
-    found = list(values)
-    return bool(found) and min(found) > 0 and max(found) > FAR_APART * min(found)
+    rest = list(values)
+    return bool(rest) and min(rest) > 0 and max(rest) > FAR_APART * min(rest)

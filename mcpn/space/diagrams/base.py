@@ -170,11 +170,11 @@ class Diagrams:
         self, events: Mapping[int, int], transitions: Collection[int] | None, guards: Guards[Zdd]
     ) -> list[tuple[int, Zdd]]:
         """Events of the store for transitions with a guard that are asked for, with where they may fire."""
-        found = []
+        groups = []
         for t, states in (guards or {}).items():
             if t in events and (transitions is None or t in transitions):
-                found.append((events[t], states & self.where[t]))
-        return found
+                groups.append((events[t], states & self.where[t]))
+        return groups
 
     @cached_property
     def where(self) -> Mapping[int, Zdd]:
@@ -182,8 +182,8 @@ class Diagrams:
         if not self.net.priorities:
             return dict.fromkeys(range(len(self.net.transitions)), self.everything)
         internal = zip(self.net.internal_ranks, self.space.allowed, strict=True)
-        found = {t: where for of, where in internal for t in of}
-        return {t: found.get(t, self.stable) for t in range(len(self.net.transitions))}
+        allowed_in = {t: where for of, where in internal for t in of}
+        return {t: allowed_in.get(t, self.stable) for t in range(len(self.net.transitions))}
 
     def closure(self, begin: Zdd, events: Sequence[int], within: Zdd) -> Zdd:
         """The states that some events lead to inside a set, by saturation or by chaining, turn by turn.
@@ -192,7 +192,7 @@ class Diagrams:
         events alone; one event after the other, over all states found, may then need few steps. Each has a
         budget of steps, which grows, and goes on where it was.
         """
-        store, budget, found = self.encoding.store, self.first_steps, begin & within
+        store, budget, reached = self.encoding.store, self.first_steps, begin & within
         turns, unchanged = cycle(events), 0
         while True:
             try:
@@ -200,14 +200,14 @@ class Diagrams:
             except BudgetExceeded:
                 spent = 0
             while spent < budget:
-                after = found.images([next(turns)], within=within)
+                after = reached.images([next(turns)], within=within)
                 spent += store.steps
-                wider = found | after
+                wider = reached | after
                 spent += store.steps
-                unchanged = unchanged + 1 if wider == found else 0
-                found = wider
+                unchanged = unchanged + 1 if wider == reached else 0
+                reached = wider
                 if unchanged == len(events):
-                    return found
+                    return reached
             budget *= GROWTH
             if self.most_steps and budget > self.most_steps:
                 raise BudgetExceeded(f"a closure took more than {self.most_steps} steps")
@@ -276,15 +276,15 @@ class Diagrams:
         :mod:`mcpn.space.diagrams.staying`.
         """
         search = self._left_off.setdefault((along, asked), Staying(self, along, asked))
-        found = search.states()
+        states_left = search.states()
         del self._left_off[along, asked]
-        return found
+        return states_left
 
     def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
         """Those of some states with an edge of some transitions that leads to one of them."""
-        found = self.before(states, transitions)
+        sources = self.before(states, transitions)
         self.steps += self.encoding.store.steps
-        return found & states
+        return sources & states
 
     def firing(self, states: Zdd) -> frozenset[int]:
         """Transitions that fire on edges from some states, or more."""

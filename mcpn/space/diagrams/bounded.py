@@ -99,8 +99,8 @@ def _overflowing(space: SymbolicSpace, overflows: Iterable[tuple[int, int]]) -> 
         space: The reachable markings.
         overflows: Places with the conditions of such firings.
     """
-    left, found = list(overflows), list[int]()
+    left, places = list(overflows), list[int]()
     while left and (first := space.reachable.first([condition for _, condition in left])) >= 0:
-        found.append(left[first][0])
-        left = [pair for pair in left[first + 1 :] if pair[0] not in found]
-    return found
+        places.append(left[first][0])
+        left = [pair for pair in left[first + 1 :] if pair[0] not in places]
+    return places

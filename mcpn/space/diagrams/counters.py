@@ -158,20 +158,20 @@ class TokenEncoding(Encoding):
     @cached_property
     def overflows(self) -> list[tuple[int, int]]:
         """Pairs of a place and the condition under which some firing would put too many tokens in it."""
-        found = []
+        pairs = []
         for t, deltas in enumerate(self._deltas):
             for place, delta in deltas.items():
                 if delta > 0:
                     least = max(self._needs[t].get(place, 0), self.capacity(place) - delta + 1)
                     condition = self._checked(self._needs[t] | {place: least})
                     if condition is not None:
-                        found.append((place, condition))
-        return found
+                        pairs.append((place, condition))
+        return pairs
 
     @cached_property
     def undoing(self) -> dict[int, int]:
         """By transition, the event that takes a marking after its firing back to the one before."""
-        found = {}
+        inverse = {}
         for t in self.events:
             deltas = self._deltas[t]
             after = {place: max(need + deltas.get(place, 0), 0) for place, need in self._needs[t].items()}
@@ -179,8 +179,8 @@ class TokenEncoding(Encoding):
                 after.setdefault(place, max(delta, 0))
             event = self._changed(after, {place: -delta for place, delta in deltas.items()})
             assert event is not None, "what can be fired can be undone"
-            found[t] = event
-        return found
+            inverse[t] = event
+        return inverse
 
     # --- the same questions as of 1-safe nets ---
 

@@ -59,14 +59,14 @@ def behind(
     clock, store = clock or Clock(), encoding.store
     first, *later = encoding.internal_ranks[:ranks] or ([],)
     unstable, *unstable_later = encoding.unstable_ranks[:ranks] or ([],)
-    found = stable = store.empty()
+    reached = stable = store.empty()
     front = begun
     while front:
         front = front.saturate(first, max_steps=clock.left)
         clock.spent += store.steps
         if later:
-            front -= found
-        found |= front
+            front -= reached
+        reached |= front
         rest, front = front.without(unstable), store.empty()
         for events, conditions in zip(later, unstable_later, strict=True):
             if not rest:
@@ -75,8 +75,8 @@ def behind(
             clock.spent += store.steps
             rest = rest.without(conditions)
         stable |= rest
-        front -= found
-    return found, stable
+        front -= reached
+    return reached, stable
 
 
 def leading(encoding: Encoding, goal: Zdd, allowed: Sequence[Zdd]) -> Zdd:
@@ -90,21 +90,21 @@ def leading(encoding: Encoding, goal: Zdd, allowed: Sequence[Zdd]) -> Zdd:
     if len(allowed) <= 1:
         return goal.saturate(encoding.internal_back, within=reduce(or_, allowed)) if allowed else goal
     first, *later = encoding.undoing_ranks
-    found, front = encoding.store.empty(), goal
+    sources, front = encoding.store.empty(), goal
     while front:
-        front = front.saturate(first, within=allowed[0]) - found
-        found |= front
+        front = front.saturate(first, within=allowed[0]) - sources
+        sources |= front
         before = (
             front.images(events, within=where) for events, where in zip(later, allowed[1:], strict=True)
         )
-        front = reduce(or_, list(before)) - found
-    return found
+        front = reduce(or_, list(before)) - sources
+    return sources
 
 
 def passing(encoding: Encoding, markings: Zdd) -> list[Zdd]:
     """By rank, those of some markings in which its transitions may fire: none of a lower rank is enabled."""
-    found = []
+    sets = []
     for conditions in encoding.unstable_ranks:
-        found.append(markings)
+        sets.append(markings)
         markings = markings.without(conditions)
-    return found
+    return sets

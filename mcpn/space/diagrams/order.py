@@ -73,8 +73,8 @@ def read_order(path: Path, net: PetriNet) -> Order:
         if place is not None and place not in order:
             order[place] = number
         elif place is not None:
-            found = f"place {name} again, after line {order[place]}"
-            problems.append(Problem(Source(str(path), number), found))
+            duplicate = f"place {name} again, after line {order[place]}"
+            problems.append(Problem(Source(str(path), number), duplicate))
         elif name and not name.startswith("#"):
             problems.append(
                 Problem(Source(str(path), number), f"found {name!r}, expected a place of the net")
@@ -171,12 +171,12 @@ def _touched(net: PetriNet) -> list[list[int]]:
 def blocks(net: PetriNet, units: Iterable[Sequence[int]]) -> list[list[int]]:
     """All places by unit; a place of several units is of the first, one of none is alone, after the units."""
     placed: set[int] = set()
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     for unit in (*units, *([p] for p in range(len(net.places)))):
         if fresh := [p for p in dict.fromkeys(unit) if p not in placed]:
             placed.update(fresh)
-            found.append(fresh)
-    return found
+            groups.append(fresh)
+    return groups
 
 
 def by_units(net: PetriNet, units: Iterable[Sequence[int]]) -> Order:
@@ -187,18 +187,18 @@ def by_units(net: PetriNet, units: Iterable[Sequence[int]]) -> Order:
 def together(net: PetriNet, units: Iterable[Sequence[int]], order: Order) -> Order:
     """Units by the mean of their places in an order, and the places of each as they stand there."""
     level = {p: i for i, p in enumerate(order)}
-    found = blocks(net, units)
-    found.sort(key=lambda block: sum(level[p] for p in block) / len(block))
-    return tuple(p for block in found for p in sorted(block, key=level.__getitem__))
+    grouped = blocks(net, units)
+    grouped.sort(key=lambda block: sum(level[p] for p in block) / len(block))
+    return tuple(p for block in grouped for p in sorted(block, key=level.__getitem__))
 
 
 def as_wholes(net: PetriNet, units: Iterable[Sequence[int]]) -> Order:
     """FORCE on units instead of places; the places of each stand as they are given."""
-    found = blocks(net, units)
-    number = {p: i for i, block in enumerate(found) for p in block}
+    grouped = blocks(net, units)
+    number = {p: i for i, block in enumerate(grouped) for p in block}
     touched = ({number[p] for p in places} for places in _touched(net))
     beside = [sorted(near) for near in touched if len(near) > 1]
-    return tuple(p for i in kernel_force(beside, list(range(len(found))), MAX_ROUNDS) for p in found[i])
+    return tuple(p for i in kernel_force(beside, list(range(len(grouped))), MAX_ROUNDS) for p in grouped[i])
 
 
 def cuthill_mckee(net: PetriNet) -> Order:
@@ -217,27 +217,27 @@ def cuthill_mckee(net: PetriNet) -> Order:
 
     def walk(start: int) -> tuple[list[int], list[int]]:
         """Nodes as they are come to, and their distances."""
-        seen, found, distances = {start}, [start], [0]
-        for at, node in enumerate(found):  # grows while it is walked
+        seen, visited, distances = {start}, [start], [0]
+        for at, node in enumerate(visited):  # grows while it is walked
             fresh = sorted((n for n in near[node] if n not in seen), key=lambda n: (len(near[n]), n))
             seen.update(fresh)
-            found += fresh
+            visited += fresh
             distances += [distances[at] + 1] * len(fresh)
-        return found, distances
+        return visited, distances
 
     order: list[int] = []
     placed: set[int] = set()
     for node in range(count):
         if node in placed:
             continue
-        found, distances = walk(node)
+        visited, distances = walk(node)
         far = 0
         while distances[-1] > far:
             far = distances[-1]
-            rim = [n for n, distance in zip(found, distances, strict=True) if distance == far]
-            found, distances = walk(min(rim, key=lambda n: (len(near[n]), n)))
-        placed.update(found)
-        order += found
+            rim = [n for n, distance in zip(visited, distances, strict=True) if distance == far]
+            visited, distances = walk(min(rim, key=lambda n: (len(near[n]), n)))
+        placed.update(visited)
+        order += visited
     return tuple(node for node in reversed(order) if node < count)
 
 

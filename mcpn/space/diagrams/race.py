@@ -94,9 +94,9 @@ class Race(Generic[Result]):
         """The result of the winner, or ``None`` where none stays within memory."""
         budget = self.first_budget
         while True:
-            found = self._side_by_side(budget) if self._spread(budget) else self._in_turn(budget)
-            if found is not None:
-                return found
+            result = self._side_by_side(budget) if self._spread(budget) else self._in_turn(budget)
+            if result is not None:
+                return result
             if len(self._out) == len(self._drawn):
                 return None
             self._make_room()
@@ -138,8 +138,8 @@ class Race(Generic[Result]):
 
     def _in_turn(self, budget: int) -> Result | None:
         for rank, steps in self._budgets(budget):
-            if (found := self._attempt(rank, steps)) is not None:
-                return found
+            if (result := self._attempt(rank, steps)) is not None:
+                return result
         return None
 
     def _side_by_side(self, budget: int) -> Result | None:
@@ -153,11 +153,11 @@ class Race(Generic[Result]):
             best: tuple[int, Result] | None = None
             try:
                 for future in as_completed(working):
-                    if future.cancelled() or (found := future.result()) is None:
+                    if future.cancelled() or (result := future.result()) is None:
                         continue
                     place = working[future]
                     if best is None or place < best[0]:
-                        best = place, found
+                        best = place, result
                         self._stop([*working], given, place)
             except BaseException:
                 self._stop([*working], given, -1)

@@ -169,16 +169,22 @@ class OneByOne:
         if not ended and not explorer.run(firings // 4 or 1):
             self._look_out(explorer.explored - explored, explorer.states - states)
             raise BudgetExceeded(f"the budget of {steps} steps was exceeded")
-        found = explorer.take()
+        exploration = explorer.take()
         self._explorer = None
-        if found.trouble is not None:
-            return prepared.unsafe(found)
+        if exploration.trouble is not None:
+            return prepared.unsafe(exploration)
         encoding = self._encoding = Encoding(self.net, self.order, self.memory_limit)
         if self._cancelled:
             raise Cancelled
         name = f"{self.name}, after exploring one by one"
-        sizes = Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
-        graph = prepared.graph(found)
+        sizes = Counts(
+            exploration.states,
+            exploration.edges,
+            exploration.dead,
+            exploration.stable,
+            exploration.most_tokens,
+        )
+        graph = prepared.graph(exploration)
         listed = ListedMarkings(graph.markings, graph if len(graph.offsets) else None)
         if not self.net.priorities:
             return SymbolicSpace(encoding, listed, None, name, self.order, 0, sizes)
@@ -188,9 +194,9 @@ class OneByOne:
 
     def _look_out(self, explored: int, fresh: int) -> None:
         assert self._explorer is not None, "asked of an exploration under way"
-        so_far, found = self._explorer.explored, self._explorer.states
-        most = self.memory_limit * found // self._explorer.bytes
-        queued = found - so_far
+        so_far, states = self._explorer.explored, self._explorer.states
+        most = self.memory_limit * states // self._explorer.bytes
+        queued = states - so_far
         if fresh < explored and so_far + (still := queued * explored // (explored - fresh)) <= most:
             self.outlook = log2(1 + still / so_far)
         else:

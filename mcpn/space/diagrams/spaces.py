@@ -40,26 +40,26 @@ class DiagramMarkings(Diagrams):
     ) -> Zdd:
         """States with an edge into some states."""
         undoing = self.encoding.undoing
-        found = self.nothing
+        sources = self.nothing
         for group, where in self.groups:
             if asked := self.of(undoing, group, transitions, guards):
-                found |= states.images(asked, within=where)
+                sources |= states.images(asked, within=where)
         for event, where in self.guarded(undoing, transitions, guards):
-            found |= states.images([event], within=where)
-        return found
+            sources |= states.images([event], within=where)
+        return sources
 
     def after(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None
     ) -> Zdd:
         """States that an edge leads to from some states."""
         events = self.encoding.events
-        found = self.nothing
+        targets = self.nothing
         for group, where in self.groups:
             if asked := self.of(events, group, transitions, guards):
-                found |= (states if where is self.everything else states & where).images(asked)
+                targets |= (states if where is self.everything else states & where).images(asked)
         for event, where in self.guarded(events, transitions, guards):
-            found |= (states & where).images([event])
-        return found
+            targets |= (states & where).images([event])
+        return targets
 
     def reaching(
         self,
@@ -71,13 +71,13 @@ class DiagramMarkings(Diagrams):
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = self.everything if along is None else along | goal
         free = self.of(self.encoding.undoing, self.free, transitions, guards)
-        found = self.closure(goal, free, within)
+        sources = self.closure(goal, free, within)
 
         def back(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return self.closure(states.images(events, within=where), free, within)
 
         ways = self.ways(self.encoding.undoing, transitions, guards)
-        return chained(found, [partial(back, events=of, where=where & within) for of, where in ways])
+        return chained(sources, [partial(back, events=of, where=where & within) for of, where in ways])
 
     def reached(
         self,
@@ -89,22 +89,22 @@ class DiagramMarkings(Diagrams):
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
         free = self.of(self.encoding.events, self.free, transitions, guards)
-        found = self.closure(begin, free, within)
+        targets = self.closure(begin, free, within)
 
         def ahead(states: Zdd, events: list[int], where: Zdd) -> Zdd:
             return self.closure((states & where).images(events), free, within)
 
         ways = self.ways(self.encoding.events, transitions, guards)
-        return chained(found, [partial(ahead, events=of, where=where) for of, where in ways])
+        return chained(targets, [partial(ahead, events=of, where=where) for of, where in ways])
 
     def continuing(self, states: Zdd, transitions: Collection[int] | None = None) -> Zdd:
         """Those of some states with an edge of some transitions that leads to one of them."""
-        found = self.nothing
+        sources = self.nothing
         for group, where in self.groups:
             if asked := self.of(self.encoding.undoing, group, transitions):
-                found |= states.images(asked, within=states if where is self.everything else states & where)
+                sources |= states.images(asked, within=states if where is self.everything else states & where)
                 self.steps += self.encoding.store.steps
-        return found
+        return sources
 
     def edges(self, state: Sequence[int]) -> Iterator[Edge]:
         """The edges of one state."""
@@ -150,10 +150,10 @@ class DiagramAlternatives(Diagrams):
     ) -> Zdd:
         """States with an event whose firing makes some markings, before internal evolution."""
         undoing = self.encoding.undoing
-        found = markings.images(self.of(undoing, self.waiting, transitions, guards), within=self.everything)
+        sources = markings.images(self.of(undoing, self.waiting, transitions, guards), within=self.everything)
         for event, where in self.guarded(undoing, transitions, guards):
-            found |= markings.images([event], within=where)
-        return found
+            sources |= markings.images([event], within=where)
+        return sources
 
     def after(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None

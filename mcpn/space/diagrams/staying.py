@@ -53,13 +53,13 @@ class Staying:
 
     def states(self) -> Zdd:
         """The states; where some are asked for, a set that meets these just where the exact one does."""
-        while (found := self._by_layers()) is None:
+        while (result := self._by_layers()) is None:
             if self.cycles is None:
                 self.cycles = _ByCycles(self.space, self.rest, self.asked)
-            if (found := self.cycles.states(self.steps)) is not None:
-                return found
+            if (result := self.cycles.states(self.steps)) is not None:
+                return result
             self.steps *= GROWTH
-        return found
+        return result
 
     def _by_layers(self) -> Zdd | None:
         """Drops layers until the steps are spent; what is left where none is left to drop."""

@@ -51,9 +51,9 @@ class ListedMarkings:
 
     def put_on(self, encoding: Encoding) -> Zdd:
         """The diagram of these markings; the rows are given up where it fits."""
-        found = encoding.store.from_markings(self._rows, encoding.places)
+        diagram = encoding.store.from_markings(self._rows, encoding.places)
         self._rows = None
-        return found
+        return diagram
 
 
 @dataclass(frozen=True)
@@ -280,11 +280,11 @@ def _race(
     limit: MemoryLimit | None = None
     for workers in sorted({min(cores(), MOST_WORKERS), 1}, reverse=True):  # one alone may have all the memory
         race = Race(runners(net, encodes, seed, memory_limit // workers, edges), memory_limit, workers, first)
-        found = race.run()
-        if isinstance(found, UnsafeError):
-            raise found
-        if found is not None:
-            return found
+        winner = race.run()
+        if isinstance(winner, UnsafeError):
+            raise winner
+        if winner is not None:
+            return winner
         limit = race.limit
     raise LimitError(f"no order of places stays within memory: {limit}")
 
@@ -319,12 +319,12 @@ def elements(encoding: Encoding) -> list[list[int]]:
 
     Hardware comes last: sets in which it fails already are larger on the way than those without.
     """
-    found: dict[Provenance | None, list[int]] = {}
+    groups: dict[Provenance | None, list[int]] = {}
     for t in encoding.events:
         transition = encoding.net.transitions[t]
         if not transition.internal:
-            found.setdefault(transition.provenance, []).append(t)
-    return [found[of] for of in sorted(found, key=lambda of: of is not None and of.kind == "hardware")]
+            groups.setdefault(transition.provenance, []).append(t)
+    return [groups[of] for of in sorted(groups, key=lambda of: of is not None and of.kind == "hardware")]
 
 
 def chained(begin: Zdd, steps: Sequence[Callable[[Zdd], Zdd]]) -> Zdd:
@@ -337,17 +337,17 @@ def chained(begin: Zdd, steps: Sequence[Callable[[Zdd], Zdd]]) -> Zdd:
         begin: What is there at first.
         steps: What each makes of a set; it distributes over unions.
     """
-    found = begin
+    reached = begin
     taken = [begin - begin] * len(steps)  # of which sets each step has been taken
     changed = True
     while changed:
         changed = False
         for number, step in enumerate(steps):
-            while new := found - taken[number]:
-                taken[number] = found
+            while new := reached - taken[number]:
+                taken[number] = reached
                 after = step(new)
-                if (found | after) == found:
+                if (reached | after) == reached:
                     break
-                found |= after
+                reached |= after
                 changed = True
-    return found
+    return reached

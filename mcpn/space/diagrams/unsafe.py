@@ -28,15 +28,15 @@ Suspect = tuple[int, int, int]
 
 
 def _suspects(encoding: Encoding) -> list[Suspect]:
-    found = []
+    suspects = []
     for t in encoding.transitions:
         safe = encoding.net.safe_transitions[t]
         for place in dict.fromkeys((*safe.produce, *safe.overflow)):
             before = (*safe.consume, *safe.read, *(() if place in safe.overflow else (place,)))
             condition = encoding.condition(before)
             if condition is not None:
-                found.append((t, place, condition))
-    return found
+                suspects.append((t, place, condition))
+    return suspects
 
 
 def _unsafe(markings: DiagramMarkings, suspects: list[Suspect]) -> UnsafeError:
@@ -47,10 +47,10 @@ def _unsafe(markings: DiagramMarkings, suspects: list[Suspect]) -> UnsafeError:
     while True:
         for t, place, condition in suspects:
             firing = layer & markings.where[t]
-            found = (firing - firing.without([condition])).pick()
-            if found is not None:
-                names = net.marked(markings.marking(found))
-                run = _back(markings, layers, found)
+            levels = (firing - firing.without([condition])).pick()
+            if levels is not None:
+                names = net.marked(markings.marking(levels))
+                run = _back(markings, layers, levels)
                 return UnsafeError(net.places[place].name, net.transitions[t].name, names, run)
         layer = markings.after(layer) - seen
         seen |= layer

@@ -70,13 +70,13 @@ class CompositeSpace(Glued):
 
     def marked(self, places: Collection[int]) -> CompositeSet:
         """States that mark at least one of some places."""
-        found, parts = SectionSets(), self.everything.parts
+        sets, parts = SectionSets(), self.everything.parts
         for place in places:
             anywhere = self.layout.idle[place] or place in self.layout.status
             for name in parts if anywhere else self.holders("places", place):
                 if name in parts:
-                    found.add(name, self.stages[name].restricted(parts[name], [place]))
-        return CompositeSet(self, found)
+                    sets.add(name, self.stages[name].restricted(parts[name], [place]))
+        return CompositeSet(self, sets)
 
     def restricted(
         self, states: CompositeSet, marked: Collection[int], unmarked: Collection[int]
@@ -97,11 +97,11 @@ class CompositeSpace(Glued):
 
     def image(self, states: CompositeSet, places: Sequence[int], images: ImageStore) -> Zdd:
         """How some states mark some places; see :meth:`mcpn.space.algebra.Space.image`."""
-        found = images.nothing
+        projection = images.nothing
         for name, part in states.parts.items():
             bits = [self.stages[name].bit(place) for place in places]
-            found |= images.of_diagram(part, self.layout.store, bits)
-        return found
+            projection |= images.of_diagram(part, self.layout.store, bits)
+        return projection
 
     def pieces(self, states: CompositeSet) -> Iterator[Piece[CompositeSet]]:
         """The states, section by section."""
@@ -124,13 +124,13 @@ class CompositeSpace(Glued):
 
     def crossing(self, among: CompositeSet, into: CompositeSet) -> Iterator[tuple[int, CompositeSet]]:
         """Transitions with edges from some states into others, each with the states before it."""
-        found: dict[int, dict[str, Zdd]] = {}
+        by_transition: dict[int, dict[str, Zdd]] = {}
         for name, part in (self.before(into) & among).parts.items():
             stage = self.stages[name]
             goal = into.of(name) | self.ends_into(stage, into.parts)
             for t, before in stage.named(*stage.type.crossing(part, goal, stage.carried)):
-                found.setdefault(t, {})[name] = before
-        return ((t, CompositeSet(self, found[t])) for t in sorted(found))
+                by_transition.setdefault(t, {})[name] = before
+        return ((t, CompositeSet(self, by_transition[t])) for t in sorted(by_transition))
 
     def firings(self, states: CompositeSet) -> Mapping[int, int]:
         """In how many of some states each transition has an edge."""
@@ -220,9 +220,9 @@ class CompositeSpace(Glued):
         while targets:
             closed = SectionSets()
             for name, target in targets.items():
-                found = self.stages[name].type.reaching(target, within.of(name), allowed(name))
-                closed.add(name, found - seen.get(name, self.empty))
-                seen.add(name, found)
+                sources = self.stages[name].type.reaching(target, within.of(name), allowed(name))
+                closed.add(name, sources - seen.get(name, self.empty))
+                seen.add(name, sources)
             hops.append((closed, targets))
             if self._has(closed, begin):
                 return hops

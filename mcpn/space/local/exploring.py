@@ -91,10 +91,12 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
     of = net if dying is None else dying
     name, places = next(iter(candidates(of)))
     encoding = Encoding(of, places, DEFAULT_MEMORY)
-    found = reach_in_big_steps(KernelNet(net), encoding)
-    if found is None:
+    big_steps = reach_in_big_steps(KernelNet(net), encoding)
+    if big_steps is None:
         return Explored(reach(of))
-    stable, steps, also = (*found, {}) if dying is None else _with_losses(encoding, len(net.places), *found)
+    stable, steps, also = (
+        (*big_steps, {}) if dying is None else _with_losses(encoding, len(net.places), *big_steps)
+    )
     space = SymbolicSpace(encoding, stable, stable, name, places, encoding.store.peak_nodes)
     return Explored(space, steps, also)
 
@@ -126,7 +128,7 @@ def _with_losses(
 
 def explore_and_prove(net: PetriNet, dying: PetriNet | None = None) -> Explored:
     """What is known of a local net, with all that a worker can prove of it; see :func:`explore_local`."""
-    found = explore_local(net, dying)
+    explored = explore_local(net, dying)
     if dying is None:
-        _ = found.conflicts, found.ends  # asked for here, they are known where this goes
-    return found
+        _ = explored.conflicts, explored.ends  # asked for here, they are known where this goes
+    return explored

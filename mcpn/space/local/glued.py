@@ -63,8 +63,8 @@ class CompositeSet:
 
     def __sub__(self, other: CompositeSet) -> CompositeSet:
         theirs = other.parts
-        found = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
-        return CompositeSet(self.space, found)
+        rest = {n: part - theirs[n] if n in theirs else part for n, part in self.parts.items()}
+        return CompositeSet(self.space, rest)
 
     def __bool__(self) -> bool:
         return bool(self.parts)
@@ -178,22 +178,22 @@ class Glued:
 
     def leaving(self, into: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
         """States of a set with an event that leads out of their section, into another set."""
-        found = SectionSets()
+        sources = SectionSets()
         for name in dict.fromkeys(stage for route in into for stage in self.into[route]):
             if name in within.parts:
                 stage = self.stages[name]
                 ends = self.ends_into(stage, into)
-                found.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
-        return found
+                sources.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
+        return sources
 
     def entering(self, states: Mapping[str, Zdd], within: CompositeSet, allowed: Filter) -> SectionSets:
         """States of a set just after an event that leads into their section, out of another set."""
-        found = SectionSets()
+        targets = SectionSets()
         for name, part in states.items():
             for route, hardware in self.stages[name].leave(part, allowed(name)):
                 if route in within.parts:
-                    found.add(route, self.stages[route].entered(hardware) & within.of(route))
-        return found
+                    targets.add(route, self.stages[route].entered(hardware) & within.of(route))
+        return targets
 
     def before(
         self,
@@ -203,10 +203,10 @@ class Glued:
     ) -> CompositeSet:
         """States with an edge into some states."""
         allowed = self.filtered(transitions, guards)
-        found = self.leaving(states.parts, self.everything, allowed)
+        sources = self.leaving(states.parts, self.everything, allowed)
         for name, part in states.parts.items():
-            found.add(name, self.stages[name].back(part, allowed(name), self.everything.of(name)))
-        return CompositeSet(self, found)
+            sources.add(name, self.stages[name].back(part, allowed(name), self.everything.of(name)))
+        return CompositeSet(self, sources)
 
     def after(
         self,
@@ -216,17 +216,17 @@ class Glued:
     ) -> CompositeSet:
         """States that an edge leads to from some states."""
         allowed = self.filtered(transitions, guards)
-        found = self.entering(states.parts, self.everything, allowed)
+        targets = self.entering(states.parts, self.everything, allowed)
         for name, part in states.parts.items():
-            found.add(name, self.stages[name].forth(part, allowed(name)))
-        return CompositeSet(self, found)
+            targets.add(name, self.stages[name].forth(part, allowed(name)))
+        return CompositeSet(self, targets)
 
     @cached_property
     def dead(self) -> CompositeSet:
         """States in which neither the section nor hardware beside it can do anything."""
         parts = ((self.stages[name], part) for name, part in self.everything.parts.items())
-        found = {s.name: (part & s.type.graph.dead).without(s.conditions()) for s, part in parts}
-        return CompositeSet(self, found)
+        stuck = {s.name: (part & s.type.graph.dead).without(s.conditions()) for s, part in parts}
+        return CompositeSet(self, stuck)
 
     # --- closures ---
 
@@ -253,15 +253,15 @@ class Glued:
     ) -> CompositeSet:
         """States from which some run through ``along`` leads into a goal, the goal's own included."""
         within = self.everything if along is None else along
-        allowed, found = self.filtered(transitions, guards), SectionSets(goal.parts)
+        allowed, sources = self.filtered(transitions, guards), SectionSets(goal.parts)
 
         def work(name: str) -> Iterator[str]:
-            found[name] = self.stages[name].type.reaching(found[name], within.of(name), allowed(name))
-            leaving = self.leaving({name: found[name]}, within, allowed)
-            return (before for before, states in leaving.items() if found.add(before, states))
+            sources[name] = self.stages[name].type.reaching(sources[name], within.of(name), allowed(name))
+            leaving = self.leaving({name: sources[name]}, within, allowed)
+            return (before for before, states in leaving.items() if sources.add(before, states))
 
-        self.worked(found, work, back=True)
-        return CompositeSet(self, found)
+        self.worked(sources, work, back=True)
+        return CompositeSet(self, sources)
 
     def reached(
         self,
@@ -272,32 +272,32 @@ class Glued:
     ) -> CompositeSet:
         """States of ``along`` to which some run through it leads, those it begins from included."""
         within = self.everything if along is None else along
-        allowed, found = self.filtered(transitions, guards), SectionSets((begin & within).parts)
+        allowed, targets = self.filtered(transitions, guards), SectionSets((begin & within).parts)
 
         def work(name: str) -> Iterator[str]:
-            found[name] = self.stages[name].type.reached(found[name], within.of(name), allowed(name))
-            entering = self.entering({name: found[name]}, within, allowed)
-            return (route for route, states in entering.items() if found.add(route, states))
+            targets[name] = self.stages[name].type.reached(targets[name], within.of(name), allowed(name))
+            entering = self.entering({name: targets[name]}, within, allowed)
+            return (route for route, states in entering.items() if targets.add(route, states))
 
-        self.worked(found, work)
-        return CompositeSet(self, found)
+        self.worked(targets, work)
+        return CompositeSet(self, targets)
 
     def staying(self, along: CompositeSet, asked: CompositeSet | None = None) -> CompositeSet:
         """States from which some maximal run, endless or ending in a dead state, stays in a set."""
-        found = dict((along & self.everything).parts)
+        remaining = dict((along & self.everything).parts)
 
         def work(name: str) -> Iterator[str]:
-            stage, part, before = self.stages[name], found[name], None
-            onward = self.dead.of(name) | stage.type.before_step(self.ends_into(stage, found), ALL)
+            stage, part, before = self.stages[name], remaining[name], None
+            onward = self.dead.of(name) | stage.type.before_step(self.ends_into(stage, remaining), ALL)
             while before != part:
                 before = part
                 part = stage.back(part, ALL, part) | (part & onward)
-            if part != found[name]:
-                found[name] = part
-                yield from (earlier for earlier in self.into[name] if earlier in found)
+            if part != remaining[name]:
+                remaining[name] = part
+                yield from (earlier for earlier in self.into[name] if earlier in remaining)
 
-        self.worked(found, work, back=True)
-        return CompositeSet(self, found)
+        self.worked(remaining, work, back=True)
+        return CompositeSet(self, remaining)
 
     @cached_property
     def regions(self) -> Sequence[CompositeSet]:

@@ -105,15 +105,17 @@ class Layout:
     @cached_property
     def toggles(self) -> dict[int, Toggle]:
         """What each resource does while nobody uses it, by the transition of the whole net."""
-        found: dict[int, Toggle] = {}
+        by_transition: dict[int, Toggle] = {}
         for t, name, before, after in _idle_events(self.mission_net):
             element = "hardware", name
             slots, event = self.slots[element], self.store.event
             lost, gained = slots[after:before], slots[before:after]
             beside = slots[: min(before, after)], slots[max(before, after) :]
             events = event(lost, gained, *beside), event(gained, lost, *beside)
-            found[t] = Toggle(t, element, *events, self.store.condition(slots[:before], slots[before:]))
-        return found
+            by_transition[t] = Toggle(
+                t, element, *events, self.store.condition(slots[:before], slots[before:])
+            )
+        return by_transition
 
     @memoized
     def beside(
@@ -143,7 +145,7 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
     By place that changes with the status of hardware that nobody uses, or of a handler that happens once: the
     element, the number of its slot that says the same, and whether the place says the reverse.
     """
-    net, found = mission_net.net, dict[int, tuple[Element, int, bool]]()
+    net, places = mission_net.net, dict[int, tuple[Element, int, bool]]()
     completion, at = Completion(net), list(net.initial)
     for t, name, before, _ in _idle_events(mission_net):
         if before == 0:
@@ -151,7 +153,7 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
             fired = [net.transitions[u] for u in (t, *completion.settle(at, [t]))]
             for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
                 if at[place] != net.initial[place]:
-                    found[place] = ("hardware", name), 0, bool(net.initial[place])
+                    places[place] = ("hardware", name), 0, bool(net.initial[place])
                     at[place] = net.initial[place]
     # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
     for role, kind, number, reverse in (
@@ -161,5 +163,5 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
         ("open", "once", 0, True),
     ):
         for place, name in mission_net.saying(role).items():
-            found[place] = (kind, name), number, reverse
-    return found
+            places[place] = (kind, name), number, reverse
+    return places

@@ -52,8 +52,8 @@ def refuse_nonconfluent(composite: CompositeSpace, explored: Mapping[SectionType
             marking, endless = without_one_end(encoding, begun), False
         else:
             try:
-                found = parting_among(encoding, begun, conflicts)
-                marking, endless = (None, not known.ends) if found is None else (found[0], False)
+                parted = parting_among(encoding, begun, conflicts)
+                marking, endless = (None, not known.ends) if parted is None else (parted[0], False)
             except EndlessRun:
                 endless = True
         if endless and (levels := endless_runs(encoding, transient).pick()) is not None:
@@ -111,9 +111,9 @@ def _raise(composite: CompositeSpace, here: CompositeSet, transition: int | None
     for last in net.enabled(composite.marking(run[-1].target if run else begin)):
         if transition in (None, last):
             events = [t for t in (*fired, last) if not net.transitions[t].internal]
-            found = fault_by(net, events) or fault_after(net, events)
-            if found is not None:
-                raise found
+            error = fault_by(net, events) or fault_after(net, events)
+            if error is not None:
+                raise error
     raise AssertionError("what is not confluent in the section's net is not in the mission's")
 
 

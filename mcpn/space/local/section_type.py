@@ -170,19 +170,19 @@ class SectionType:
     @memoized
     def to_slots(self, states: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The status of all elements in states before the entry, or after an exit, with some own slots."""
-        found, event = states.subset(unmarked=own), self.layout.store.event
+        status, event = states.subset(unmarked=own), self.layout.store.event
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
-            found = found.images([event(gained, [slot, *lost])]) | found.subset(lost, gained)
-        return found.images([event(self._idle(exit_), [])])
+            status = status.images([event(gained, [slot, *lost])]) | status.subset(lost, gained)
+        return status.images([event(self._idle(exit_), [])])
 
     @memoized
     def from_slots(self, status: Zdd, own: tuple[int, ...], exit_: Exit | None) -> Zdd:
         """The states before the entry, or after an exit, with all elements in some status: the reverse."""
         event = self.layout.store.event
-        found = status.images([event([], self._idle(exit_))])
+        states = status.images([event([], self._idle(exit_))])
         for slot, (lost, gained) in zip(own, self._changing, strict=True):
-            found = found.images([event([slot, *lost], gained)]) | found.subset(unmarked=[slot])
-        return self.layout.opened(found, own)
+            states = states.images([event([slot, *lost], gained)]) | states.subset(unmarked=[slot])
+        return self.layout.opened(states, own)
 
     def _idle(self, exit_: Exit | None) -> list[int]:
         """Marked levels before the entry, or after an exit, with all slots unmarked."""
@@ -195,11 +195,11 @@ class SectionType:
     def _changing(self) -> list[tuple[list[int], list[int]]]:
         """By own slot, the levels that are marked at an idle state unless it is, and only if it is."""
         slots = ((of, number) for of in self.carried for number in range(len(self.layout.slots[of])))
-        found = {slot: (set[int](), set[int]()) for slot in slots}
+        changes = {slot: (set[int](), set[int]()) for slot in slots}
         for place, (of, number, reverse) in idle_places(self.net).items():
             level, opposite = self.encoding.bit(place)
-            found[of, number][reverse == opposite].add(level)
-        return [(sorted(lost), sorted(gained)) for lost, gained in found.values()]
+            changes[of, number][reverse == opposite].add(level)
+        return [(sorted(lost), sorted(gained)) for lost, gained in changes.values()]
 
     def check_premise(self, section: str, explored: Explored) -> None:
         """Checks on its local markings that a section hands on the status of its elements and nothing else.
@@ -210,9 +210,9 @@ class SectionType:
         any_status = self.layout.opened(self.layout.store.singleton([]), self.layout.all_slots)
         own = self.layout.slots_of(self.carried)
         for exit_, states in ((None, self.before), *self.ended.items()):
-            found = (states - self.from_slots(any_status, own, exit_)).pick()
-            if found is not None:
-                state = [level for level in found if level < self.layout.first_slot]
+            violation = (states - self.from_slots(any_status, own, exit_)).pick()
+            if violation is not None:
+                state = [level for level in violation if level < self.layout.first_slot]
                 levels = {*state} ^ {*self._idle(exit_)}
                 levels = levels.difference(*chain(*self._changing)) or levels
                 space = explored.alternatives()
@@ -243,5 +243,5 @@ class SectionType:
             LimitError: There are more; the message says how many.
         """
         if self.size > max_states:
-            found = f"section {section} has {self.size:,} states: {why}"
-            raise LimitError(f"{found}, the limit is {max_states:,} (--max-states)")
+            sentence = f"section {section} has {self.size:,} states: {why}"
+            raise LimitError(f"{sentence}, the limit is {max_states:,} (--max-states)")

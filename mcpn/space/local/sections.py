@@ -116,11 +116,11 @@ class Stage(Levels):
 
     def ends(self, status: Mapping[str, Zdd]) -> Zdd:
         """States after its exits, with all elements in some status by the route."""
-        found = self.store.empty()
+        states = self.store.empty()
         for exit_, route in self.routes.items():
             if route in status:
-                found |= self.type.from_slots(status[route], self.slots, exit_)
-        return found
+                states |= self.type.from_slots(status[route], self.slots, exit_)
+        return states
 
     def leave(self, part: Zdd, allowed: Allowed = ALL) -> Iterator[tuple[str, Zdd]]:
         """By route, the status of all elements where one of its own events has ended it."""
@@ -194,9 +194,9 @@ class WholeNet:
             used = Renaming(type_.part, part).elements
             known[kind] = [NOWHERE] * len(getattr(type_.net.net, kind))
             self._locate(known[kind], kind, part, type_, {e: used[e] for e in used.keys() - own.keys()})
-        found = known[kind].copy()
-        self._locate(found, kind, part, type_, own)
-        return found
+        marking = known[kind].copy()
+        self._locate(marking, kind, part, type_, own)
+        return marking
 
     def _locate(
         self,
@@ -233,11 +233,11 @@ class WholeNet:
     @memoized
     def _elements(self, kind: Kind, type_: SectionType | None) -> Mapping[Element, list[int]]:
         """What a type's local net, or the whole net, has of each element, in the net's order."""
-        found: dict[Element, list[int]] = {}
+        places_of: dict[Element, list[int]] = {}
         for index, one in enumerate(getattr((self.mission_net if type_ is None else type_.net).net, kind)):
             if one.provenance is not None:
-                found.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
-        return found
+                places_of.setdefault((one.provenance.kind, one.provenance.name), []).append(index)
+        return places_of
 
 
 def ends_of(mission_net: MissionNet) -> dict[str, int]:

@@ -103,10 +103,10 @@ def explore_tokens(
     """
     from mcpn.space.markings.graph import StateGraph
 
-    found, fields = _explored(net, True, max_states, max_memory, progress)
-    offsets, targets = found.take_offsets().astype("int64"), found.take_targets().astype("int64")
-    labels = found.take_labels().astype("int64")
-    return StateGraph(net, found.take_markings(), offsets, targets, labels, fields=tuple(fields))
+    exploration, fields = _explored(net, True, max_states, max_memory, progress)
+    offsets, targets = exploration.take_offsets().astype("int64"), exploration.take_targets().astype("int64")
+    labels = exploration.take_labels().astype("int64")
+    return StateGraph(net, exploration.take_markings(), offsets, targets, labels, fields=tuple(fields))
 
 
 def count_tokens(
@@ -117,9 +117,15 @@ def count_tokens(
     progress: Progress | None = None,
 ) -> TokenCounts:
     """Counts what :func:`explore_tokens` builds, without keeping the edges."""
-    found, _ = _explored(net, False, max_states, max_memory, progress)
-    sizes = found.states, found.edges, found.dead, found.stable, found.most_tokens
-    return TokenCounts(*sizes, tuple(found.bounds))
+    exploration, _ = _explored(net, False, max_states, max_memory, progress)
+    sizes = (
+        exploration.states,
+        exploration.edges,
+        exploration.dead,
+        exploration.stable,
+        exploration.most_tokens,
+    )
+    return TokenCounts(*sizes, tuple(exploration.bounds))
 
 
 def layout(widths: Sequence[int]) -> list[Field]:
@@ -148,13 +154,13 @@ def _explored(
         fields = layout(widths.bits)
         kernel = CountedNet(fields, given, net.priorities)
         try:
-            found = kernel.explore(net.initial, edges, max_states, max_memory, progress)
+            exploration = kernel.explore(net.initial, edges, max_states, max_memory, progress)
         except (StateLimit, MemoryLimit) as error:
             raise LimitError(str(error)) from error
-        if found.trouble is None:
-            return found, fields
-        state, beyond, _ = found.trouble
+        if exploration.trouble is None:
+            return exploration, fields
+        state, beyond, _ = exploration.trouble
         marking = net.initial
-        for t in (*found.run(state), *beyond):
+        for t in (*exploration.run(state), *beyond):
             marking = net.fire(marking, t)
         widths.widen([p for p, (_, _, width) in enumerate(fields) if marking[p] >> width])

@@ -62,22 +62,25 @@ class KernelNet:
             given.append((need, list(t.consume), list(t.produce), rank, bool(t.overflow)))
         return SafeNet(len(self.net.places), given, self.net.priorities)
 
-    def unsafe(self, found: Exploration) -> UnsafeError:
+    def unsafe(self, exploration: Exploration) -> UnsafeError:
         """The error for an exploration that ended at an unsafe firing."""
-        assert found.trouble is not None, "asked for explorations that ended in trouble"
-        state, last, _ = found.trouble
-        return unsafe_after(self.net, [self.transitions[t] for t in (*found.run(state), *last)])
+        assert exploration.trouble is not None, "asked for explorations that ended in trouble"
+        state, last, _ = exploration.trouble
+        return unsafe_after(self.net, [self.transitions[t] for t in (*exploration.run(state), *last)])
 
-    def arrays(self, found: Exploration) -> tuple[Words, Ints, Ints, Ints]:
+    def arrays(self, exploration: Exploration) -> tuple[Words, Ints, Ints, Ints]:
         """Markings, offsets, targets and labels of a settled exploration, labels as the net numbers them."""
         import numpy as np
 
         numbers = np.array(self.transitions, np.int64)
-        markings: Words = found.take_markings()
-        offsets, targets = found.take_offsets().astype(np.int64), found.take_targets().astype(np.int64)
-        return markings, offsets, targets, numbers[found.take_labels()]
+        markings: Words = exploration.take_markings()
+        offsets, targets = (
+            exploration.take_offsets().astype(np.int64),
+            exploration.take_targets().astype(np.int64),
+        )
+        return markings, offsets, targets, numbers[exploration.take_labels()]
 
-    def graph(self, found: Exploration) -> StateGraph:
+    def graph(self, exploration: Exploration) -> StateGraph:
         """The graph of an exploration that has kept its edges."""
         import numpy as np
 
@@ -86,8 +89,8 @@ class KernelNet:
         def labels(markings: Words) -> Ints:
             return np.array(self.transitions, np.int64)[self.kernel.labels(markings)]
 
-        offsets = found.take_offsets().view(np.int64)
-        return StateGraph(self.net, found.take_markings(), offsets, found.take_targets(), labels)
+        offsets = exploration.take_offsets().view(np.int64)
+        return StateGraph(self.net, exploration.take_markings(), offsets, exploration.take_targets(), labels)
 
 
 @dataclass(frozen=True)
@@ -157,17 +160,19 @@ def count(
         UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
         LimitError: A limit was hit.
     """
-    found = _explored(KernelNet(net), False, max_states, max_memory, progress)
-    return Counts(found.states, found.edges, found.dead, found.stable, found.most_tokens)
+    exploration = _explored(KernelNet(net), False, max_states, max_memory, progress)
+    return Counts(
+        exploration.states, exploration.edges, exploration.dead, exploration.stable, exploration.most_tokens
+    )
 
 
 def _explored(
     prepared: KernelNet, edges: bool, max_states: int, max_memory: int, progress: Progress | None
 ) -> Exploration:
     try:
-        found = prepared.kernel.explore(prepared.initial, edges, max_states, max_memory, progress)
+        exploration = prepared.kernel.explore(prepared.initial, edges, max_states, max_memory, progress)
     except (StateLimit, MemoryLimit) as error:
         raise LimitError(str(error)) from error
-    if found.trouble is not None:
-        raise prepared.unsafe(found)
-    return found
+    if exploration.trouble is not None:
+        raise prepared.unsafe(exploration)
+    return exploration

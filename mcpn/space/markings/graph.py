@@ -108,10 +108,10 @@ class StateGraph(Drawn):
         Raises:
             LimitError: A weight is beyond 64 bits, or a bound beyond 2^126. Sums may be.
         """
-        found = [[(self._sum(weights), bound) for weights, bound in all_] for all_ in alternatives]
-        if any(abs(bound) > 1 << 126 for all_ in found for _, bound in all_):
+        conditions = [[(self._sum(weights), bound) for weights, bound in all_] for all_ in alternatives]
+        if any(abs(bound) > 1 << 126 for all_ in conditions for _, bound in all_):
             raise LimitError("a bound of tokens is beyond 2^126: the limit of arrays was hit")
-        return satisfying(self.markings, found)
+        return satisfying(self.markings, conditions)
 
     def _sum(self, weights: Mapping[int, int]) -> list[tuple[int, int, int, int]]:
         """A weighted sum of tokens as fields of words with their weights."""
@@ -161,10 +161,10 @@ class StateGraph(Drawn):
         Returns:
             Shape (states,). Linear in the size of the graph.
         """
-        found, all_ = sweep_reaching(*self._onward, goal, along, edges)
+        mask, all_ = sweep_reaching(*self._onward, goal, along, edges)
         if all_:
-            return found
-        return spread(*(self._back if edges is None else incoming(*self._onward, edges)), found, along)
+            return mask
+        return spread(*(self._back if edges is None else incoming(*self._onward, edges)), mask, along)
 
     def reached(self, edges: Mask | None, start: int | Ints | Mask = 0, along: Mask | None = None) -> Mask:
         """States that runs lead to.

@@ -73,11 +73,11 @@ class _Node:
     transition: int
 
     def ancestors(self) -> list[_Node]:
-        found, at = list["_Node"](), self.parent
+        nodes, at = list["_Node"](), self.parent
         while at is not None:
-            found.append(at)
+            nodes.append(at)
             at = at.parent
-        return found
+        return nodes
 
 
 def _covers(more: Sequence[int], less: Sequence[int]) -> bool:

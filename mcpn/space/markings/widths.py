@@ -99,12 +99,12 @@ def _by_semiflows(net: PetriNet) -> dict[int, float] | None:
         flows = p_semiflows(net, max_rows=MOST_FLOWS)
     except LimitError:
         return None
-    found: dict[int, float] = {}
+    bounds: dict[int, float] = {}
     for flow in flows:
         total = sum(weight * net.initial[place] for place, weight in flow.items())
         for place, weight in flow.items():
-            found[place] = min(found.get(place, total), total // weight)
-    return found
+            bounds[place] = min(bounds.get(place, total), total // weight)
+    return bounds
 
 
 def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
@@ -114,18 +114,18 @@ def _by_tree(net: PetriNet, nodes: int) -> dict[int, float] | None:
         UnboundedError: It knows that there are none.
     """
     try:
-        found = boundedness(net, max_states=nodes)
+        verdict = boundedness(net, max_states=nodes)
     except LimitError:
         return None
-    if found.bounded is False:
+    if verdict.bounded is False:
         grown = dict.fromkeys(range(len(net.places)), 0)
-        for name in found.pump:
+        for name in verdict.pump:
             for place, by in changes(net, net.transition_index[name]).items():
                 grown[place] += by
         places = [net.places[place].name for place, by in grown.items() if by > 0]
-        raise UnboundedError(places, found.run, found.pump, found.bounds)
-    assert found.bounds is not None, "known of a bounded net without priorities"
-    return dict(enumerate(map(float, found.bounds)))
+        raise UnboundedError(places, verdict.run, verdict.pump, verdict.bounds)
+    assert verdict.bounds is not None, "known of a bounded net without priorities"
+    return dict(enumerate(map(float, verdict.bounds)))
 
 
 def by_programs(net: PetriNet, asked: Collection[int]) -> dict[int, float]:
@@ -140,10 +140,10 @@ def by_programs(net: PetriNet, asked: Collection[int]) -> dict[int, float]:
         for t, change in row.items():
             weights[t][place] = change
     rows = [(row, -inf, 0.0) for row in weights]
-    found = {}
+    bounds = {}
     for place in asked:
         least = [float(p == place) for p in range(places)]
         solved = minimise(net.initial, rows, least, [inf] * places)
         if solved.kind == "solved":
-            found[place] = float(floor(solved.cost + 1e-6))
-    return found
+            bounds[place] = float(floor(solved.cost + 1e-6))
+    return bounds

@@ -100,28 +100,28 @@ class StateEquation:
 
     def _trap(self, within: Iterable[int]) -> frozenset[int]:
         """A small trap of some places that is marked at first, or none."""
-        found = self._largest_trap(within)
-        if not any(self.net.initial[p] for p in found):
+        trap = self._largest_trap(within)
+        if not any(self.net.initial[p] for p in trap):
             return frozenset()
-        for place in sorted(found):
-            if place in found:
-                smaller = self._largest_trap(found - {place})
+        for place in sorted(trap):
+            if place in trap:
+                smaller = self._largest_trap(trap - {place})
                 if any(self.net.initial[p] for p in smaller):
-                    found = smaller
-        return found
+                    trap = smaller
+        return trap
 
     def _largest_trap(self, within: Iterable[int]) -> frozenset[int]:
         """The largest set of some places such that what takes from it also puts in it."""
-        found = set(within)
-        queue = list(found)
+        trap = set(within)
+        queue = list(trap)
         while queue:
             place = queue.pop()
-            if place not in found:
+            if place not in trap:
                 continue
-            if any(found.isdisjoint(self._puts[t]) for t in self._takers[place]):
-                found.discard(place)
-                queue += (p for t in self._feeders[place] for p in self._needs[t] if p in found)
-        return frozenset(found)
+            if any(trap.isdisjoint(self._puts[t]) for t in self._takers[place]):
+                trap.discard(place)
+                queue += (p for t in self._feeders[place] for p in self._needs[t] if p in trap)
+        return frozenset(trap)
 
     @cached_property
     def _needs(self) -> list[frozenset[int]]:
@@ -130,12 +130,12 @@ class StateEquation:
     @cached_property
     def _puts(self) -> list[frozenset[int]]:
         """Places that hold a token after a firing."""
-        found = []
+        sets = []
         for t in self.net.transitions:
             taken = dict(t.consume)
             stays = (p for p, weight in t.read if weight > taken.get(p, 0))
-            found.append(frozenset(p for p, _ in t.produce).union(stays))
-        return found
+            sets.append(frozenset(p for p, _ in t.produce).union(stays))
+        return sets
 
     @cached_property
     def _takers(self) -> list[list[int]]:
@@ -147,11 +147,11 @@ class StateEquation:
 
 
 def _by_place(sides: list[frozenset[int]], places: int) -> list[list[int]]:
-    found: list[list[int]] = [[] for _ in range(places)]
+    lists: list[list[int]] = [[] for _ in range(places)]
     for t, side in enumerate(sides):
         for place in side:
-            found[place].append(t)
-    return found
+            lists[place].append(t)
+    return lists
 
 
 class _Program:
@@ -234,7 +234,7 @@ class _Program:
     def solve(self, *, whole: bool) -> tuple[Kind, list[float]]:
         """Looks for a solution; of whole numbers of tokens and choices, where so asked."""
         variables = self.first_choice + self.choices
-        found = minimise(
+        solution = minimise(
             [1.0] * self.first_place + [0.0] * (variables - self.first_place),
             [
                 *((row, value, value) for row, value in self.equations),
@@ -246,4 +246,4 @@ class _Program:
             nodes=NODES,
         )
         kinds: dict[str, Kind] = {"solved": "possible", "infeasible": "unreachable", "unknown": "unknown"}
-        return kinds[found.kind], list(found.values)
+        return kinds[solution.kind], list(solution.values)

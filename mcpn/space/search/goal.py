@@ -165,12 +165,12 @@ def asks_dead(goal: Goal) -> bool:
 
 def wanted(goal: Goal) -> dict[int, set[int]]:
     """The places that a goal speaks of: whether it may help to raise (1) or to lower (-1) each."""
-    found: dict[int, set[int]] = {}
+    values: dict[int, set[int]] = {}
     for part in goal.walk():
         if isinstance(part, AtMost):
             for place, weight in part.weights:
-                found.setdefault(place, set()).add(-1 if weight > 0 else 1)
-    return found
+                values.setdefault(place, set()).add(-1 if weight > 0 else 1)
+    return values
 
 
 def holds(goal: Goal, net: PetriNet, marking: Sequence[int]) -> bool:

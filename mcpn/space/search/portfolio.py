@@ -154,22 +154,22 @@ class _Task:
             if walked:
                 return self._reached(walked[0], RANDOM_WALK)
         more = ALONE if alone and budget.equation else 1
-        found = self.searches.seek(self.inner, max_states=budget.states * more)
-        if found.outcome == "reached":
-            return self._reached(found.run, *self.ways)
-        if found.outcome == "unreachable":
+        run = self.searches.seek(self.inner, max_states=budget.states * more)
+        if run.outcome == "reached":
+            return self._reached(run.run, *self.ways)
+        if run.outcome == "unreachable":
             return Finding(False, None, (*self.techniques, *self.ways))
         return self._by_equation(budget, seed) if budget.equation else None
 
     def _by_equation(self, budget: Round, seed: int) -> Finding | None:
         from mcpn.space.search.equation import StateEquation
 
-        found = StateEquation(self.searches.net).solve(self.inner)
-        if found.kind == "unreachable":
-            traps = (TRAPS,) if found.traps else ()
+        solution = StateEquation(self.searches.net).solve(self.inner)
+        if solution.kind == "unreachable":
+            traps = (TRAPS,) if solution.traps else ()
             return Finding(False, None, (*self.techniques, STATE_EQUATION, *traps))
-        if found.kind == "possible":
-            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=found.counts)
+        if solution.kind == "possible":
+            walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=solution.counts)
             if walked:
                 return self._reached(walked[0], STATE_EQUATION, RANDOM_WALK)
         return None

@@ -94,10 +94,10 @@ class Searches:
             Runs to the goals that were met, by their index.
         """
         encoded, roots = encode(goals, len(self.net.places))
-        found = self.kernel.walk(
+        runs = self.kernel.walk(
             self.net.initial, encoded, roots, steps, self._length, seed, False, list(counts)
         )
-        return {goal: shortened(self.net, run) for goal, run in found}
+        return {goal: shortened(self.net, run) for goal, run in runs}
 
     def walk_unsafe(self, *, steps: int, seed: int = 0) -> UnsafeError | None:
         """Walks until a firing puts a second token in a place, if one does within so many steps.

@@ -155,11 +155,11 @@ def direct(
     """
     prepared = KernelNet(net)
     if proof:
-        found = judged(prepared, max_states, progress)
-        return AlternativesGraph(net, *prepared.arrays(found), "direct", PROOF_BY_MARKINGS)
-    found = settled(prepared, orders="one", max_states=max_states, progress=progress)
-    if found.trouble is None:
-        return AlternativesGraph(net, *prepared.arrays(found), "direct", None)
+        exploration = judged(prepared, max_states, progress)
+        return AlternativesGraph(net, *prepared.arrays(exploration), "direct", PROOF_BY_MARKINGS)
+    exploration = settled(prepared, orders="one", max_states=max_states, progress=progress)
+    if exploration.trouble is None:
+        return AlternativesGraph(net, *prepared.arrays(exploration), "direct", None)
     # Unsafe, endless, or a very long run: every interleaving tells which.
     return replace(direct(net, max_states=max_states, progress=progress), proof=None)
 

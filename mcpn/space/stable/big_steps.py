@@ -66,7 +66,7 @@ def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, byte
     steps: dict[int, bytes] = {}
     known: dict[int, list[int]] = {}  # conditions that tell where an event's big steps are known
     ahead: list[int] = []
-    found = fresh = kernel.start(store)
+    reached = fresh = kernel.start(store)
     left = MOST_STEPS
     while fresh:
         for label, t in events:
@@ -82,10 +82,10 @@ def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, byte
             steps[t] = steps.get(t, b"") + ways
             ahead += choices(store, ways, "ahead", ())
             known[t] += choices(store, ways, "where", ())
-        assert found is not None, "there is a fresh state"
-        wider = found.saturate(ahead)
-        fresh, found = wider - found, wider
-    return None if found is None else (found, steps)
+        assert reached is not None, "there is a fresh state"
+        wider = reached.saturate(ahead)
+        fresh, reached = wider - reached, wider
+    return None if reached is None else (reached, steps)
 
 
 class BigStepSpace(DiagramAlternatives):
@@ -123,10 +123,10 @@ class BigStepSpace(DiagramAlternatives):
     ) -> Zdd:
         """States that an edge leads to from some states."""
         free, guarded = self._asked(self._ahead, transitions, guards)
-        found = states.images(free)
+        targets = states.images(free)
         for events, where in guarded:
-            found |= (states & where).images(events)
-        return found
+            targets |= (states & where).images(events)
+        return targets
 
     def before(
         self, states: Zdd, transitions: Collection[int] | None = None, guards: Guards[Zdd] = None

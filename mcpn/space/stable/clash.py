@@ -150,11 +150,11 @@ class _Finding:
 
     def _block(self, one: Rival, other: Rival) -> str | None:
         sides = [set(r.objectives) if r.kind == "activity" else {r.name} for r in (one, other)]
-        found = None
+        innermost = None
         for graph in self.usage.graphs():
             for section in graph.sections:
                 branches = section.branches if isinstance(section, ParallelSection) else ()
                 inside = [{inner.name for inner in b.graph.walk()} | {b.name} for b in branches]
                 if any(sides[0] & a and sides[1] & b for a, b in permutations(inside, 2)):
-                    found = section.name
-        return found
+                    innermost = section.name
+        return innermost

@@ -74,10 +74,10 @@ def open_conflicts(encoding: Encoding, markings: Zdd) -> Iterator[Pair]:
 
 def _both_covered(encoding: Encoding, markings: Zdd, pairs: Iterable[Pair]) -> Iterator[Pair]:
     """The pairs of which some marking has the tokens for both."""
-    found = [(pair, c) for pair in pairs if (c := _covering(encoding, *pair)) is not None]
-    while (at := markings.first([condition for _, condition in found])) >= 0:
-        yield found[at][0]
-        del found[: at + 1]
+    conditions = [(pair, c) for pair in pairs if (c := _covering(encoding, *pair)) is not None]
+    while (at := markings.first([condition for _, condition in conditions])) >= 0:
+        yield conditions[at][0]
+        del conditions[: at + 1]
 
 
 def _covering(encoding: Encoding, *transitions: int) -> int | None:

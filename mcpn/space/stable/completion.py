@@ -96,23 +96,23 @@ def judged(prepared: KernelNet, max_states: int, progress: Progress | None = Non
         UnsafeError: A firing would put a second token in a place.
         LimitError: A limit was hit.
     """
-    found = settled(prepared, orders="enough", max_states=max_states, progress=progress)
-    if found.trouble is not None:
-        raise _fault_found(prepared, found)
-    return found
+    exploration = settled(prepared, orders="enough", max_states=max_states, progress=progress)
+    if exploration.trouble is not None:
+        raise _fault_found(prepared, exploration)
+    return exploration
 
 
-def _fault_found(prepared: KernelNet, found: Exploration) -> SemanticsError:
+def _fault_found(prepared: KernelNet, exploration: Exploration) -> SemanticsError:
     """The error for the trouble that the proof came to, with whole runs from the initial marking."""
-    assert found.trouble is not None, "asked of what has come to trouble"
-    state, firings, _ = found.trouble
+    assert exploration.trouble is not None, "asked of what has come to trouble"
+    state, firings, _ = exploration.trouble
     walk = Walk(prepared.net)
     if not prepared.net.transitions[prepared.transitions[firings[0]]].internal:  # else before any event
         walk.settle()
-        for t in found.run(state):
+        for t in exploration.run(state):
             walk.fire(prepared.transitions[t])
             walk.settle()
-    return walk.fault(prepared, found)
+    return walk.fault(prepared, exploration)
 
 
 def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
@@ -132,9 +132,9 @@ def fault_after(net: PetriNet, events: Iterable[int]) -> SemanticsError | None:
     for t in (None, *events):
         if t is not None:
             walk.fire(t)
-        found = settled(behind, walk.marking, orders="enough", max_states=MOST_ENDS)
-        if found.trouble is not None:
-            return walk.fault(behind, found)
+        exploration = settled(behind, walk.marking, orders="enough", max_states=MOST_ENDS)
+        if exploration.trouble is not None:
+            return walk.fault(behind, exploration)
         walk.settle()
     return None
 
@@ -161,10 +161,10 @@ class Walk:
         """Goes on to a stable marking, along one interleaving."""
         self.run += self.completion.settle(self.marking)
 
-    def fault(self, prepared: KernelNet, found: Exploration) -> SemanticsError:
+    def fault(self, prepared: KernelNet, exploration: Exploration) -> SemanticsError:
         """The error for trouble that begins where the run is."""
-        assert found.trouble is not None, "asked of what has come to trouble"
-        _, firings, kind = found.trouble
+        assert exploration.trouble is not None, "asked of what has come to trouble"
+        _, firings, kind = exploration.trouble
         last = [prepared.transitions[t] for t in firings]
         names = [transition.name for transition in self.net.transitions]
         if kind == "unsafe":

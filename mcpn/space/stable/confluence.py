@@ -100,11 +100,11 @@ def proof_of_conflicts(space: SymbolicSpace) -> str | None:
     if space.endless:
         return None
     try:
-        found = parting_among(encoding, begun, list(open_conflicts(encoding, space.reachable)))
+        parted = parting_among(encoding, begun, list(open_conflicts(encoding, space.reachable)))
     except EndlessRun:
         return None
-    if found is not None:
-        raise nearest_fault(net) or _error_at(space, *found)
+    if parted is not None:
+        raise nearest_fault(net) or _error_at(space, *parted)
     return PROOF_BY_JOINING
 
 
@@ -113,10 +113,10 @@ def endless_runs(encoding: Encoding, markings: Zdd) -> Zdd:
     left, before = markings, None
     while left != before:
         before = left
-        allowed, found = passing(encoding, left), encoding.store.empty()
+        allowed, sources = passing(encoding, left), encoding.store.empty()
         for events, where in zip(encoding.undoing_ranks, allowed, strict=True):
-            found |= left.images(events, within=where)
-        left = found
+            sources |= left.images(events, within=where)
+        left = sources
     return left
 
 

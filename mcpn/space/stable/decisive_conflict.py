@@ -62,12 +62,12 @@ def _ends(after: After) -> dict[int, set[int]]:
     for marking, successors in after.items():
         for successor in successors.values():
             before.setdefault(successor, []).append(marking)
-    found: dict[int, set[int]] = {marking: set() for marking in after}
+    ends: dict[int, set[int]] = {marking: set() for marking in after}
     for end in (marking for marking, successors in after.items() if not successors):
         waiting = [end]
         while waiting:
             marking = waiting.pop()
-            if end not in found[marking]:
-                found[marking].add(end)
+            if end not in ends[marking]:
+                ends[marking].add(end)
                 waiting.extend(before.get(marking, ()))
-    return found
+    return ends

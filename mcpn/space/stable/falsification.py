@@ -92,11 +92,11 @@ class _Search:
         if self.ranked is not None:
             return self.settle_by_rank(self.ranked, marking, prefix)
         try:
-            run, self.end, found = self.joining.parting_behind(marking, WAYS)
+            run, self.end, parting = self.joining.parting_behind(marking, WAYS)
         except EndlessRun as endless:
             return divergence_error(self.names([*prefix, *endless.run]))
         self.prefix = [*prefix, *run]
-        return None if found is None else self.parted(self.prefix, found)
+        return None if parting is None else self.parted(self.prefix, parting)
 
     def settle_by_rank(self, behind: KernelNet, marking: int, prefix: list[int]) -> SemanticsError | None:
         """As :meth:`settle`, where internal transitions have ranks: every interleaving is explored."""
@@ -104,19 +104,19 @@ class _Search:
         walk.marking[:] = [marking >> p & 1 for p in range(len(self.net.places))]
         walk.run[:] = prefix
         try:
-            found = settled(behind, walk.marking, orders="every", max_states=MOST_NEAR)
+            exploration = settled(behind, walk.marking, orders="every", max_states=MOST_NEAR)
         except LimitError:  # too much behind this event to be near
-            found = None
-        if found is not None and found.trouble is not None:
-            return walk.fault(behind, found)
+            exploration = None
+        if exploration is not None and exploration.trouble is not None:
+            return walk.fault(behind, exploration)
         walk.settle()
         self.joining.firings += len(walk.run) - len(prefix)
         self.prefix, self.end = walk.run, mask_of(walk.marking)
         return None
 
-    def parted(self, prefix: list[int], found: Parting) -> SemanticsError:
+    def parted(self, prefix: list[int], parting: Parting) -> SemanticsError:
         return confluence_error(
-            self.net, [self.names([*prefix, *run]) for run in (found.first, found.second)]
+            self.net, [self.names([*prefix, *run]) for run in (parting.first, parting.second)]
         )
 
     def names(self, run: Iterable[int]) -> list[str]:

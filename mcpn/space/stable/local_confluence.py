@@ -249,9 +249,9 @@ class Joining:
         """As :meth:`parting_behind`, but the runs may part again later."""
         masked = self.masked
         stack: list[tuple[list[int], int]] = [([], marking)]
-        found: tuple[list[int], int] | None = None
+        ended: tuple[list[int], int] | None = None
         seen = set[int]()
-        while stack and (found is None or most > 0):
+        while stack and (ended is None or most > 0):
             run, at = stack.pop()
             covered = masked.covered(at)
             on_way = {at}
@@ -268,7 +268,7 @@ class Joining:
                 continue
             seen.add(at)
             if not internal:
-                found = found or (run, at)
+                ended = ended or (run, at)
                 continue
             most -= 1
             ways = list(masked.allowed(internal))
@@ -281,10 +281,10 @@ class Joining:
                     if isinstance(parting, Parting):
                         return run, at, parting
             stack += [([*run, t], masked.fire(at, t)[0]) for t in reversed(ways)]
-        if found is None:  # no run ends: any of them shows it
+        if ended is None:  # no run ends: any of them shows it
             self.run(marking, next(masked.allowed(masked.covered(marking) & masked.internal)))
-        assert found is not None, "some run ends"
-        return *found, None
+        assert ended is not None, "some run ends"
+        return *ended, None
 
 
 def calm(encoding: Encoding, begun: Zdd, conflicts: Iterable[tuple[int, int]]) -> Zdd:
@@ -349,9 +349,9 @@ def parting_among(
         left = encoding.restricted(markings, needed)
         while (levels := left.pick()) is not None:
             marking = encoding.marking(levels)
-            found = joining.outcome(mask_of(marking), t, u)
-            if isinstance(found, Parting):
-                return marking, found
-            places = [p for p in range(len(marking)) if found.needed >> p & 1]
+            outcome = joining.outcome(mask_of(marking), t, u)
+            if isinstance(outcome, Parting):
+                return marking, outcome
+            places = [p for p in range(len(marking)) if outcome.needed >> p & 1]
             left -= encoding.restricted(left, places)
     return None
