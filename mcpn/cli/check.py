@@ -88,6 +88,25 @@ def check(
         sys.exit(EXIT_FAILED)
 
 
+def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
+    from mcpn.cli.ctl import witness_object
+
+    net = found.mission_net.net
+    return [
+        {
+            "name": answer.asked.name,
+            "formula": answer.asked.requirement.formula,
+            "description": answer.asked.requirement.description,
+            "expected": answer.asked.requirement.expected,
+            "severity": answer.asked.requirement.severity,
+            "holds": answer.holds,
+            "met": answer.met,
+            "witness": None if answer.witness is None else witness_object(answer.witness, net),
+        }
+        for answer in found.requirements
+    ]
+
+
 def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[str, Any]:
     net = found.mission_net.net
     return {
@@ -96,6 +115,7 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
         "transitions": len(net.transitions),
         "markings": dict(zip(("states", "edges"), found.sizes_seen or (None, None), strict=True)),
         "alternatives": dict(zip(("states", "edges"), found.stable_sizes or (None, None), strict=True)),
+        **({"requirements": _requirements_object(found)} if found.requirements else {}),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "undecided": found.undecided,
         "witnesses": {

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mcpn.check.engines import Asked, On
     from mcpn.check.logic.questions import Answer, Questions
     from mcpn.check.logic.verdicts import ContestAnswer
+    from mcpn.check.logic.witness import Witness
     from mcpn.net.petri import PetriNet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
@@ -148,13 +149,17 @@ def _contest_object(verdict: ContestAnswer) -> dict[str, Any]:
     return answer if truth is not None else {**answer, "value": int(verdict.value)}
 
 
-def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
-    witness = answer.witness
-    shown = {
+def witness_object(witness: Witness, net: PetriNet) -> dict[str, Any]:
+    """The run that shows an answer."""
+    return {
         "events": [str(event) for event in witness.run.events],
         "firings": [net.transitions[t].name for t in witness.firings],
         "cycle": witness.cycle_firing,
         "notes": witness.notes,
     }
+
+
+def _answer_object(answer: Answer, net: PetriNet) -> dict[str, Any]:
+    shown = witness_object(answer.witness, net)
     found = {"formula": answer.formula, "holds": answer.holds, "witness": shown}
     return {**found, **choice_object(answer.choice), "techniques": list(answer.techniques)}

@@ -33,6 +33,7 @@ from mcpn.mission.model import (
     Parallel,
     Protocol,
     Recursive,
+    Requirement,
     Use,
 )
 from mcpn.mission.validate import valid
@@ -70,6 +71,27 @@ def flatten(mission: Mission) -> ObjectivesGraph:
     return _Flattening(valid(mission)).graph(mission.blocks, Scope(), mission.handlers)
 
 
+def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
+    """The requirements of a mission, those of a protocol for each of its uses.
+
+    Args:
+        mission: A mission; as of :func:`flatten`.
+
+    Returns:
+        By qualified name what stands before the names of the text that holds it, and the requirement.
+
+    Raises:
+        InputError: As :func:`flatten`.
+        LimitError: As :func:`flatten`.
+    """
+    found = {each.name: ("", each) for each in mission.requirements}
+    if any(protocol.requirements for protocol in mission.protocols):
+        flattening = _Flattening(valid(mission))
+        flattening.graph(mission.blocks, Scope(), mission.handlers)
+        found |= flattening.requirements
+    return found
+
+
 class _Leads(NamedTuple):
     """Where the outcomes of a block lead: sections, or exits of the graph."""
 
@@ -85,6 +107,7 @@ class _Leads(NamedTuple):
 
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
+        self.requirements: dict[str, tuple[str, Requirement]] = {}
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.objectives = 0
         self.parameters = 0
@@ -130,7 +153,10 @@ class _Flattening:
         """What a block holds, and the scope of that."""
         if isinstance(block, Use):
             protocol = self.protocols[block.protocol]
-            return protocol.blocks, scope.into_protocol(block, protocol)
+            inside = scope.into_protocol(block, protocol)
+            for each in protocol.requirements:
+                self.requirements[f"{inside.prefix}{each.name}"] = inside.prefix, each
+            return protocol.blocks, inside
         return block.blocks, scope.into(block, block.parameters if isinstance(block, Recursive) else ())
 
     def entry(self, block: Block, scope: Scope) -> str:

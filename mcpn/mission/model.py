@@ -24,6 +24,8 @@ from mcpn.errors import Source
 from mcpn.mission.language.datatypes import (
     NAME,
     ROUTE,
+    SEVERITY,
+    TRUTH,
     Activities,
     Called,
     Children,
@@ -183,6 +185,20 @@ class Handler(Described):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Requirement(Element):
+    """What a mission must satisfy, in its own words: ``check`` answers it beside its own verdicts.
+
+    In a protocol it is asked of each use, and a name is first looked for among the names of that use.
+    """
+
+    TAG = "requirement"
+    formula: Annotated[str, "On stable states, of CTL or LTL (ctl): G (oos(sonar) -> F objective(surface))."]
+    expected: Annotated[str, TRUTH, "fails: the formula must not hold."] = "holds"
+    severity: Annotated[str, SEVERITY, "advice: it is told, and does not fail the check."] = "required"
+    fair: Annotated[bool, "true: of those runs alone along which objectives that run end some day."] = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BlockElement(Element):
     """What every block carries, whatever its kind."""
 
@@ -294,6 +310,7 @@ class Protocol(Element):
     TAG = "protocol"
     NAMED = "protocol"
     parameters: tuple[Parameter, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
     blocks: tuple[Block, ...]
 
 
@@ -324,6 +341,7 @@ class Mission(Drawn, Element):
     TAG = "mission"
     robots: tuple[Robot, ...] = ()
     protocols: Annotated[tuple[Protocol, ...], Children(inside=Protocols)] = ()
+    requirements: tuple[Requirement, ...] = ()
     handlers: tuple[Handler, ...] = ()
     blocks: tuple[Block, ...]
     # Whether it has been found valid: who asks again need not look again.
@@ -352,6 +370,11 @@ class Mission(Drawn, Element):
     def activities(self) -> tuple[Activity, ...]:
         """All activities, in document order."""
         return tuple(activity for robot in self.robots for activity in robot.activities)
+
+    @property
+    def requires(self) -> bool:
+        """Whether it, or a protocol in its files, has a requirement."""
+        return bool(self.requirements) or any(protocol.requirements for protocol in self.protocols)
 
     @property
     def events(self) -> tuple[DeclaredEvent, ...]:

@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.mission.language.forms import form_of
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Alternative, Element, Mission
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Alternative, Element, Mission, Protocol
 
 
 def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
-    """The mission with other names.
+    """The mission with other names, without its requirements, whose formulas say the names that it had.
 
     Args:
         mission: A valid mission.
@@ -38,6 +38,8 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
             made["name"] = rename(around.NAMED if as_around else element.NAMED, element.name)
         for content in form.contents:
             made[content.name] = tuple(changed(member, element) for member in getattr(element, content.name))
+        if isinstance(element, Mission | Protocol):
+            made["requirements"] = ()
         return replace(element, **made)
 
     whole: Mission = changed(mission, None)

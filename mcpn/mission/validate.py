@@ -96,6 +96,9 @@ class _Checks:
         yield from _duplicates("activity", mission.activities)
         yield from _duplicates("event", mission.events)
         yield from _duplicates("protocol", mission.protocols)
+        yield from _duplicates("requirement", mission.requirements)
+        for protocol in mission.protocols:
+            yield from _duplicates("requirement", protocol.requirements)
         yield from self.rates()
         yield from self.products()
         for activity in mission.activities:

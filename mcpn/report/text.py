@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from mcpn.check.compare import Measurement
     from mcpn.check.engines import Choice, NoSpace
     from mcpn.check.logic.questions import Answer
+    from mcpn.check.logic.witness import Witness
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
     from mcpn.check.verdicts.modes import Mode
     from mcpn.net.compose import MissionNet
@@ -136,19 +137,48 @@ def print_answers(answers: Sequence[Answer], net: PetriNet, mission_net: Mission
         terminal.print(f"{word}  {answer.formula}", style=colour, hang=7)
         witness = answer.witness
         if mission_net is not None:
-            print_steps(terminal, in_words(mission_net, witness.run), indent=4, identifiers=True)
+            _print_witness(terminal, mission_net, witness, 4)
         else:
             for index, t in enumerate(witness.firings):
                 if index == witness.cycle_firing:
                     terminal.print("from here on for ever:", indent=4)
                 terminal.print(net.transitions[t].name, indent=4)
-        if mission_net is not None and witness.cycle is not None:
-            events = [str(e) for t in witness.repeated if (e := net.transitions[t].event)]
-            terminal.print(f"for ever: {' '.join(events) or 'internal firings'}", indent=4)
-        for note in witness.notes:
-            terminal.print(note, indent=4)
+            for note in witness.notes:
+                terminal.print(note, indent=4)
     for choice in dict.fromkeys(answer.choice for answer in answers):
         print_choice(choice)
+
+
+def _print_witness(terminal: Terminal, mission_net: MissionNet, witness: Witness, indent: int) -> None:
+    """The run that shows an answer on a mission, what of it repeats, and what it shows where."""
+    print_steps(terminal, in_words(mission_net, witness.run), indent=indent, identifiers=True)
+    if witness.cycle is not None:
+        events = [str(e) for t in witness.repeated if (e := mission_net.net.transitions[t].event)]
+        terminal.print(f"for ever: {' '.join(events) or 'internal firings'}", indent=indent)
+    for note in witness.notes:
+        terminal.print(note, indent=indent)
+
+
+def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
+    """Each requirement in its author's words, and why where it is not met."""
+    if check.requirements:
+        terminal.print()
+        terminal.print("requirements", style="bold")
+    for answer in check.requirements:
+        requirement = answer.asked.requirement
+        mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "yellow")}[answer.met]
+        if not (answer.required or answer.met):
+            mark, colour = _INFORMATIVE, "yellow"
+        said = requirement.description or requirement.formula
+        terminal.print(f"{mark:4} {said} ({answer.asked.name})", style=colour, indent=2, hang=5)
+        if answer.met:
+            continue
+        terminal.print(answer.reason or f"{requirement.formula} {_FOUND[bool(answer.holds)]}", indent=7)
+        if answer.witness is not None:
+            _print_witness(terminal, check.mission_net, answer.witness, 9)
+
+
+_FOUND = {True: "holds, and is to fail", False: "fails"}
 
 
 def print_check(
@@ -168,6 +198,7 @@ def print_check(
     for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
         if name in check.verdicts:
             _print_verdict(terminal, check.mission_net, check.verdicts[name], internal)
+    _print_requirements(terminal, check)
     if check.modes:
         terminal.print()
         _print_modes(terminal, check.modes)
@@ -183,12 +214,16 @@ def print_check(
         terminal.print(f"controller: {foreseen(composite)}", style="dim")
     print_choice(check.choice)
     if check.passed:
-        terminal.print("all required verdicts hold", style="green")
+        asked, met = check.requirements, sum(bool(answer.met) for answer in check.requirements)
+        counted = f", and {met} of {len(asked)} requirements are met" if asked else ""
+        terminal.print(f"all required verdicts hold{counted}", style="green")
     else:
         if check.failing:
             terminal.print(f"verdicts fail: {', '.join(check.failing)}", style="red")
         if check.undecided:
             terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
+        if check.violated:
+            terminal.print(f"requirements violated: {', '.join(check.violated)}", style="red")
 
 
 def static_warnings(mission_net: MissionNet) -> list[str]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 from difflib import get_close_matches
+from functools import cached_property
 from itertools import islice
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.paths.formulas import Happens
 from mcpn.errors import InputError
+from mcpn.mission.model import Each, Holder, walk
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
 from mcpn.net.roles import WAITING
@@ -44,13 +47,15 @@ class Names:
     Args:
         net: Names places and transitions.
         mission_net: Names elements of the mission, where the net is of one.
+        within: Stands before the names of the text that asks: of one use of a protocol.
 
     Attributes:
         said: By formula the words about the mission that were looked up for it.
     """
 
-    def __init__(self, net: PetriNet, mission_net: MissionNet | None = None) -> None:
+    def __init__(self, net: PetriNet, mission_net: MissionNet | None = None, within: str = "") -> None:
         self.net = net
+        self.within = within
         self.mission_net = mission_net
         self.said: dict[Formula, tuple[str, ...]] = {}
 
@@ -85,18 +90,21 @@ class Names:
                 about = [of.mission.name]
             case "objective" | "pending":
                 sections = (*of.graph.walk(), *of.graph.never_entered())
-                about = [_element(name, [section.name for section in sections], "objective")]
+                entered = [section.name for section in sections]
+                about = self._copies(name, entered) or [self._element(name, entered, "objective")]
             case "available" if name in of.usage.producer:
                 return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":
                 software = of.usage.producer if kind == "available" else ()
-                about = [_element(name, [*(h.name for h in of.mission.hardware), *software], "resource")]
+                about = [self._element(name, [*(h.name for h in of.mission.hardware), *software], "resource")]
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
                 event = Event(What.DECLARED, name)
+                events = {event}
                 if str(event) not in texts and name not in {e.name for e in of.mission.events}:
-                    event = Event.parse(_element(name, texts, "event"))
-                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event == event))
+                    found = self._copies(name, texts) or [self._element(name, texts, "event")]
+                    events = set(map(Event.parse, found))
+                return Fires(tuple(i for i, t in enumerate(self.net.transitions) if t.event in events))
             case "happens":
                 may = self._meaning("event", name)
                 assert isinstance(may, Fires)
@@ -108,20 +116,59 @@ class Names:
                     raise InputError.at(None, message)
                 return self._meaning(kind, activity, value)
             case _:
-                activity = _element(name, of.usage.activities, "activity")
+                activity = self._element(name, of.usage.activities, "activity")
                 ways = [a.name for a in of.usage.activities[activity].alternatives]
                 if value is not None:
-                    ways = [_element(value, ways, f"alternative of {activity}")]
+                    ways = [self._element(value, ways, f"alternative of {activity}")]
                 about = [activity] if kind == "refused" else [f"{activity}.{way}" for way in ways]
         roles = WORDS.get(kind, (kind,))
         said = marked(*(place for place, (what, of_) in of.roles.items() if what in roles and of_ in about))
         return ~said if kind == "available" else said
 
+    def _copies(self, name: str, names: Collection[str]) -> list[str]:
+        """What a name means of which there are rounds or tries: all of them, those of this use first."""
+        of, numbers = name.removeprefix("OBJ_"), self._numbers
+        for within in dict.fromkeys((self.within, "")):
+            begin = name.removesuffix(of) + within
+            if begin + of in names:
+                break
+            meant: dict[str, list[str]] = {}
+            for known in names:
+                if numbers is None or not known.startswith(begin):
+                    continue
+                said = numbers.sub(lambda m: next(filter(None, m.groups())), known[len(begin) :])
+                if said == of or said.endswith(f".{of}"):
+                    meant.setdefault(said, []).append(known)
+            if of in meant or len(meant) == 1:
+                return meant.get(of) or next(iter(meant.values()))
+        return []
 
-def _element(name: str, names: Collection[str], what: str) -> str:
-    """The name in full: the use of a protocol that qualifies it may be left out where one name fits."""
-    fitting = [known for known in names if known.endswith(f".{name}")]
-    return fitting[0] if name not in names and len(fitting) == 1 else _known(name, names, what)
+    @cached_property
+    def _numbers(self) -> re.Pattern[str] | None:
+        """What tells the rounds and tries of blocks apart, behind names; ``None`` where none has any."""
+        assert self.mission_net is not None
+        mission, several = self.mission_net.mission, list[str]()
+        texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+        inside = (block for blocks in texts for block in walk(blocks) if isinstance(block, Holder))
+        families = [*((None, blocks) for blocks in texts), *((block, block.blocks) for block in inside)]
+        for around, blocks in families:
+            value = f"_(?:{'|'.join(around.values)})" if isinstance(around, Each) else ""
+            for block in blocks:
+                said = value + ("_[0-9]+" if block.repeat is not None else "")
+                said += "_try[0-9]+" if block.retries else ""
+                if said:
+                    several.append(f"({block.name}){said}")
+        return re.compile(rf"(?:(?<=[.])|^)(?:{'|'.join(several)})(?=[.]|$|_EV_)") if several else None
+
+    def _element(self, name: str, names: Collection[str], what: str) -> str:
+        """The name in full: the use of a protocol that qualifies it may be left out where one name fits."""
+        inside = f"OBJ_{self.within}{name[4:]}" if name.startswith("OBJ_") else f"{self.within}{name}"
+        if inside in names:
+            return inside
+        fitting = [known for known in names if known.endswith(f".{name}")]
+        if len(fitting) > 1 and self.within:
+            fitting = [known for known in fitting if known.startswith(self.within)] or fitting
+        return fitting[0] if name not in names and len(fitting) == 1 else _known(name, names, what)
 
 
 def _known(name: str, names: Collection[str], what: str) -> str:

@@ -15,13 +15,11 @@ from typing import TYPE_CHECKING, Any
 from mcpn.check.engines import SMALL, Asked, Choice, answered
 from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.check.verdicts.modes import Mode, functioning_modes
+from mcpn.check.verdicts.unselectable import unselectable
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
-from mcpn.mission.facts.usage import Usage
-from mcpn.mission.facts.warnings import in_order, never_entered, never_used, of_objectives
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
 from mcpn.space.markings.explicit import Progress
@@ -31,6 +29,8 @@ from mcpn.steps import Doing, step
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
+
+    from mcpn.check.requirements import AskedRequirement, RequirementAnswer
 
 REQUIRED = ("safe", "bounded", "confluent", "deadlock_free", "success_reachable", "can_always_finish")
 INFORMATIVE = ("failure_reachable", "unselectable")
@@ -122,6 +122,7 @@ class MissionCheck(Told):
         stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
+        requirements: What the mission says that it must satisfy, and whether it does.
     """
 
     spaces: Spaces
@@ -132,6 +133,7 @@ class MissionCheck(Told):
     stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
+    requirements: tuple[RequirementAnswer, ...] = ()
 
     @property
     def mission_net(self) -> MissionNet:
@@ -176,9 +178,15 @@ class MissionCheck(Told):
         return {name: v.explanation for name, v in self.verdicts.items() if v.holds is None}
 
     @property
+    def violated(self) -> list[str]:
+        """Requirements that are not known to be met and may not be left so."""
+        return [answer.asked.name for answer in self.requirements if answer.required and not answer.met]
+
+    @property
     def passed(self) -> bool:
-        """Whether every required verdict holds."""
-        return all(self.verdicts[name].holds for name in required_of(self.mission_net))
+        """Whether every required verdict holds, and every requirement that must be met is."""
+        required = required_of(self.mission_net)
+        return all(self.verdicts[name].holds for name in required) and not self.violated
 
 
 def check(
@@ -199,10 +207,16 @@ def check(
         executor: Where composition explores sections; this process by default.
 
     Raises:
+        InputError: A requirement is no formula, or names what is not there, with its line.
         PremiseError: Composition cannot answer, since a section hands on more than the state of its hardware.
         LimitError: A limit was hit.
     """
     spaces = spaces_of(of)
+    asked: list[AskedRequirement] = []
+    if spaces.mission.mission.requires:  # understood before anything is explored
+        from mcpn.check.requirements import asked_of
+
+        asked = asked_of(spaces.mission)
 
     def by(choice: Choice) -> MissionCheck:
         markings: Space[Any] | None = None
@@ -223,7 +237,8 @@ def check(
             if choice.engine == "explicit":
                 markings, fault = _of_markings(spaces, choice, error)
             decided = _broken(spaces.mission, fault)
-        return _verdicts(spaces, choice, decided, markings, alternatives)
+        found = _verdicts(spaces, choice, decided, markings, alternatives)
+        return replace(found, requirements=_requirements(spaces.mission, asked, alternatives))
 
     return answered(by, spaces.mission, engine=engine, on="alternatives", max_states=max_states)[0]
 
@@ -284,7 +299,7 @@ def _verdicts(
         known += _reachability(mission_net, space, settles=alternatives is not None)
         step(Doing.COUNTING)
         firings = space.firings(space.everything)
-        never = _unselectable(mission_net, space, firings)
+        never = unselectable(mission_net, space, firings)
         found = f"{len(never)} found" if never else "nothing found"
         known.append(Verdict("unselectable", bool(never), found))
         step(Doing.FINDING_MODES)
@@ -300,6 +315,20 @@ def _verdicts(
         {} if space is None else functioning_modes(mission_net, space),
         never,
     )
+
+
+def _requirements(
+    mission_net: MissionNet, asked: Sequence[AskedRequirement], space: Space[Any] | None
+) -> tuple[RequirementAnswer, ...]:
+    """The answers to requirements, where there are stable states to ask."""
+    if not asked:
+        return ()
+    from mcpn.check.requirements import RequirementAnswer, answer_requirements
+
+    if space is None:
+        reason = "not decided: some event has not one outcome, so that there are no stable states to ask"
+        return tuple(RequirementAnswer(each, None, reason=reason) for each in asked)
+    return tuple(answer_requirements(mission_net, asked, space))
 
 
 def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) -> Iterator[Verdict]:
@@ -341,46 +370,3 @@ def _no_way_to_success(graph: ObjectivesGraph) -> str:
         ': no route of the mission leads to succeed; a block after which all is done says success="succeed", '
         "by default success leads to the next block"
     )
-
-
-def _unselectable(
-    mission_net: MissionNet, space: Space[S], firings: Mapping[int, int]
-) -> tuple[Problem, ...]:
-    """Alternatives never selected, objectives never entered or never left, resources never used."""
-    usage, mission = mission_net.usage, mission_net.mission
-    transitions = mission_net.net.transitions
-    happens = {transitions[t].event for t, count in firings.items() if count}
-    selected, entered = (
-        {name for place, name in mission_net.saying(kind).items() if space.marked([place]) & space.stable}
-        for kind in ("active", "objective")
-    )
-    found, used = list[Problem](), set[str]()
-    for activity in mission.activities:
-        if activity.name not in usage.started:
-            continue
-        for alternative in activity.alternatives:
-            name = f"{activity.name}.{alternative.name}"
-            if name in selected:
-                used.update(alternative.consumes)
-            else:
-                why = _held(usage, activity.name, alternative.consumes)
-                found.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
-    sections = list(usage.graph.walk())
-    found.extend(of_objectives((s for s in sections if s.name not in entered), "can never be entered"))
-    for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
-        never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
-        found.extend(of_objectives(never, f"can never {verb}"))
-    found.extend(never_entered(usage.graph.never_entered()))
-    for resource in (*mission.hardware, *mission.software):
-        if resource.name not in used:
-            found.append(never_used(resource))
-    return tuple(in_order(found))
-
-
-def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:
-    """Why an alternative is never selected, where its activity serves one that has what it consumes."""
-    for contention in usage.contentions:
-        above = [name for name in contention.rivals if name != activity]
-        if contention.wanted in consumed and len(above) == 1 and activity in usage.closure(above[0]):
-            return f": {above[0]}, which it serves, has {contention.wanted} already"
-    return ""

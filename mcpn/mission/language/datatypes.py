@@ -104,6 +104,24 @@ TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <
 ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
 ROUTE = NAME.to("block")
 
+
+def _one_of(name: str, *choices: str) -> Datatype:
+    """One of some words."""
+    said = " or ".join(choices)
+    return Datatype(
+        name,
+        said,
+        rf"\s*({'|'.join(choices)})\s*",
+        said,
+        str.strip,
+        allows=choices.__contains__,
+        allowed=said,
+    )
+
+
+TRUTH = _one_of("truth", "holds", "fails")
+SEVERITY = _one_of("severity", "required", "advice")
+
 Name = Annotated[str, NAME]
 EventName = Annotated[str, NAME.to("event")]
 ProtocolName = Annotated[str, NAME.to("protocol")]

@@ -1,0 +1,99 @@
+"""What a mission says that it must satisfy: its requirements, answered on its stable states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.names import Names, progress
+from mcpn.check.logic.syntax import parse
+from mcpn.check.logic.witness import Witness, explain
+from mcpn.errors import InputError, LimitError
+from mcpn.mission.flatten import requirements_of
+from mcpn.mission.model import Requirement
+from mcpn.net.compose import MissionNet
+from mcpn.space.algebra import Space
+from mcpn.space.search.goal import Formula
+from mcpn.steps import Doing, step
+
+
+@dataclass(frozen=True)
+class AskedRequirement:
+    """A requirement of a mission, or of one use of a protocol, as a formula.
+
+    Args:
+        name: Qualified by the use.
+        requirement: As it is written.
+        formula: What it says.
+        names: Those that it was read with.
+    """
+
+    name: str
+    requirement: Requirement
+    formula: Formula
+    names: Names
+
+
+@dataclass(frozen=True)
+class RequirementAnswer:
+    """Whether a requirement is met.
+
+    Args:
+        asked: The requirement.
+        holds: Whether its formula holds; ``None`` where that is not known.
+        witness: A run that shows why; ``None`` where it is not known.
+        reason: Why it is not known.
+    """
+
+    asked: AskedRequirement
+    holds: bool | None
+    witness: Witness | None = None
+    reason: str = ""
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the formula holds, or fails, as it is to; ``None`` where that is not known."""
+        expected = self.asked.requirement.expected == "holds"
+        return None if self.holds is None else self.holds == expected
+
+    @property
+    def required(self) -> bool:
+        """Whether the mission may not be flown while it is violated."""
+        return self.asked.requirement.severity == "required"
+
+
+def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
+    """The requirements of a mission, understood before anything is explored.
+
+    Raises:
+        InputError: A formula cannot be read, or names what is not there; with the line of its requirement.
+    """
+    found = []
+    for name, (within, each) in requirements_of(mission_net.mission).items():
+        names = Names(mission_net.net, mission_net, within)
+        try:
+            found.append(AskedRequirement(name, each, parse(each.formula, names), names))
+        except (InputError, LimitError) as error:
+            raise InputError.at(each.source, f"requirement {name}: {error}") from None
+    return found
+
+
+def answer_requirements(
+    mission_net: MissionNet, asked: Sequence[AskedRequirement], space: Space[Any]
+) -> Iterator[RequirementAnswer]:
+    """Answers requirements on the stable states of a mission.
+
+    Args:
+        mission_net: The mission.
+        asked: The requirements.
+        space: The stable states.
+    """
+    plain = Evaluation(space)
+    fair = Evaluation(space, progress(mission_net)) if any(a.requirement.fair for a in asked) else plain
+    for each in asked:
+        step(Doing.ANSWERING, question=each.name)
+        evaluation = fair if each.requirement.fair else plain
+        witness = explain(evaluation, each.formula, each.names)
+        yield RequirementAnswer(each, evaluation.holds(each.formula), witness)
