@@ -127,10 +127,9 @@ class Study:
 
         if isinstance(self._of, PetriNet):
             return Spaces(self._of)
-        from mcpn.mission.model import Mission
-        from mcpn.net.compose import compose
+        from mcpn.net.compose import MissionNet, compose
 
-        of = compose(self._of, self._templates) if isinstance(self._of, Mission) else self._of
+        of = self._of if isinstance(self._of, MissionNet) else compose(self._of, self._templates)
         return Spaces(of, templates=self._templates)
 
     @property
