@@ -69,8 +69,9 @@ def page(findings: Findings) -> str:
             description=mission_net.mission.description,
             picture=lay_out(root, mission_net.mission),
             alone=False,
-            verdicts=list(_verdicts(findings.check)),
+            verdicts=[*_verdicts(findings.check), *_requirements(findings.check)],
             passed=findings.check.passed,
+            headline=_headline(findings.check),
             answers=list(_answers(findings)),
             local=findings.local,
             tables=_tables(findings),
@@ -101,6 +102,35 @@ def _data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
     document.pop("activities")
     words = {text: [event.what.value, what_happens(event, mission)] for text, event in typed.items()}
     return {"controller": document, "events": words, "boxes": dict(keys)}
+
+
+def _headline(check: MissionCheck) -> str:
+    """Whether the mission may be flown, in a sentence."""
+    if check.violated:
+        return f"It does not meet what it requires: {enumeration(check.violated)}."
+    if not check.passed:
+        return "Some required verdicts do not hold."
+    met = " It meets what it requires." if any(answer.required for answer in check.requirements) else ""
+    return f"All required verdicts hold.{met}"
+
+
+def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
+    """Each requirement in its author's words, with the run that violates it."""
+    for answer in check.requirements:
+        asked = answer.asked.requirement
+        state = {True: "holds", False: "fails", None: "unknown"}[answer.met]
+        runs, notes = [], [asked.formula if asked.expected == "holds" else f"not: {asked.formula}"]
+        if answer.witness is not None and not answer.met:
+            steps = [(str(event), words) for event, words in in_words(check.mission_net, answer.witness.run)]
+            runs = [{"steps": steps, "events": json.dumps([event for event, _ in steps])}]
+            notes += answer.witness.notes
+        yield {
+            "name": answer.asked.name,
+            "sentence": asked.description or asked.formula,
+            "state": state if answer.required or answer.met else "note",
+            "explanation": "; ".join([*notes, *filter(None, [answer.reason])]),
+            "runs": runs,
+        }
 
 
 def _verdicts(check: MissionCheck) -> list[dict[str, Any]]:

@@ -102,6 +102,19 @@ def test_what_is_violated_is_told_with_its_run(tmp_path: Path) -> None:
     assert told["witness"]["events"][0] == "MISSION_EV_START"
 
 
+def test_the_report_says_what_is_violated(tmp_path: Path) -> None:
+    path = mission_file(
+        tmp_path,
+        '<requirement name="sure" description="It never &lt;fails&gt;." formula="G !failure"/>'
+        '<requirement name="can" formula="EF success"/>',
+    )
+    assert mcpn("report", path, "-o", tmp_path / "page.html").returncode == 1
+    told = (tmp_path / "page.html").read_text()
+    assert "It does not meet what it requires: sure." in told
+    assert "It never &lt;fails&gt;." in told
+    assert "EF success" in told
+
+
 def test_a_mission_that_is_not_confluent_leaves_them_open(tmp_path: Path) -> None:
     path = tmp_path / "clash.xml"
     path.write_text(
