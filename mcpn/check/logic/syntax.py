@@ -4,8 +4,8 @@ r"""The formula language: text to formulas.
 >>> builder = NetBuilder("lamp")
 >>> places = builder.place("off", initial=1), builder.place("on")
 >>> names = Names(builder.build())
-("AG (off | E [!deadlock U tokens(off, on) <= 1])", names), names)
-'AG (off | E[!deadlock U tokens(off, on) <= 1])'
+>>> parse("AG (off | on)", names) == parse("A G (off | on)", names)
+True
 
 Connectives, loosest first: ``<->``, ``->``, ``|`` or ``or``, ``&`` or ``and``, then ``U``, ``W`` and ``R``
 between formulas on paths, then ``!`` or ``not`` and the temporal operators ``EX AX EF AF EG AG`` before their
