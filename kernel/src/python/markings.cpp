@@ -154,6 +154,7 @@ nb::tuple passages(const SafeNet& net, const Rows& markings, const Column<std::i
   }
   if (leaving.size() != net.transitions()) throw std::invalid_argument("one row of activities for each transition");
   std::vector<Passages::Control> control;
+  control.reserve(given.size());
   for (const auto& [places, at_rest] : given) control.push_back({checked(net, places), checked(net, at_rest)});
   for (const Places& activities : leaving)
     for (const std::uint32_t activity : activities)
