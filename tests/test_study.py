@@ -24,6 +24,7 @@ from mcpn.report.notebook import show
 from mcpn.space.stable import alternatives
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
+from tests.draws import fewer
 
 BUILT = {
     "composite": "mcpn.space.local.composing.composite_space",
@@ -133,6 +134,7 @@ def test_what_was_listed_within_a_limit_serves_every_higher_one(built: Counter[s
 
 
 @pytest.mark.parametrize("engine", ["explicit", "symbolic", "local"])
+@fewer(0.2)
 @given(mission=missions(), order=st.permutations(["check", "ctl", "causes", "alternatives"]))
 def test_a_study_answers_as_fresh_spaces_do(engine: Engine, mission: Mission, order: list[str]) -> None:
     """Whatever was asked before; an error too is the same error again."""
