@@ -15,7 +15,8 @@ from typing import Any
 
 from mcpn.mission.language.forms import GROUPS, Field, form_of, inside, language
 from mcpn.mission.language.grammar import relax_ng
-from mcpn.mission.model import BlockElement, Described, Element
+from mcpn.mission.model import BlockElement
+from mcpn.mission.robot import Described, Element
 from mcpn.mission.schema import SCHEMA
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}

@@ -23,7 +23,8 @@ from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What

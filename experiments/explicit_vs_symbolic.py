@@ -25,7 +25,8 @@ import plots
 from limits import Result, measured
 
 from mcpn.check.sizes import summarise
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
+from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves
 from mcpn.space.local.composing import composite_space

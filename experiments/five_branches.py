@@ -23,18 +23,8 @@ from typing import Any
 import plots
 
 from mcpn import __version__
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import Block, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.pictures.plots import Curves

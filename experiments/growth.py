@@ -25,21 +25,8 @@ from collections.abc import Callable, Iterable, Sequence
 from math import log
 from pathlib import Path
 
-from mcpn.mission.model import (
-    SUCCEED,
-    Activity,
-    Alternative,
-    Block,
-    DeclaredEvent,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import SUCCEED, Block, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
 from mcpn.mission.writer import write_mission
 
 

@@ -11,18 +11,8 @@ import random
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import Block, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.writer import save_mission
 
 

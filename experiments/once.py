@@ -19,18 +19,8 @@ from mcpn import __version__
 from mcpn.check.causes.find import find_causes
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    DeclaredEvent,
-    Each,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import Each, Handler, Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.sections import SectionParts
 

@@ -16,7 +16,8 @@ from itertools import pairwise
 from mcpn import __version__
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Recursive, Robot, Software
+from mcpn.mission.model import Mission, Objective, Recursive
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.net.compose import compose
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mcpn.mission.model import Activity, Alternative, Block, DeclaredEvent, Hardware, Mission, Robot, Software
+from mcpn.mission.model import Block, Mission
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
 
 
 def hw(*names: str, faulty: bool = True) -> tuple[Hardware, ...]:

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from mcpn.controller import generate
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.writer import save_mission
 from mcpn.space.stable import alternatives
 from tests.commands import mcpn, output

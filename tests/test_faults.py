@@ -7,17 +7,8 @@ import random
 import pytest
 
 from mcpn.check.verdicts.modes import situation
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.space.markings.explicit import explore

@@ -23,7 +23,8 @@ from mcpn.check.verdicts.nets import Behaviour
 from mcpn.controller.generate import generate
 from mcpn.controller.hierarchy import flat_controller
 from mcpn.errors import InputError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot
+from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.stable.listing import written_out
 from tests.check.asked import Asked

@@ -8,7 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Parameter
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.robot import Parameter
 from mcpn.notebook import Drawn
 
 if TYPE_CHECKING:

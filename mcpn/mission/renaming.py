@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from mcpn.mission.language.forms import form_of
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Alternative, Element, Mission, Protocol
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission, Protocol
+from mcpn.mission.robot import Alternative, Element
 
 
 def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:

@@ -8,7 +8,8 @@ from typing import Any
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.language.forms import Field, form_of
-from mcpn.mission.model import Described, Mission
+from mcpn.mission.model import Mission
+from mcpn.mission.robot import Described
 
 _WORDS = {
     str: "a text",

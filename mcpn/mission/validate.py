@@ -15,22 +15,20 @@ from mcpn.mission.model import (
     ABORT,
     FAIL,
     SUCCEED,
-    Activity,
     Block,
     Each,
-    Element,
     Handler,
     Holder,
     Mission,
     Objective,
     Parallel,
-    Parameter,
     Protocol,
     Recursive,
     Use,
     walk,
 )
 from mcpn.mission.near import Hints
+from mcpn.mission.robot import Activity, Element, Parameter
 from mcpn.mission.typecheck import find_misfits
 
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")

@@ -15,7 +15,8 @@ from lxml import etree
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.language.forms import Field, form_of, language
-from mcpn.mission.model import Import, Mission, Parallel, Protocol, Robot
+from mcpn.mission.model import Import, Mission, Parallel, Protocol
+from mcpn.mission.robot import Robot
 from mcpn.mission.schema import find_misfits
 from mcpn.mission.validate import find_errors
 from mcpn.xmlio import parse_xml

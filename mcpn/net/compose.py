@@ -11,7 +11,8 @@ from functools import cached_property
 
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, flatten
-from mcpn.mission.model import Activity, Hardware, Mission, Software
+from mcpn.mission.model import Mission
+from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet

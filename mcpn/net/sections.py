@@ -17,7 +17,8 @@ from mcpn.errors import InputError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import names_in
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Activity, Hardware, Software
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
 

@@ -26,7 +26,8 @@ from mcpn.check.causes.cutsets import CutSet
 from mcpn.errors import LimitError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Hardware
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.robot import Hardware
 from mcpn.report.terminal import plain
 from mcpn.space.images import ImageStore
 

@@ -12,7 +12,6 @@ from mcpn.mission.model import (
     FAIL,
     SUCCEED,
     Block,
-    DeclaredEvent,
     Each,
     Handler,
     Mission,
@@ -20,9 +19,9 @@ from mcpn.mission.model import (
     Parallel,
     Protocol,
     Recursive,
-    Robot,
     Use,
 )
+from mcpn.mission.robot import DeclaredEvent, Robot
 from mcpn.testing.drawing import TEXTS
 from mcpn.testing.robots import Island, RobotDrawing
 from mcpn.testing.shape import PARAMETERS, Shape

@@ -9,21 +9,8 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import (
-    FAIL,
-    SUCCEED,
-    Activity,
-    Alternative,
-    DeclaredEvent,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot, Software
 
 EVENT = "event"
 

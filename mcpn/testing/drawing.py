@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Parameter
+from mcpn.mission.robot import Parameter
 from mcpn.testing.shape import PARAMETERS, Shape
 
 TEXTS = st.text(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Activity, Alternative, Hardware, Software
+from mcpn.mission.robot import Activity, Alternative, Hardware, Software
 from mcpn.testing.drawing import MissionDrawer
 from mcpn.testing.shape import Shape
 

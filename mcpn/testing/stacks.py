@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot, Software
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 
 
 @st.composite

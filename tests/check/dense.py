@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Block, DeclaredEvent, Handler, Holder, Mission, Objective, Parallel
+from mcpn.mission.model import Block, Handler, Holder, Mission, Objective, Parallel
+from mcpn.mission.robot import DeclaredEvent
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.space.stable.alternatives import AlternativesGraph

@@ -23,7 +23,8 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.verdicts.modes import situation
 from mcpn.errors import LimitError, SemanticsError
 from mcpn.mission.flatten import ElementarySection
-from mcpn.mission.model import Activity, Alternative, Handler, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Handler, Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.net.mortal import mortal

@@ -9,7 +9,8 @@ import pytest
 from mcpn.check.causes.find import Causes, find_causes
 from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.engines import Engine
-from mcpn.mission.model import Activity, Block, Objective, Parallel, Recursive
+from mcpn.mission.model import Block, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity
 from mcpn.net.compose import MissionNet, compose
 from tests.check.asked import ENGINES
 from tests.small import activity, hw, mission, robot

@@ -16,18 +16,8 @@ from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, che
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.errors import LimitError
 from mcpn.mission.facts.warnings import find_warnings
-from mcpn.mission.model import (
-    SUCCEED,
-    Activity,
-    Alternative,
-    Block,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import SUCCEED, Block, Mission, Objective, Parallel
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What

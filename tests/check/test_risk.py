@@ -19,18 +19,8 @@ from mcpn.check.causes.prospects import Prospects
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import ConfluenceError, InputError, LimitError, Source
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    Each,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-)
+from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.stable.alternatives import direct

@@ -23,7 +23,8 @@ from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.engines import Engine
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Block, DeclaredEvent, Handler, Hardware, Mission, Objective, Parallel
+from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel
+from mcpn.mission.robot import DeclaredEvent, Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.space.arrays import ArraySpace

@@ -13,7 +13,8 @@ from mcpn.check.engines import Engine, NoSpace, On
 from mcpn.check.logic.questions import Answer, Questions
 from mcpn.check.logic.verdicts import answer_typed
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
 from mcpn.net.petri import Marking, NetBuilder, PetriNet

@@ -13,7 +13,8 @@ from mcpn.check.engines import Engine
 from mcpn.check.logic.questions import Questions
 from mcpn.check.verdicts.modes import situation
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
-from mcpn.mission.model import Activity, Hardware, Mission, Objective, Parallel, Recursive, Robot, Software
+from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Hardware, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.report.graphs import save_graph
 from mcpn.space.markings.explicit import explore

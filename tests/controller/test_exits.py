@@ -14,7 +14,8 @@ from mcpn.controller.minimise import is_bisimulation, minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.mission.model import Activity, Alternative, Mission, Objective, Parallel, Recursive, Robot
+from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime

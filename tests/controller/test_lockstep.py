@@ -15,7 +15,8 @@ from mcpn.controller.generate import Form, generate
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets.json import document
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Hardware, Mission, Objective
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Hardware
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Action
 from mcpn.runtime import Controller as Runtime

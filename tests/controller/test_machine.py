@@ -14,7 +14,8 @@ from mcpn.controller.machine import Machine, controller
 from mcpn.controller.run import Runner
 from mcpn.controller.targets.json import write_json
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.space.stable.alternatives import direct

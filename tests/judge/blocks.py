@@ -21,11 +21,11 @@ from mcpn.mission.model import (
     Mission,
     Objective,
     Parallel,
-    Parameter,
     Protocol,
     Recursive,
     Use,
 )
+from mcpn.mission.robot import Parameter
 
 Values = Mapping[str, str]
 """Parameters in force, by name."""

@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
 
-from mcpn.mission.model import Activity, Alternative, Mission
+from mcpn.mission.model import Mission
+from mcpn.mission.robot import Activity, Alternative
 
 
 class Doing(StrEnum):

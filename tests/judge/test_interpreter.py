@@ -8,20 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from mcpn.mission.model import (
-    DeclaredEvent,
-    Each,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Parameter,
-    Protocol,
-    Recursive,
-    Software,
-    Use,
-)
+from mcpn.mission.model import Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
+from mcpn.mission.robot import DeclaredEvent, Hardware, Parameter, Software
 from tests.judge.interpreter import (
     DECLARED,
     FAILURE,
@@ -79,7 +67,7 @@ def test_the_interpreter_knows_the_model_alone(module: str) -> None:
     tree = ast.parse((Path(__file__).parent / f"{module}.py").read_text())
     found = [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     assert not [node for node in ast.walk(tree) if isinstance(node, ast.Import)]
-    known = {"mcpn.mission.model", "tests.judge.blocks", "tests.judge.robot"}
+    known = {"mcpn.mission.model", "mcpn.mission.robot", "tests.judge.blocks", "tests.judge.robot"}
     assert {name for name in found if name.split(".")[0] in ("mcpn", "tests")} <= known
 
 

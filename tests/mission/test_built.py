@@ -19,23 +19,8 @@ from mcpn.errors import InputError
 from mcpn.mission import validate
 from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.flatten import flatten
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    Each,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Parameter,
-    Protocol,
-    Recursive,
-    Robot,
-    Software,
-    Use,
-)
+from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
+from mcpn.mission.robot import Activity, Alternative, Hardware, Parameter, Robot, Software
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import as_net, compose

@@ -15,8 +15,9 @@ from lxml import etree
 from mcpn.errors import InputError
 from mcpn.mission.language.datatypes import NAME, Datatype
 from mcpn.mission.language.forms import NAMESPACE, Field, form_of, language
-from mcpn.mission.model import FAIL, SUCCEED, Described, Hardware, Mission, Objective
+from mcpn.mission.model import FAIL, SUCCEED, Mission, Objective
 from mcpn.mission.renaming import renamed
+from mcpn.mission.robot import Described, Hardware
 from mcpn.mission.schema import SCHEMA
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import write_mission, written

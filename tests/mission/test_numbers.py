@@ -11,7 +11,8 @@ from hypothesis import given
 
 from mcpn.errors import InputError
 from mcpn.mission.flatten import flatten
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Robot
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import save_mission
 from mcpn.mission.xml import read_mission

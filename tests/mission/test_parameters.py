@@ -17,20 +17,8 @@ from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.mission.flatten import flatten
 from mcpn.mission.graph import ElementarySection
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Block,
-    Each,
-    Mission,
-    Objective,
-    Parallel,
-    Parameter,
-    Protocol,
-    Recursive,
-    Robot,
-    Use,
-)
+from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Protocol, Recursive, Use
+from mcpn.mission.robot import Activity, Alternative, Parameter, Robot
 from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose

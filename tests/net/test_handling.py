@@ -9,7 +9,8 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Activity, Mission, Objective, Parallel
+from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.robot import Activity
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.templates import Canvas, PaperTemplates
 from mcpn.net.templates.activities import MAX_TOGETHER, MOST_AT_ONCE, draw_activity

@@ -14,7 +14,8 @@ from mcpn.check.logic.questions import Questions
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.model import FAIL, SUCCEED, DeclaredEvent, Handler, Mission, Objective, Parallel
+from mcpn.mission.model import FAIL, SUCCEED, Handler, Mission, Objective, Parallel
+from mcpn.mission.robot import DeclaredEvent
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import Marking

@@ -15,7 +15,8 @@ from lxml import etree
 
 from mcpn.check.causes.cutsets import CutSet, Moment
 from mcpn.errors import LimitError, SemanticsError
-from mcpn.mission.model import Hardware, Mission
+from mcpn.mission.model import Mission
+from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.report.openpsa import open_psa

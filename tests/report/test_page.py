@@ -14,16 +14,8 @@ from typing import Any
 
 import pytest
 
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    DeclaredEvent,
-    Handler,
-    Hardware,
-    Mission,
-    Objective,
-    Robot,
-)
+from mcpn.mission.model import Handler, Mission, Objective
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.report.causes import fmeca_rows

@@ -11,17 +11,8 @@ from lxml import etree
 
 import mcpn
 from mcpn.mission.flatten import flatten
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Hardware,
-    Mission,
-    Objective,
-    Parallel,
-    Recursive,
-    Robot,
-    walk,
-)
+from mcpn.mission.model import Mission, Objective, Parallel, Recursive, walk
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.report.pictures.boxes import Box, boxes
 from mcpn.report.pictures.layout import lay_out

@@ -10,7 +10,8 @@ from hypothesis import assume, event, given
 from mcpn.check.engines import Engine
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, LimitError, SemanticsError
-from mcpn.mission.model import Activity, Alternative, Hardware, Mission, Objective, Parallel, Robot, Software
+from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.petri import Marking, PetriNet
 from mcpn.space.markings.explicit import explore

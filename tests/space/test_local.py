@@ -16,16 +16,8 @@ from hypothesis.strategies import booleans
 from mcpn.controller.generate import generate
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, PremiseError
 from mcpn.mission.flatten import Section
-from mcpn.mission.model import (
-    Activity,
-    Alternative,
-    Hardware,
-    Mission,
-    Objective,
-    Recursive,
-    Robot,
-    Software,
-)
+from mcpn.mission.model import Mission, Objective, Recursive
+from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
 from mcpn.net.mortal import mortal

@@ -58,7 +58,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
-from mcpn.mission.model import Parameter
+from mcpn.mission.robot import Parameter
 from mcpn.net.compose import MissionNet
 
 FILE_NAME = "controller.json"

@@ -18,7 +18,8 @@ from typing import Generic, TypeVar
 from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.modular import AnyController, Rules
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Parameter
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.robot import Parameter
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 

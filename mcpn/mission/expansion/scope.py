@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 from mcpn.errors import LimitError
 from mcpn.mission.graph import Interruption
-from mcpn.mission.model import ROUND, Block, Each, Parameter, Protocol, Use
+from mcpn.mission.model import ROUND, Block, Each, Protocol, Use
+from mcpn.mission.robot import Parameter
 
 MAX_NESTING = 128
 MAX_OBJECTIVES = 100_000

@@ -21,7 +21,8 @@ from mcpn.mission.facts.handover import Handover
 from mcpn.mission.facts.sharing import Sharing, occasions
 from mcpn.mission.facts.switching import Switching
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
-from mcpn.mission.model import Activity, Hardware, Mission
+from mcpn.mission.model import Mission
+from mcpn.mission.robot import Activity, Hardware
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""

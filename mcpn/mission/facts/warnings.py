@@ -8,7 +8,8 @@ from functools import cache
 from mcpn.errors import Problem, Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
-from mcpn.mission.model import ABORT, Block, Element, Holder, Mission, Use, walk
+from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
+from mcpn.mission.robot import Element
 
 MOST_NAMED = 3
 """How many copies of one objective a message names."""

@@ -14,7 +14,8 @@ from types import UnionType
 from typing import Any, TypeAlias, TypeVar, Union, get_args, get_origin
 
 from mcpn.mission.language.datatypes import BY_CLASS, Called, Children, Datatype
-from mcpn.mission.model import BlockElement, Described, Element, Import, Mission, Protocols, Robot
+from mcpn.mission.model import BlockElement, Import, Mission, Protocols
+from mcpn.mission.robot import Described, Element, Robot
 
 NAMESPACE = "urn:mcpn:mission:1"
 ROOTS: tuple[_Element, ...] = (Mission, Robot, Protocols)

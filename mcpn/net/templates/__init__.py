@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from mcpn.mission.flatten import ObjectivesGraph
-from mcpn.mission.model import Activity, Hardware, Software
+from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.net.templates.activities import draw_activity
 from mcpn.net.templates.canvas import Canvas, Role
 from mcpn.net.templates.control import draw_control

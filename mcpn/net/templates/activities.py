@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import combinations, product
 
 from mcpn.errors import LimitError
-from mcpn.mission.model import Activity, Alternative
+from mcpn.mission.robot import Activity, Alternative
 from mcpn.net.templates.canvas import Canvas, Pen
 
 MAX_TOGETHER = 12

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 from mcpn.errors import Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
-from mcpn.mission.model import Activity, Alternative
+from mcpn.mission.robot import Activity, Alternative
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.templates.names import names_of

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mcpn.mission.model import Activity, Hardware, Software
+from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.net.events import Event, What
 from mcpn.net.templates.canvas import Canvas, Pen
 
