@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -265,9 +266,11 @@ def verdicts(mcc: Path) -> dict[str, str]:
         return {row["formula"]: row["verdict"] for row in csv.DictReader(file, delimiter="\t")}
 
 
-def compare(mcc: Path, model: str, questions: Questions, verdicts: dict[str, str]) -> int:
+def compare(
+    mcc: Path, model: str, questions: Questions, verdicts: dict[str, str], files: Sequence[str] = FILES
+) -> int:
     compared = 0
-    for file in FILES:
+    for file in files:
         path = mcc / model / f"{file}.xml"
         asked = read_properties(path, questions.names) if path.exists() else []
         known = [each for each in asked if verdicts.get(each.name, "?") != "?"]

@@ -41,6 +41,8 @@ class Evaluation(Generic[S]):
         self.space = space
         self.fair = tuple(fair)
         self._known: dict[Formula, S] = {}
+        self._begins: dict[SomePath, bool] = {}  # whether such a path begins in the initial state
+        self._products: dict[SomePath, Product[S]] = {}
         self.plain: Evaluation[S] = Evaluation(space) if fair else self
         """Evaluates the constraints themselves, whose operators speak of all paths."""
 
@@ -58,9 +60,11 @@ class Evaluation(Generic[S]):
                 initial = self.space.initial
                 return bool(initial & self.space.staying(self.states(operand), initial))
             case SomePath() if formula not in self._known:
-                product, initial = self.product(formula), self.space.initial
-                accepted = product.accepted(product.reached(initial)) if product.edges else {}
-                return bool(initial & accepted.get(0, self.space.nothing))
+                if formula not in self._begins:
+                    product, initial = self.product(formula), self.space.initial
+                    accepted = product.accepted(product.reached(initial)) if product.edges else {}
+                    self._begins[formula] = bool(initial & accepted.get(0, self.space.nothing))
+                return self._begins[formula]
         return bool(self.space.initial & self.states(formula))
 
     def states(self, formula: Formula) -> S:
@@ -103,8 +107,11 @@ class Evaluation(Generic[S]):
         from mcpn.check.paths.automaton import translated
         from mcpn.check.paths.product import Constraint, Product
 
-        fair = [Constraint(self.plain.states(c.states), c.transitions) for c in self.fair]
-        return Product(self.space, translated(formula.operands[0]), self.states, fair)
+        if formula not in self._products:
+            fair = [Constraint(self.plain.states(c.states), c.transitions) for c in self.fair]
+            automaton = translated(formula.operands[0])
+            self._products[formula] = Product(self.space, automaton, self.states, fair)
+        return self._products[formula]
 
     def along(self, formula: Formula) -> S | None:
         """The states that a run may pass; ``None``, which every space answers quicker, for all of them."""

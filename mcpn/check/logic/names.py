@@ -128,13 +128,15 @@ class Names:
     def _copies(self, name: str, names: Collection[str]) -> list[str]:
         """What a name means of which there are rounds or tries: all of them, those of this use first."""
         of, numbers = name.removeprefix("OBJ_"), self._numbers
+        if numbers is None:
+            return []
         for within in dict.fromkeys((self.within, "")):
             begin = name.removesuffix(of) + within
             if begin + of in names:
                 break
             meant: dict[str, list[str]] = {}
             for known in names:
-                if numbers is None or not known.startswith(begin):
+                if not known.startswith(begin):
                     continue
                 said = numbers.sub(lambda m: next(filter(None, m.groups())), known[len(begin) :])
                 if said == of or said.endswith(f".{of}"):

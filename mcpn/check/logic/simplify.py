@@ -11,7 +11,7 @@ from functools import partial
 from mcpn.check.logic.formulas import EG, EU, EX
 from mcpn.net.petri import PetriNet
 from mcpn.net.structure import needs
-from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Fires, Formula, Not, Or, joined
 
 
 def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Formula:
@@ -59,17 +59,6 @@ def simplified(formula: Formula, net: PetriNet, bounds: Sequence[float]) -> Form
         return all(weight <= bounds[place] for place, weight in needs(net, transition).items())
 
     return simple(formula)
-
-
-def joined(formula: And | Or) -> Formula:
-    """A conjunction or disjunction of simplified formulas, simplified."""
-    kind, absorbing = (And, FALSE) if isinstance(formula, And) else (Or, TRUE)
-    found: dict[Formula, None] = {}
-    for operand in formula.operands:
-        found.update(dict.fromkeys(operand.operands if isinstance(operand, kind) else (operand,)))
-    if absorbing in found or any(isinstance(f, Not) and f.operands[0] in found for f in found):
-        return absorbing
-    return next(iter(found)) if len(found) == 1 else kind(*found)
 
 
 def _until(left: Formula, right: Formula) -> Formula:

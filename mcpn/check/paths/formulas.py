@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Not, Operator, Or
+from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Not, Operator, Or, joined
 
 
 class Next(Operator):
@@ -70,23 +70,13 @@ def normal(formula: Formula, wanted: bool = True) -> Formula:
         case Not((operand,)):
             return normal(operand, not wanted)
         case And(operands) | Or(operands):
-            return _joined(And if isinstance(formula, And) == wanted else Or, tuple(map(inside, operands)))
+            return joined((And if isinstance(formula, And) == wanted else Or)(*map(inside, operands)))
         case Next((operand,)):
             return _next(inside(operand))
         case Until((left, right)) | Release((left, right)):
             until = isinstance(formula, Until) == wanted
             return (_until if until else _release)(inside(left), inside(right))
     return formula if wanted else Not(formula)
-
-
-def _joined(kind: type[Operator], operands: tuple[Formula, ...]) -> Formula:
-    absorbing = FALSE if kind is And else TRUE
-    found: dict[Formula, None] = {}
-    for operand in operands:
-        found.update(dict.fromkeys(operand.operands if isinstance(operand, kind) else (operand,)))
-    if absorbing in found or any(~f in found for f in found if isinstance(f, Not)):
-        return absorbing
-    return next(iter(found)) if len(found) == 1 else kind(*found)
 
 
 def _next(operand: Formula) -> Formula:
@@ -105,7 +95,7 @@ def _until(left: Formula, right: Formula) -> Formula:
     if isinstance(right, Until) and left in (TRUE, right.operands[0]):
         return _until(left, right.operands[1])
     if left == TRUE and isinstance(right, Or):
-        return _joined(Or, tuple(_until(TRUE, operand) for operand in right.operands))
+        return joined(Or(*(_until(TRUE, operand) for operand in right.operands)))
     return Until(left, right)
 
 
@@ -119,7 +109,7 @@ def _release(left: Formula, right: Formula) -> Formula:
     if isinstance(right, Release) and left in (FALSE, right.operands[0]):
         return _release(left, right.operands[1])
     if left == FALSE and isinstance(right, And):
-        return _joined(And, tuple(_release(FALSE, operand) for operand in right.operands))
+        return joined(And(*(_release(FALSE, operand) for operand in right.operands)))
     return Release(left, right)
 
 

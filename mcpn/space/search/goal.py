@@ -109,6 +109,18 @@ TRUE: Formula = And()
 FALSE: Formula = Or()
 DEADLOCK = Deadlock()
 
+
+def joined(formula: And | Or) -> Formula:
+    """A conjunction or disjunction of simplified formulas, simplified."""
+    kind, absorbing = (And, FALSE) if isinstance(formula, And) else (Or, TRUE)
+    found: dict[Formula, None] = {}
+    for operand in formula.operands:
+        found.update(dict.fromkeys(operand.operands if isinstance(operand, kind) else (operand,)))
+    if absorbing in found or any(isinstance(f, Not) and f.operands[0] in found for f in found):
+        return absorbing
+    return next(iter(found)) if len(found) == 1 else kind(*found)
+
+
 Goal: TypeAlias = Formula
 """``AtMost``, ``Deadlock`` and its negation, joined by ``And`` and ``Or``: what the kernel looks for."""
 
@@ -135,8 +147,8 @@ def as_goal(formula: Formula, net: PetriNet, wanted: bool = True) -> Goal | None
         case And(operands) | Or(operands):
             found = [as_goal(operand, net, wanted) for operand in operands]
             goals = [goal for goal in found if goal is not None]
-            joined = And if isinstance(formula, And) == wanted else Or
-            return joined(*goals) if len(goals) == len(found) else None
+            kind = And if isinstance(formula, And) == wanted else Or
+            return kind(*goals) if len(goals) == len(found) else None
         case AtMost(weights, bound) if not wanted:
             return AtMost(tuple((place, -weight) for place, weight in weights), -bound - 1)
         case AtMost() | Deadlock():

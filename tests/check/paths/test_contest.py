@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from mcpn.check.engines import Asked
-from mcpn.check.logic.contest import read_properties
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.verdicts import answer_all
 from mcpn.net.formats import read_net
+from tests.check.test_ctl import compare
 
 QUICK = (
     "AutonomousCar-PT-01a",
@@ -37,12 +36,4 @@ def test_the_contest_s_formulas_on_paths(
     mcc: Path, model: str, engine: Asked, verdicts: dict[str, str]
 ) -> None:
     questions = Questions(read_net(mcc / model / "model.pnml"), engine=engine)
-    compared = 0
-    for file in ("LTLFireability", "LTLCardinality"):
-        path = mcc / model / f"{file}.xml"
-        asked = read_properties(path, questions.names) if path.exists() else []
-        known = [each for each in asked if verdicts.get(each.name, "?") != "?"]
-        answers = {found.name: found.value for found in answer_all(questions, known)}
-        assert answers == {each.name: verdicts[each.name] for each in known}
-        compared += len(answers)
-    assert compared >= 16
+    assert compare(mcc, model, questions, verdicts, ("LTLFireability", "LTLCardinality")) >= 16

@@ -26,7 +26,8 @@ from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import by_reduction
 from mcpn.testing import missions
 from tests.check.paths import tableau
-from tests.check.paths.test_paths import fits, names, satisfy
+from tests.check.paths.test_paths import fits
+from tests.check.test_ctl import names, satisfy
 from tests.draws import fewer
 
 

@@ -26,6 +26,7 @@ from tests.check.formulas import formulas as on_states
 from tests.check.formulas import read as read_on_states
 from tests.check.formulas import satisfying as states_satisfying
 from tests.check.paths import tableau
+from tests.check.test_ctl import names, satisfy
 from tests.draws import fewer
 from tests.net.nets import nets, reachable, state_machines
 from tests.shares import returns_early
@@ -36,22 +37,8 @@ MOST_NODES = 5_000
 NETS = nets(max_places=4, max_transitions=5) | state_machines().map(lambda drawn: drawn[0])
 
 
-def names(net: PetriNet) -> tuple[list[str], list[str]]:
-    return [p.name for p in net.places], [t.name for t in net.transitions]
-
-
 def spaces(net: PetriNet) -> list[Space[Any]]:
     return [ArraySpace(explore(net)), DiagramMarkings(reach(net))]
-
-
-def satisfy(evaluation: Evaluation[Any], formula: Formula) -> set[Marking]:
-    space, found = evaluation.space, set()
-    left = evaluation.states(formula)
-    while left:
-        state = left.pick()
-        found.add(space.marking(state))
-        left = left - space.single(state)
-    return found
 
 
 def fits(written: Written, edges: Edges) -> bool:
