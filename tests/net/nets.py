@@ -82,6 +82,23 @@ def reachable(net: PetriNet, limit: int = 5000) -> tuple[dict[Marking, int], int
     return found, edges, safe
 
 
+def made_safe(net: PetriNet) -> PetriNet:
+    """The net without the transitions that put a second token in a place, from the first one reached on."""
+    seen, queue, left = {net.initial}, deque([net.initial]), set(net.transitions)
+    while queue:
+        marking = queue.popleft()
+        for transition in net.enabled(marking):
+            after = net.fire(marking, transition)
+            if max(after) > 1:
+                left.discard(net.transitions[transition])
+            elif after not in seen:
+                seen.add(after)
+                queue.append(after)
+    kept = tuple(transition for transition in net.transitions if transition in left)
+    rest = PetriNet(net.name, net.places, kept, priorities=net.priorities)
+    return rest if reachable(rest)[2] else made_safe(rest)
+
+
 @st.composite
 def token_nets(draw: st.DrawFn) -> PetriNet:
     """Small nets with weights and several tokens, without priorities; most of them are bounded."""
