@@ -97,11 +97,11 @@ def main() -> None:
         markings = ["--on", "markings", "--engine", "symbolic"]
         print("| question | before, s of CPU | now, s of CPU |\n|---|---|---|")
         for told, command, before in (
-            (f'`ctl` "EF success" at {asked.sites} sites', ["ctl", sites, "EF success"], markings),
+            (f'`ask` "EF success" at {asked.sites} sites', ["ask", sites, "EF success"], markings),
             (f"`states` at {asked.sites} sites", ["states", sites], ["--engine", "symbolic"]),
             (
-                f'`ctl` "EF deadlock" on a net of {asked.switches} switches',
-                ["ctl", net, "EF deadlock"],
+                f'`ask` "EF deadlock" on a net of {asked.switches} switches',
+                ["ask", net, "EF deadlock"],
                 ["--engine", "explicit"],
             ),
             (

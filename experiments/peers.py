@@ -38,8 +38,8 @@ QUESTIONS = (COUNT, DEADLOCK, *FILES)
 COMMANDS = {
     "mcpn": {
         COUNT: "{tool} -m mcpn.cli states {net} --json",
-        DEADLOCK: "{tool} -m mcpn.cli ctl {net} --examination ReachabilityDeadlock",
-        **dict.fromkeys(FILES, "{tool} -m mcpn.cli ctl {net} --properties {file}"),
+        DEADLOCK: "{tool} -m mcpn.cli ask {net} --examination ReachabilityDeadlock",
+        **dict.fromkeys(FILES, "{tool} -m mcpn.cli ask {net} --properties {file}"),
     },
     "verifypn": {
         DEADLOCK: "{tool} -x 1 {net} {deadlock}",

@@ -179,7 +179,7 @@ def _about_a_mission(path: Path, out: Path, draw: random.Random) -> list[object]
         ["causes", path, "--fmeca", out / "f.csv", "--openpsa", out / "o.xml", "--rates", *LIMITS],
         ["controller", path, "-o", out / "made", draw.choice(("--flat", "--hierarchical")), *LIMITS],
         ["convert", path, out / draw.choice(("n.net", "n.pnml", "n.json", "n.dot", "n.txt", "no/n.net"))],
-        ["ctl", path, "EF failure", *LIMITS],
+        ["ask", path, "EF failure", *LIMITS],
         ["simulate", path, "--random", "5", "--seed", "1"],
     ]
     if draw.random() < 0.05:  # pictures and pages
@@ -202,7 +202,7 @@ def _net_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
     possible: list[list[object]] = [
         ["check", path, *LIMITS],
         ["states", path, "--engine", draw.choice(("explicit", "symbolic", "pyeda")), *LIMITS],
-        ["ctl", path, "--examination", draw.choice(("OneSafe", "Liveness", "ReachabilityDeadlock"))],
+        ["ask", path, "--examination", draw.choice(("OneSafe", "Liveness", "ReachabilityDeadlock"))],
         ["convert", path, at / draw.choice(("o.net", "o.pnml", "o.json", "o.dot"))],
     ]
     if suffix == ".net" or draw.random() < 0.1:
@@ -214,7 +214,7 @@ def _properties_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object
     net, path = at / "n.net", at / "p.xml"
     net.write_bytes(seeds.nets[".net"][0])
     path.write_bytes(mutated(draw.choice(seeds.properties), draw))
-    return ["ctl", net, "--properties", path, "--engine", draw.choice(("explicit", "symbolic")), *LIMITS]
+    return ["ask", net, "--properties", path, "--engine", draw.choice(("explicit", "symbolic")), *LIMITS]
 
 
 def _formula_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
@@ -226,7 +226,7 @@ def _formula_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:
     ]
     on = ("--on", draw.choice(("markings", "alternatives")))
     fair = ("--fair", draw.choice(("progress", "failure", texts[0]))) if draw.random() < 0.3 else ()
-    return ["ctl", path, *on, *fair, *LIMITS, *(t for t in texts if not t.startswith("-"))]
+    return ["ask", path, *on, *fair, *LIMITS, *(t for t in texts if not t.startswith("-"))]
 
 
 def _options_case(seeds: Seeds, at: Path, draw: random.Random) -> list[object]:

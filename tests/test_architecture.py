@@ -209,10 +209,10 @@ LOADS: dict[str, set[str]] = {
     "alternatives": ARRAYS,
     "controller -o {folder}": ARRAYS | FILES,
     "convert {folder}/net.pnml": FILES,
-    "ctl AG(EF(success|failure))": ARRAYS,
-    "ctl --on markings AG(EF(success|failure))": set(),
-    "ctl --engine local AG(EF(success|failure))": set(),
-    "ctl --engine explicit AG(EF(success|failure))": ARRAYS,
+    "ask AG(EF(success|failure))": ARRAYS,
+    "ask --on markings AG(EF(success|failure))": set(),
+    "ask --engine local AG(EF(success|failure))": set(),
+    "ask --engine explicit AG(EF(success|failure))": ARRAYS,
     "causes --engine local": set(),
     "causes": ARRAYS,
 }
@@ -222,9 +222,9 @@ LOADS: dict[str, set[str]] = {
 LOADS_OF_NETS: dict[str, set[str]] = {
     "states": set(),
     "check": TOKENS | {"mcpn.space.search.portfolio"},
-    "ctl EF(deadlock)": {"mcpn.space.search.portfolio"},
-    "ctl AG(EF(b))": set(),
-    "ctl --examination StableMarking": TOKENS | CONTEST,
+    "ask EF(deadlock)": {"mcpn.space.search.portfolio"},
+    "ask AG(EF(b))": set(),
+    "ask --examination StableMarking": TOKENS | CONTEST,
     "convert {folder}/net.pnml": FILES,
 }
 COMMANDS = {path.stem for path in (PACKAGE / "cli").glob("*.py")} - {"line", "shared", "__init__", "__main__"}

@@ -126,13 +126,13 @@ def test_alternatives_of_ulysse(options: list[str], method: str) -> None:
 
 def test_the_engine_is_chosen_and_told() -> None:
     small = "the stable states are few"
-    for command in (["check"], ["alternatives"], ["causes"], ["ctl", "EF success"], ["states"]):
+    for command in (["check"], ["alternatives"], ["causes"], ["ask", "EF success"], ["states"]):
         name, *rest = command
         found = output(name, ULYSSE, *rest)
         told = found[0] if isinstance(found, list) else found
         assert (told["engine"], told["why"]) == ("explicit", small)
         assert small in mcpn(name, ULYSSE, *rest).stdout
-    for command in (["states"], ["ctl", "EF success"]):
+    for command in (["states"], ["ask", "EF success"]):
         name, *rest = command
         rest += ["--on", "markings"]
         found = output(name, ULYSSE, *rest)
@@ -326,27 +326,39 @@ def test_an_order_is_saved_and_read_again(tmp_path: Path) -> None:
 
 def test_formulas_are_answered(tmp_path: Path) -> None:
     scn = tmp_path / "run.scn"
-    run = mcpn("ctl", ULYSSE, "EF failure", "--on", "alternatives", "--scn", scn, "--json")
+    run = mcpn("ask", ULYSSE, "EF failure", "--on", "alternatives", "--scn", scn, "--json")
     (answer,) = json.loads(run.stdout)
     assert run.returncode == 0
     assert answer["holds"] is True
     assert answer["witness"]["events"][0] == "MISSION_EV_START"
     assert [line.strip("{}") for line in scn.read_text().splitlines()] == answer["witness"]["firings"]
-    failing = mcpn("ctl", ULYSSE, "AF (success | failure)")
+    failing = mcpn("ask", ULYSSE, "AF (success | failure)")
     assert failing.returncode == 1
     assert "for ever: GPS_sensor_EV_OOS GPS_sensor_EV_RD" in failing.stdout
-    assert mcpn("ctl", ULYSSE, "AF (success | failure)", "--fair", "progress").returncode == 0
-    wrong = mcpn("ctl", ULYSSE, "AG EF sucess(")
+    assert mcpn("ask", ULYSSE, "AF (success | failure)", "--fair", "progress").returncode == 0
+    wrong = mcpn("ask", ULYSSE, "AG EF sucess(")
     assert wrong.returncode == 2
     assert "column 13" in wrong.stderr
     assert "Traceback" not in wrong.stderr
-    assert mcpn("ctl", ULYSSE).returncode == 2
+    assert mcpn("ctl", ULYSSE, "EF failure").stdout == mcpn("ask", ULYSSE, "EF failure").stdout
+
+
+def test_words_are_listed_where_no_formula_is_asked(tmp_path: Path) -> None:
+    told = mcpn("ask", ULYSSE).stdout
+    assert "hardware: oos(x) is out of service, available(x)\n  GPS_sensor" in told
+    assert "  localisation: one of gps_localisation, imu_localisation" in told
+    assert "  OBJ_transect.diving_EV_OK" in told
+    net = tmp_path / "net.net"
+    assert mcpn("convert", ULYSSE, net).returncode == 0
+    of_net = mcpn("ask", net)
+    assert of_net.returncode == 2
+    assert "is needed to ask about a net" in of_net.stderr
 
 
 def test_property_files_are_answered_as_the_contest_does(mcc: Path) -> None:
     folder = mcc / "Eratosthenes-PT-010"
     run = mcpn(
-        "ctl", folder / "model.pnml", "--properties", folder / "UpperBounds.xml", "--examination", "Liveness"
+        "ask", folder / "model.pnml", "--properties", folder / "UpperBounds.xml", "--examination", "Liveness"
     )
     assert run.returncode == 0
     assert (
@@ -354,7 +366,7 @@ def test_property_files_are_answered_as_the_contest_does(mcc: Path) -> None:
         == "FORMULA Eratosthenes-PT-010-Liveness FALSE TECHNIQUES DECISION_DIAGRAMS"
     )
     assert run.stdout.startswith("FORMULA Eratosthenes-PT-010-UpperBounds-")
-    wrong = mcpn("ctl", folder / "model.pnml", "--properties", folder / "model.pnml")
+    wrong = mcpn("ask", folder / "model.pnml", "--properties", folder / "model.pnml")
     assert wrong.returncode == 2
     assert "expected <property-set>" in wrong.stderr
 
@@ -427,9 +439,9 @@ def test_a_large_mission_is_asked_for_its_stable_states() -> None:
     assert found["why"].startswith("there are more than 100 stable states")
     found = output("states", ULYSSE, "--max-states", 1000, "--on", "markings")
     assert (found["engine"], found["states"], found["stable_states"]) == ("symbolic", 44299, 260)
-    (answer,) = output("ctl", ULYSSE, "AG EF (success | failure)", "--max-states", 100)
+    (answer,) = output("ask", ULYSSE, "AG EF (success | failure)", "--max-states", 100)
     assert (answer["engine"], answer["holds"]) == ("local", True)
-    (answer,) = output("ctl", ULYSSE, "AG EF (success | failure)", "--engine", "local")
+    (answer,) = output("ask", ULYSSE, "AG EF (success | failure)", "--engine", "local")
     assert (answer["engine"], answer["why"], answer["holds"]) == ("local", None, True)
 
 
@@ -447,8 +459,8 @@ def test_a_mission_that_is_not_confluent_has_markings(tmp_path: Path) -> None:
     assert "local gives no answer: not confluent" in found["why"]
     assert found["states"] > found["stable_states"] > 2**17
     assert output("states", path, "--on", "alternatives", code=1)["error"] == "nonconfluent"
-    assert output("ctl", path, "EF success", code=1)["error"] == "nonconfluent"
-    assert output("ctl", path, "EF success", "--on", "markings")[0]["holds"]
+    assert output("ask", path, "EF success", code=1)["error"] == "nonconfluent"
+    assert output("ask", path, "EF success", "--on", "markings")[0]["holds"]
 
 
 def test_memory_that_runs_out_is_an_error_that_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -31,7 +31,7 @@ COMMANDS = [
     ("states", "--engine", "local"),
     *(("causes", "--engine", engine) for engine in ("explicit", "symbolic", "local")),
     *(
-        ("ctl", "--on", "alternatives", "--engine", engine, "EF success")
+        ("ask", "--on", "alternatives", "--engine", engine, "EF success")
         for engine in ("explicit", "symbolic", "local")
     ),
     ("controller", "--flat", "-o", "OUT"),

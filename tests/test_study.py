@@ -66,7 +66,7 @@ def built() -> Iterator[Counter[str]]:
     ("command", "once"),
     [
         ("check", {"composite"}),
-        ("ctl", {"composite"}),
+        ("ask", {"composite"}),
         ("causes", {"composite", "composite, may die"}),
         ("report", {"composite", "composite, may die"}),
     ],
@@ -74,7 +74,7 @@ def built() -> Iterator[Counter[str]]:
 def test_one_command_builds_the_composite_once(
     command: str, once: set[str], built: Counter[str], tmp_path: Path
 ) -> None:
-    more = {"report": ["-o", str(tmp_path / "page.html")], "ctl": ["EF success", "AG EF (success | failure)"]}
+    more = {"report": ["-o", str(tmp_path / "page.html")], "ask": ["EF success", "AG EF (success | failure)"]}
     assert run([command, str(ULYSSE), *more.get(command, []), "--engine", "local"]) == 0
     assert built.pop("listing", 0) == (sections_listed() if command == "report" else 0)
     assert built == dict.fromkeys(once, 1)

@@ -26,7 +26,7 @@ ULYSSE = ROOT / "experiments" / "ulysse" / "mission.xml"
 COMMANDS = (
     ["check"],
     ["causes"],
-    ["ctl", "EF success"],
+    ["ask", "EF success"],
     ["report", "-o", "{folder}/r.html"],
     ["controller", "-o", "{folder}/c"],
 )

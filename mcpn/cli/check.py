@@ -89,7 +89,7 @@ def check(
 
 
 def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
-    from mcpn.cli.ctl import witness_object
+    from mcpn.cli.ask import witness_object
 
     net = found.mission_net.net
     return [

@@ -23,12 +23,12 @@ TRACEBACK = "MCPN_TRACEBACK"
 
 COMMANDS = {
     "alternatives": "spaces",
+    "ask": "ask",
     "causes": "causes",
     "check": "check",
     "compare": "spaces",
     "controller": "outputs",
     "convert": "outputs",
-    "ctl": "ctl",
     "init": "begin",
     "report": "report",
     "schema": "begin",
@@ -36,18 +36,22 @@ COMMANDS = {
     "states": "spaces",
 }
 """By command, the module of this package that has it."""
+ALIASES = {"ctl": "ask"}
+"""By an older name of a command, its name."""
 
 
 class _Commands(UserDict[str, click.Command]):
     """The commands, each loaded when it is asked for."""
 
     def __missing__(self, name: str) -> click.Command:
+        if name in ALIASES:
+            return self[ALIASES[name]]
         command: click.Command = getattr(import_module(f"mcpn.cli.{COMMANDS[name]}"), name)
         self[name] = command
         return command
 
     def __contains__(self, name: object) -> bool:
-        return name in COMMANDS
+        return name in COMMANDS or name in ALIASES
 
     def __iter__(self) -> Iterator[str]:
         return iter(COMMANDS)

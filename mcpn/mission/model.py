@@ -88,7 +88,7 @@ class Requirement(Element):
     """
 
     TAG = "requirement"
-    formula: Annotated[str, "On stable states, of CTL or LTL (ctl): G (oos(sonar) -> F objective(surface))."]
+    formula: Annotated[str, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."]
     expected: Annotated[str, TRUTH, "fails: the formula must not hold."] = "holds"
     severity: Annotated[str, SEVERITY, "advice: it is told, and does not fail the check."] = "required"
     fair: Annotated[bool, "true: of those runs alone along which objectives that run end some day."] = False

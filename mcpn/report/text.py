@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mcpn.check.logic.witness import Witness
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
     from mcpn.check.verdicts.modes import Mode
+    from mcpn.check.vocabulary import NamedWord, Vocabulary
     from mcpn.net.compose import MissionNet
     from mcpn.net.events import Event
     from mcpn.net.petri import PetriNet
@@ -179,6 +180,40 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
 
 
 _FOUND = {True: "holds, and is to fail", False: "fails"}
+
+
+_MEANT = {
+    "objectives": "objective(x) runs, pending(x) is about to",
+    "activities": "activity(x) runs, alternative(x)=y, waiting(x), waiting(x)=y, refused(x)",
+    "hardware": "oos(x) is out of service, available(x)",
+    "software": "available(x): its producer runs",
+    "events": "happens(x) is the next step of the path, event(x) may be",
+    "ends": "words by themselves",
+}
+"""The kinds of words that formulas name, and how they do."""
+
+
+def print_vocabulary(words: Vocabulary) -> None:
+    """Prints the words of a mission, by kind, each with what it stands for."""
+    from mcpn.check.vocabulary import NamedActivity
+
+    terminal = Terminal()
+    terminal.print(f"words of the mission {words.mission}", style="bold")
+    for kind, meant in _MEANT.items():
+        named: Sequence[NamedWord | str] = getattr(words, kind)
+        if not named:
+            continue
+        terminal.print()
+        terminal.print(f"{kind}: {meant}", style="bold", hang=4)
+        for word in named:
+            if isinstance(word, str):
+                terminal.print(word, indent=2)
+                continue
+            ways = word.alternatives if isinstance(word, NamedActivity) else ()
+            of = [f"one of {', '.join(ways)}"] if len(ways) > 1 else []
+            of += [f"any of {len(word.copies)}, {word.copies[0]} to {word.copies[-1]}"] if word.copies else []
+            of += [word.description] if word.description else []
+            terminal.print(f"{word.name}{': ' * bool(of)}{'; '.join(of)}", indent=2, hang=4)
 
 
 def print_check(

@@ -129,7 +129,7 @@ def given_files(tmp_path: Path) -> Path:
 
 
 def asking(folder: Path, *names: str) -> list[object]:
-    return ["ctl", folder / "net.net", *(part for name in names for part in ("--properties", folder / name))]
+    return ["ask", folder / "net.net", *(part for name in names for part in ("--properties", folder / name))]
 
 
 def test_files_and_examinations_share_a_call(given_files: Path) -> None:

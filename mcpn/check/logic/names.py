@@ -145,6 +145,18 @@ class Names:
                 return meant.get(of) or next(iter(meant.values()))
         return []
 
+    def folded(self, names: Collection[str]) -> dict[str, list[str]]:
+        """Names, those of rounds and tries together under the one name that means all of them."""
+        found: dict[str, list[str]] = {}
+        numbers = self._numbers
+        for name in names:
+            begin = "OBJ_" if name.startswith("OBJ_") else ""  # of the event of an objective
+            plain = name.removeprefix(begin)
+            if numbers is not None:
+                plain = numbers.sub(lambda m: next(filter(None, m.groups())), plain)
+            found.setdefault(begin + plain, []).append(name)
+        return found
+
     @cached_property
     def _numbers(self) -> re.Pattern[str] | None:
         """What tells the rounds and tries of blocks apart, behind names; ``None`` where none has any."""

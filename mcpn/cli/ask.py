@@ -1,9 +1,10 @@
-"""Formulas and properties: answers with the runs that show them."""
+"""Formulas and properties: answers with the runs that show them; and the words that formulas are made of."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer, Questions
     from mcpn.check.logic.verdicts import ContestAnswer
     from mcpn.check.logic.witness import Witness
+    from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
@@ -64,7 +66,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 @limit_option
 @import_option
 @json_option
-def ctl(
+def ask(
     file: Path,
     formulas: tuple[str, ...],
     properties: tuple[Path, ...],
@@ -81,11 +83,10 @@ def ctl(
 ) -> None:
     """Answer formulas of CTL and LTL on FILE: the stable states of a mission, or the markings of a net.
 
-    All that one call asks shares one space, and what a search or the state equation decides needs none. Exit
-    code 1 if some FORMULA does not hold; property files and examinations answer with 0 either way.
+    With no FORMULA, list the words of the mission that formulas are made of. All that one call asks shares
+    one space, and what a search or the state equation decides needs none. Exit code 1 if some FORMULA does
+    not hold; property files and examinations answer with 0 either way.
     """
-    if not (formulas or properties or examinations):
-        raise click.UsageError("a FORMULA, --properties or --examination is needed")
     if scn and len(formulas) != 1:
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
@@ -94,6 +95,11 @@ def ctl(
     from mcpn.workers import executor_of
 
     study = open_study(file, import_root=import_root)
+    if not (formulas or properties or examinations):
+        if study.is_net:
+            raise click.UsageError("a FORMULA, --properties or --examination is needed to ask about a net")
+        _list_words(study.mission_net, as_json)
+        return
     objects, answers = [], []
     with executor_of(jobs, scheduler) as executor:
         questions = study.questions(
@@ -119,6 +125,19 @@ def ctl(
         print_answers(answers, study.net, study.spaces.mission_net)
     if not all(answer.holds for answer in answers):
         sys.exit(EXIT_FAILED)
+
+
+def _list_words(mission_net: MissionNet, as_json: bool) -> None:
+    """The words that formulas about a mission are made of."""
+    from mcpn.check.vocabulary import vocabulary
+
+    words = vocabulary(mission_net)
+    if as_json:
+        emit_json(asdict(words))
+    else:
+        from mcpn.report.text import print_vocabulary
+
+        print_vocabulary(words)
 
 
 def _of_contest(
