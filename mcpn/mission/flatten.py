@@ -92,6 +92,28 @@ def requirements_of(mission: Mission) -> dict[str, tuple[str, Requirement]]:
     return found
 
 
+def blocks_of(mission: Mission) -> dict[str, tuple[str, ...]]:
+    """The blocks of a mission, written out, with the objectives that they hold.
+
+    Args:
+        mission: A mission; as of :func:`flatten`.
+
+    Returns:
+        By qualified name the elementary objectives in a block, at any depth, in document order; an objective
+        holds itself. A block that is repeated or tried again stands beside its rounds and tries.
+
+    Raises:
+        InputError: As :func:`flatten`.
+        LimitError: As :func:`flatten`.
+    """
+    flattening = _Flattening(valid(mission))
+    flattening.graph(mission.blocks, Scope(), mission.handlers)
+    return {
+        name: tuple(objective.name for section in held for objective in section.walk())
+        for name, held in flattening.held.items()
+    }
+
+
 class _Leads(NamedTuple):
     """Where the outcomes of a block lead: sections, or exits of the graph."""
 
@@ -108,6 +130,7 @@ class _Leads(NamedTuple):
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
+        self.held: dict[str, list[Section]] = {}
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.objectives = 0
         self.parameters = 0
@@ -137,7 +160,9 @@ class _Flattening:
             success = block.success or (following.name if following else SUCCEED)
             inner = self.handling(scope, block.handlers, routes, block.name)
             leads = _Leads(routes[success], routes[block.failure or FAIL], routes[block.abort or ABORT])
+            before = len(sections)
             self.block(block, inner, leads, sections)
+            self.held[scope.name(block)] = sections[before:]
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, str], block: str

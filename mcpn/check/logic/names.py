@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.paths.formulas import Happens
 from mcpn.errors import InputError
+from mcpn.mission.flatten import blocks_of
 from mcpn.mission.model import Each, Holder, walk
 from mcpn.net.events import START, Event, What
 from mcpn.net.petri import PetriNet
@@ -26,6 +27,7 @@ MAX_LISTED = 20
 
 WORDS = {
     "objective": ("objective",),
+    "block": ("objective",),
     "pending": ("pending",),
     "activity": ("active",),
     "alternative": ("active",),
@@ -92,6 +94,9 @@ class Names:
                 sections = (*of.graph.walk(), *of.graph.never_entered())
                 entered = [section.name for section in sections]
                 about = self._copies(name, entered) or [self._element(name, entered, "objective")]
+            case "block":
+                names = self._copies(name, self._blocks) or [self._element(name, self._blocks, "block")]
+                about = [objective for block in names for objective in self._blocks[block]]
             case "available" if name in of.usage.producer:
                 return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":
@@ -124,6 +129,11 @@ class Names:
         roles = WORDS.get(kind, (kind,))
         said = marked(*(place for place, (what, of_) in of.roles.items() if what in roles and of_ in about))
         return ~said if kind == "available" else said
+
+    @cached_property
+    def _blocks(self) -> dict[str, tuple[str, ...]]:
+        assert self.mission_net is not None
+        return blocks_of(self.mission_net.mission)
 
     def _copies(self, name: str, names: Collection[str]) -> list[str]:
         """What a name means of which there are rounds or tries: all of them, those of this use first."""
