@@ -300,6 +300,7 @@ def _outcome(state: Situation) -> str:
 _KIND_OF_ELEMENT = {
     What.SUCCESS: "objectives",
     What.FAILURE: "objectives",
+    What.TIMEOUT: "objectives",
     What.OUT_OF_SERVICE: "hardware",
     What.REPAIRED: "hardware",
 }

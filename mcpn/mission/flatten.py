@@ -15,6 +15,7 @@ from typing import NamedTuple
 from mcpn.errors import LimitError
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
 from mcpn.mission.graph import (
+    TIMED_OUT,
     Branch,
     ElementarySection,
     Interruption,
@@ -120,11 +121,13 @@ class _Leads(NamedTuple):
     success: str
     failure: str
     abort: str
+    timed_out: str
 
     @property
     def exits(self) -> dict[str, str]:
-        """The same by the routes that the blocks in it name."""
-        return {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
+        """The same by the routes that the blocks in it, and copies of it, name."""
+        exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
+        return exits | {TIMED_OUT: self.timed_out}
 
 
 class _Flattening:
@@ -159,7 +162,9 @@ class _Flattening:
         for block, following in zip(blocks, (*blocks[1:], None), strict=True):
             success = block.success or (following.name if following else SUCCEED)
             inner = self.handling(scope, block.handlers, routes, block.name)
-            leads = _Leads(routes[success], routes[block.failure or FAIL], routes[block.abort or ABORT])
+            failure = block.failure or FAIL
+            late = (block.timeout_goto if isinstance(block, Objective) else None) or failure
+            leads = _Leads(*(routes[to] for to in (success, failure, block.abort or ABORT, late)))
             before = len(sections)
             self.block(block, inner, leads, sections)
             self.held[scope.name(block)] = sections[before:]
@@ -213,6 +218,8 @@ class _Flattening:
                     block.duration,
                     block.failure_probability or 0.0,
                     scope.interruptions,
+                    block.timeout,
+                    None if block.timeout is None else leads.timed_out,
                 )
             )
         elif isinstance(block, Parallel):

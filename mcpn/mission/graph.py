@@ -15,6 +15,9 @@ from mcpn.notebook import Drawn
 if TYPE_CHECKING:
     import networkx as nx
 
+TIMED_OUT = "timed out"
+"""The outcome of an objective whose time is over, and the route that leads there: no block is called so."""
+
 
 @dataclass(frozen=True, slots=True)
 class Interruption:
@@ -69,8 +72,8 @@ class _Routes:
 
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
-        """How the section may end by itself, each with where that leads; abort only where it can abort."""
-        return ("success", self.success), ("failure", self.failure)
+        """How the section may end by itself, each with where that leads."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +93,8 @@ class ElementarySection(_Routes):
         failure_probability: How probable it is that it fails though it could succeed.
         interruptions: Of each event the innermost first: those that happen once, and at most one more, which
             may happen again.
+        timeout: After how many seconds it ends by itself; ``None`` where it never does.
+        timed_out: Where that leads; ``None`` where it never does.
     """
 
     name: str
@@ -102,6 +107,14 @@ class ElementarySection(_Routes):
     duration: float | None = None
     failure_probability: float = 0.0
     interruptions: tuple[Interruption, ...] = ()
+    timeout: float | None = None
+    timed_out: str | None = None
+
+    @property
+    def outcomes(self) -> tuple[tuple[str, str], ...]:
+        """How it may end by itself, each with where that leads; timed out only where it has a timeout."""
+        ended = (("success", self.success), ("failure", self.failure))
+        return ended if self.timed_out is None else (*ended, (TIMED_OUT, self.timed_out))
 
     def walk(self) -> Iterator[ElementarySection]:
         """Itself."""
@@ -201,8 +214,8 @@ class ObjectivesGraph(Drawn):
         return self._by_name[name]
 
     def targets(self, section: Section) -> list[Section]:
-        """Sections that a section's success and failure lead to; the graph's exits give none."""
-        return self._led([section.success, section.failure])
+        """Sections that a section's outcomes but abort lead to; the graph's exits give none."""
+        return self._led(route for outcome, route in section.outcomes if outcome != "abort")
 
     def aborted(self, section: Section) -> list[Section]:
         """The section that an abort of a section leads to; an exit of the graph gives none."""
@@ -274,8 +287,8 @@ class ObjectivesGraph(Drawn):
 
         Returns:
             Nodes with ``kind`` (``objective``, ``parallel``, ``exit``), objectives with ``activities``;
-            edges with ``outcome`` (``success``, ``failure``, ``abort``, ``event NAME``), or ``branch`` from
-            a block to its children.
+            edges with ``outcome`` (``success``, ``failure``, ``abort``, ``timed out``, ``event NAME``), or
+            ``branch`` from a block to its children.
         """
         import networkx
 

@@ -34,6 +34,7 @@ from mcpn.mission.language.datatypes import (
     ProtocolName,
     Rounds,
     Route,
+    Seconds,
     Tries,
     Values,
 )
@@ -134,6 +135,12 @@ class Objective(BlockElement):
     duration: Annotated[Hours, "Mean duration in hours, for numbers of risk."] = None
     failure_probability: Annotated[
         Probability, "From 0 to 1: how probable it is that it fails though it could succeed."
+    ] = None
+    timeout: Annotated[Seconds, "How long it may run: when the time is over it fails by itself."] = None
+    timeout_goto: Annotated[
+        Route,
+        "Where it leads that the time is over: a sibling, succeed, fail or abort; from a child of a parallel "
+        "block: succeed, fail or abort. Default: where failure leads, to the next try if there is one.",
     ] = None
     parameters: tuple[Parameter, ...] = ()
 

@@ -239,7 +239,7 @@ class _Checks:
                 message = f"{block.name} is not mandatory, though it is no child of a parallel block"
                 yield Problem(block.source, message)
             leads = (("success", block.success), ("failure", block.failure), ("abort", block.abort))
-            for exit_name, route in leads:
+            for exit_name, route in (*leads, *_timed_out(block)):
                 if route is not None:
                     yield from self.route(block.source, f"{exit_name} of {block.name}", route, names)
 
@@ -281,6 +281,9 @@ class _Checks:
     def objective(self, block: Objective) -> Iterator[Problem]:
         if not block.activities:
             yield Problem(block.source, f"objective {block.name} names no activity")
+        if block.timeout_goto is not None and block.timeout is None:
+            message = f"objective {block.name} has a timeout_goto, though it has no timeout"
+            yield Problem(block.source, message)
         for name in dict.fromkeys(block.activities):
             if name not in self.activities:
                 yield self.unknown(block.source, f"objective {block.name} runs", name, self.activities)
@@ -314,14 +317,20 @@ class _Checks:
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"
                 yield Problem(child.source, f"{message}; expected an objective or a use")
             yield from self.handlers(child.name, child.handlers, {})
-            if child.abort is not None:
-                yield from self.route(child.source, f"abort of {child.name}", child.abort, {})
+            for exit_name, route in (("abort", child.abort), *_timed_out(child)):
+                if route is not None:
+                    yield from self.route(child.source, f"{exit_name} of {child.name}", route, {})
             if child.success is not None or child.failure is not None:
                 routes = (("success", child.success), ("failure", child.failure))
                 route = " and ".join(name for name, target in routes if target is not None)
                 message = f"{child.name} has a route ({route}), though it is a child of a parallel block"
                 remedy = f'routes stand on {block.name}; a child that may fail has mandatory="false"'
                 yield Problem(child.source, f"{message}: {remedy}")
+
+
+def _timed_out(block: Block) -> list[tuple[str, str | None]]:
+    """Where it leads that the time of a block is over."""
+    return [("timeout_goto", block.timeout_goto)] if isinstance(block, Objective) else []
 
 
 def _consumed(activity: Activity) -> list[str]:

@@ -22,6 +22,8 @@ class What(StrEnum):
     """An objective ends in success."""
     FAILURE = "failure"
     """An objective ends in failure."""
+    TIMEOUT = "timeout"
+    """The time of an objective is over."""
     OUT_OF_SERVICE = "out of service"
     """A hardware resource fails."""
     REPAIRED = "repaired"
@@ -36,9 +38,13 @@ class What(StrEnum):
     """Anything else that a net from a file, or a template of a user's own, calls by a name."""
 
 
+ENDING = (What.SUCCESS, What.FAILURE, What.TIMEOUT)
+"""How an objective ends by itself."""
+
 _FORMS = {
     What.SUCCESS: ("OBJ_", "_EV_OK"),
     What.FAILURE: ("OBJ_", "_EV_FAIL"),
+    What.TIMEOUT: ("OBJ_", "_EV_TIMEOUT"),
     What.OUT_OF_SERVICE: ("", "_EV_OOS"),
     What.REPAIRED: ("", "_EV_RD"),
     What.LOST: ("", "_EV_DEATH"),

@@ -16,7 +16,7 @@ from typing import TypeAlias
 from mcpn.errors import InputError
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
-from mcpn.mission.graph import names_in
+from mcpn.mission.graph import TIMED_OUT, names_in
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Hardware, Software
 from mcpn.net.compose import MissionNet, Parts, compose_parts
@@ -243,6 +243,9 @@ def _routed(section: Section, kept: set[str]) -> Section:
         i if i.target in kept else replace(i, target=exit_) for exit_, i in exits_on(section)
     )
     routed = replace(section, success=success, failure=failure, interruptions=interruptions)
+    if isinstance(routed, ElementarySection):
+        late = routed.timed_out is not None and routed.timed_out not in kept
+        return replace(routed, timed_out=TIMED_OUT) if late else routed
     if isinstance(routed, ParallelSection) and routed.abort is not None and routed.abort not in kept:
         return replace(routed, abort=ABORT)
     return routed

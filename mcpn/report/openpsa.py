@@ -186,6 +186,8 @@ class Losses:
             for section in reversed(graph.sections):
                 well, badly = ways[section.name]
                 now = (well | lost[section.success]) & (badly | lost[section.failure])
+                if isinstance(section, ElementarySection) and section.timed_out is not None:
+                    now = now & lost[section.timed_out]  # its time may always be over
                 if isinstance(section, ParallelSection) and section.abort is not None:
                     now = now & (self._aborting(section) | lost[section.abort])
                 changed |= now != lost[section.name]

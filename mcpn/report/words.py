@@ -61,6 +61,8 @@ def what_happens(event: Event, mission: str) -> str:
             return f"objective {name} succeeds"
         case What.FAILURE:
             return f"objective {name} fails"
+        case What.TIMEOUT:
+            return f"the time of objective {name} is over"
         case What.OUT_OF_SERVICE:
             return f"{name} fails"
         case What.LOST:

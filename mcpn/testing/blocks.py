@@ -110,7 +110,14 @@ class MissionDrawing(RobotDrawing):
         success, failure = self.draw(st.none() | route), self.aborting(self.draw(route))
         handlers = self.handlers([b.name for b in blocks])
         abort = self.draw(route) if self.rarely(self.shape.aborts) else None
-        return replace(block, success=success, failure=failure, abort=abort, handlers=handlers)
+        block = replace(block, success=success, failure=failure, abort=abort, handlers=handlers)
+        return self.timed(block, targets)
+
+    def timed(self, block: Block, targets: list[str | None]) -> Block:
+        """A block that leads to some of these where its time is over, if it has one."""
+        if not isinstance(block, Objective) or block.timeout is None:
+            return block
+        return replace(block, timeout_goto=self.aborting(self.draw(st.sampled_from(targets))))
 
     def aborting(self, route: Route) -> Route | Literal["abort"]:
         """A route, or abort in its place."""
@@ -199,6 +206,7 @@ class MissionDrawing(RobotDrawing):
             description=self.description(),
             duration=self.value(1e-6, 1e6),
             failure_probability=self.value(0, 1),
+            timeout=self.draw(st.integers(1, 90)) / 2 if self.rarely(self.shape.timeouts) else None,
         )
 
     def children(self, depth: int, islands: list[Island], budget: int) -> tuple[tuple[Block, ...], int]:
@@ -220,6 +228,7 @@ class MissionDrawing(RobotDrawing):
                 child = Recursive(name=self.name("rec"), blocks=(child,))
             mandatory = i == 0 or self.chance()
             abort = self.draw(st.sampled_from([SUCCEED, FAIL])) if self.rarely(self.shape.aborts) else None
-            children.append(replace(child, mandatory=mandatory, abort=abort, handlers=self.handlers([])))
+            child = replace(child, mandatory=mandatory, abort=abort, handlers=self.handlers([]))
+            children.append(self.timed(child, [None, SUCCEED, FAIL]))
             taken += size
         return tuple(children), taken

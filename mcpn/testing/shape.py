@@ -29,6 +29,7 @@ class Shape:
             may be shared, or hardware of one activity alone.
         aborts: How many of ten routes lead to abort that might lead to succeed or fail, and how many of ten
             blocks route what aborts in them: with none nothing aborts.
+        timeouts: How many of ten objectives end by themselves when their time is over.
         events: Most declared events; with some, blocks and the mission handle them.
         interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
             are done in rounds; else a third, a quarter and a quarter.
@@ -59,6 +60,7 @@ class Shape:
     loops: bool = True
     rounds: bool = True
     aborts: int = 0
+    timeouts: int = 0
     events: int = 0
     interrupted: bool = False
     shared_activities: bool = True

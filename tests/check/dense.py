@@ -95,7 +95,7 @@ class Dense:
                     self.out[event.element] = target
                 if event != START and source not in ends and self.runs[source]:
                     ended = frozenset(self.runs[source] - self.runs[target])
-                    if event.what in (What.SUCCESS, What.FAILURE):
+                    if event.what in (What.SUCCESS, What.FAILURE, What.TIMEOUT):
                         ended |= {event.element}
                     elif event.what is What.DECLARED and self.runs[source] & self.runs[target]:
                         ended |= self.ended(markings[source], label, self.runs[source])
@@ -158,7 +158,7 @@ class Jumps:
             return rates[event.element][0]
         if event.what is What.REPAIRED:
             return rates[event.element][1]
-        return self.of.events[event.element]
+        return 0.0 if event.what is What.TIMEOUT else self.of.events[event.element]
 
     def possible(self, name: str, rates: Rates) -> set[int]:
         """States in which an objective runs whose present run may still end in success."""

@@ -109,8 +109,8 @@ class Play:
             if stop is not None and stop(m):
                 continue
             for event, after in self.edges(m):
-                if event.startswith("OBJ_") and event.endswith("_EV_FAIL"):
-                    name = event.removeprefix("OBJ_").removesuffix("_EV_FAIL")
+                if event.startswith("OBJ_") and event.endswith(("_EV_FAIL", "_EV_TIMEOUT")):
+                    name = event.removeprefix("OBJ_").rpartition("_EV_")[0]
                     if self.objective_survives(m, name, frozenset(self.hardware)):
                         continue
                 if not event.endswith("_EV_RD") and after not in seen:
@@ -135,7 +135,7 @@ def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
 
     @st.composite
     def drawn(draw: st.DrawFn) -> Mission:
-        mission = draw(missions(None, disjoint_branches=True, protocols=False, **bounds))
+        mission = draw(missions(None, disjoint_branches=True, protocols=False, timeouts=2, **bounds))
         return replace(mission, blocks=_unrouted(draw, mission.blocks))
 
     return drawn()

@@ -249,7 +249,7 @@ def test_critical_events_are_those_of_plain_search(mission: Mission, engine: Eng
 
     def concerned(of: Event) -> set[str]:
         """Those whose alternatives differ in the hardware, or those of the objective that ends."""
-        if of.what in (What.SUCCESS, What.FAILURE):
+        if of.what in (What.SUCCESS, What.FAILURE, What.TIMEOUT):
             return set(asked.prospects.sections[of.element].activities)
         differing = set()
         for name in found.usage.started:

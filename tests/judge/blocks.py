@@ -27,6 +27,9 @@ from mcpn.mission.model import (
 )
 from mcpn.mission.robot import Parameter
 
+TIMED_OUT = "timed out"
+"""The exit of a copy of an objective whose time is over, where the objective says where that leads."""
+
 Values = Mapping[str, str]
 """Parameters in force, by name."""
 
@@ -43,6 +46,8 @@ class Node:
         success: Where success leads: the written name of a sibling, ``succeed`` or ``fail``.
         failure: Where failure leads.
         abort: Where it leads that something in it aborts.
+        timeout: After how many seconds an elementary objective ends, if it does by itself.
+        timed_out: Where that leads; ``None`` for where failure does.
         handlers: What it does on events.
         children: By written name (of copies: by number), in order; none for an elementary objective.
         activities: What an elementary objective runs.
@@ -56,6 +61,8 @@ class Node:
     success: str = SUCCEED
     failure: str = FAIL
     abort: str = ABORT
+    timeout: float | None = None
+    timed_out: str | None = None
     handlers: tuple[Handler, ...] = ()
     children: dict[str, Node] = field(default_factory=dict)
     activities: tuple[str, ...] = ()
@@ -137,12 +144,15 @@ class _Writing:
             node = self.block(block, parent, scope)
             node.success, node.failure = block.success or following, block.failure or FAIL
             node.abort = block.abort or ABORT
+            node.timed_out = block.timeout_goto if isinstance(block, Objective) else None
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
 
     def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
         node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent)
+        if isinstance(block, Objective) and block.timeout_goto is not None:
+            node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
         if block.repeat is not None:
             once = replace(block, repeat=None)
             rounds = [scope.copy(n, {ROUND: str(n)}) for n in range(1, block.repeat + 1)]
@@ -158,7 +168,7 @@ class _Writing:
                 self.series(round_, block.blocks, inside.copy(value, {block.bound: value}))
             self.copies(node, values)
         elif isinstance(block, Objective):
-            node.activities = block.activities
+            node.activities, node.timeout = block.activities, block.timeout
             node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
         elif isinstance(block, Parallel):
             node.parallel = True

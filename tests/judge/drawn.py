@@ -13,6 +13,8 @@ ANY = missions(sections=6)
 INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)
 ABORTED = missions(sections=6, hardware=2, producers=2, branches=3, events=2, aborts=4)
 """Blocks that abort, and blocks that route what aborts in them."""
+TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
+"""Objectives that end when their time is over."""
 IN_ROUNDS = missions(
     sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True
 )
@@ -28,6 +30,6 @@ SAYING = missions(sections=5, hardware=1, producers=1, alternatives=2, text=True
 """With parameters on blocks, uses and values."""
 
 MISSIONS: st.SearchStrategy[Mission] = st.one_of(
-    ANY, INTERRUPTED, ABORTED, IN_ROUNDS, APART, SHARING, DISJOINT, WIDE, CHAINS, SAYING
+    ANY, INTERRUPTED, ABORTED, TIMED, IN_ROUNDS, APART, SHARING, DISJOINT, WIDE, CHAINS, SAYING
 )
 """All of them."""

@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission
-from tests.judge.blocks import Node, written_out
+from tests.judge.blocks import TIMED_OUT, Node, written_out
 from tests.judge.robot import REFUSED, Activities, At, Doing, Robot
 
 START = "start"
 SUCCESS = "success"
 FAILURE = "failure"
+TIMEOUT = "timeout"
 OUT_OF_SERVICE = "out of service"
 REPAIRED = "repaired"
 DECLARED = "declared"
@@ -112,6 +113,8 @@ class Interpreter:
         runs = {name for name, (doing, _) in state.activities if doing is Doing.RUNS}
         for name in state.running:
             found.add((FAILURE, name))
+            if self.objectives[name].timeout is not None:
+                found.add((TIMEOUT, name))
             if runs.issuperset(self.objectives[name].activities):
                 found.add((SUCCESS, name))
         found.update(
@@ -160,7 +163,8 @@ class Interpreter:
             routes = [(node, handler.goto) for node, handler in found]
         else:
             node = self.objectives[element]
-            routes = [(node, node.success if what == SUCCESS else node.failure)]
+            ways = {SUCCESS: node.success, FAILURE: node.failure, TIMEOUT: node.timed_out or node.failure}
+            routes = [(node, ways[what])]
         # All that is left stops first, what aborts with it; then what follows begins.
         for node, _ in routes:
             state = self.left(state, node)
@@ -191,7 +195,7 @@ class Interpreter:
             return self.enter(state, route)
         parent = self.root if node is self.root else node.parent
         assert parent is not None
-        if route in ENDS:
+        if route in ENDS or route == TIMED_OUT:
             if not parent.parallel:
                 return self.end(state, parent, route, aborted)
             if route != ABORT:
@@ -215,9 +219,9 @@ class Interpreter:
         """A block ends by one of its exits; with the mission's own blocks the mission does."""
         if node is self.root:
             return replace(state, outcome=ENDS[by])
-        return self.follow(
-            state, node, {SUCCEED: node.success, FAIL: node.failure, ABORT: node.abort}[by], aborted
-        )
+        ways = {SUCCEED: node.success, FAIL: node.failure, ABORT: node.abort}
+        ways[TIMED_OUT] = node.timed_out or node.failure
+        return self.follow(state, node, ways[by], aborted)
 
     def enter(self, state: State, node: Node) -> State:
         """A block is entered: at its first, or at all its children."""

@@ -43,6 +43,12 @@ def test_missions_that_abort(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.5)
+@given(drawn.TIMED)
+def test_missions_with_timeouts(of: Mission) -> None:
+    check(of)
+
+
 @fewer(0.25)
 @given(drawn.IN_ROUNDS)
 def test_handlers_in_rounds_and_uses(of: Mission) -> None:

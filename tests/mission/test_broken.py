@@ -84,7 +84,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "attribute misspelt": (
         body("<objective name='o' activites='go'/>"),
         8,
-        "retries, success (did you mean activities?)",
+        "retries, success, timeout, timeout_goto (did you mean activities?)",
     ),
     "names with a comma": (
         robot("<activity name='a' consumes='S, H'/>"),
@@ -123,6 +123,47 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         body("<objective name='o' activities='go'>\n<objective name='x' activities='go'/></objective>"),
         8,
         "both activities and blocks",
+    ),
+    "timeout of no number": (
+        body("<objective name='o' activities='go' timeout='soon'/>"),
+        8,
+        "timeout of <objective> is 'soon', expected seconds, for example 90 or 0.5, or a duration",
+    ),
+    "timeout in months": (
+        body("<objective name='o' activities='go' timeout='P1M'/>"),
+        8,
+        "is 'P1M', expected",
+    ),
+    "timeout that ends with T": (body("<objective name='o' activities='go' timeout='P1DT'/>"), 8, "'P1DT'"),
+    "timeout of nothing": (
+        body("<objective name='o' activities='go' timeout='PT0S'/>"),
+        8,
+        "timeout of o is 0, expected from 0.001 to 2592000 seconds",
+    ),
+    "timeout too long": (body("<objective name='o' activities='go' timeout='P5W'/>"), 8, "is 3.024e+06"),
+    "timeout of a recursive objective": (
+        body(f"<objective name='o' timeout='9'>{OK}</objective>"),
+        8,
+        "timeout",
+    ),
+    "timeout of a parallel block": (body(f"<parallel name='p' timeout='9'>{OK}</parallel>"), 8, "timeout"),
+    "timeout_goto without a timeout": (
+        body("<objective name='o' activities='go' timeout_goto='succeed'/>"),
+        8,
+        "objective o has a timeout_goto, though it has no timeout",
+    ),
+    "timeout_goto elsewhere": (
+        body("<objective name='o' activities='go' timeout='9' timeout_goto='p'/>"),
+        8,
+        "timeout_goto of o leads to p; expected one of o, succeed, fail, abort",
+    ),
+    "timeout_goto a sibling from a branch": (
+        body(
+            "<parallel name='p'>\n<objective name='x' activities='go' timeout='9' timeout_goto='o'/>"
+            f"{OK}</parallel>"
+        ),
+        9,
+        "timeout_goto of x leads to o; expected one of succeed, fail, abort",
     ),
     "objective with no activity named": (body("<objective name='o' activities=' '/>"), 8, "no activity"),
     "parallel in parallel": (

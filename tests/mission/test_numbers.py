@@ -101,3 +101,34 @@ def test_numbers_of_missions_built_in_python_are_checked(wrong: float) -> None:
         assert len(problems(h, objective)) == 1
     for o in (replace(objective, duration=wrong), replace(objective, failure_probability=wrong)):
         assert len(problems(hardware, o)) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("90", 90.0),
+        (" 0.5 ", 0.5),
+        ("1e3", 1_000.0),
+        ("PT1M30S", 90.0),
+        ("PT0.25S", 0.25),
+        ("PT2H", 7_200.0),
+        ("PT1H1M1S", 3_661.0),
+        ("P1DT12H", 129_600.0),
+        ("P2W", 1_209_600.0),
+    ],
+)
+def test_timeouts_are_seconds_or_durations_of_iso_8601(tmp_path: Path, text: str, seconds: float) -> None:
+    timed = f'<objective name="y" activities="go" timeout="{text}" timeout_goto="succeed"/>'
+    mission = read(tmp_path, TEXT.replace('<objective name="y" activities="go"/>', timed))
+    y = mission.blocks[1]
+    assert isinstance(y, Objective)
+    assert (y.timeout, y.timeout_goto) == (seconds, "succeed")
+    save_mission(mission, tmp_path / "again.xml")
+    assert read_mission(tmp_path / "again.xml") == mission
+
+
+@pytest.mark.parametrize("text", ["P", "PT", "P1M", "P1Y", "PT1M1H", "P1DT", "PT1.5M", "-5", "p1d", "1 m"])
+def test_other_texts_are_no_timeout(tmp_path: Path, text: str) -> None:
+    timed = f'<objective name="y" activities="go" timeout="{text}"/>'
+    with pytest.raises(InputError, match=r"m\.xml:10: timeout of <objective> is"):
+        read(tmp_path, TEXT.replace('<objective name="y" activities="go"/>', timed))

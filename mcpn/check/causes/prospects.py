@@ -21,7 +21,7 @@ from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
-from mcpn.net.events import Event, What
+from mcpn.net.events import ENDING, Event, What
 from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition
 from mcpn.space.images import ImageStore
 from mcpn.space.memoized import memoized
@@ -110,7 +110,7 @@ class CriticalEvent:
     def named(self, names: Mapping[str, str]) -> CriticalEvent:
         """A copy with other names of objectives."""
         event = self.event
-        if event.what in (What.SUCCESS, What.FAILURE):
+        if event.what in ENDING:
             event = Event(event.what, names.get(event.element, event.element))
         return CriticalEvent(event, tuple(names[n] for n in self.objectives), self.mode, self.edges)
 
@@ -197,9 +197,9 @@ class Prospects(Generic[S]):
 
     def _objective(self, name: str, interrupting: set[int]) -> Goal[S]:
         running = self.space.marked(self.places("objective", [name]))
-        succeeds = self.carrying(What.SUCCESS, name)
-        won = self.space.enabling(succeeds) & running if running else running
-        return Goal(name, running, won, succeeds | self.carrying(What.FAILURE, name) | interrupting)
+        won = self.space.enabling(self.carrying(What.SUCCESS, name)) & running if running else running
+        ends = frozenset().union(*(self.carrying(what, name) for what in ENDING))
+        return Goal(name, running, won, ends | interrupting)
 
     @cached_property
     def begun(self) -> S:
@@ -239,14 +239,15 @@ class Prospects(Generic[S]):
 
     @cached_property
     def forced(self) -> Mapping[int, S]:
-        """By transition with which an objective fails, the states in which it cannot succeed any more.
+        """By transition with which an objective fails or times out, states in which it can only fail.
 
         As guards they leave runs in which objectives fail only where the lost hardware makes them fail.
         """
         return {
             t: self.losing(goal, repairs=False)
             for name, goal in self.objectives.items()
-            for t in self.carrying(What.FAILURE, name)
+            for what in (What.FAILURE, What.TIMEOUT)
+            for t in self.carrying(what, name)
         }
 
     # --- critical events -----------------------------------------------------------------------------------
@@ -302,7 +303,7 @@ class Prospects(Generic[S]):
 
         if piece.kind is None:
             return compute()
-        ends = event.what in (What.SUCCESS, What.FAILURE)
+        ends = event.what in ENDING
         of = piece.names.index(event.element) if ends else event.element
         found, names = self._alike.known((event.what, of, piece.kind), piece.names, compute)
         return {(tuple(names[n] for n in running), mode): count for (running, mode), count in found.items()}
@@ -315,7 +316,7 @@ class Prospects(Generic[S]):
         of which one alternative needs the hardware, itself or through its suppliers, and another does not.
         """
         usage, choosing = self.mission_net.usage, set[str]()
-        if event.what in (What.SUCCESS, What.FAILURE) and event.element in self.sections:
+        if event.what in ENDING and event.element in self.sections:
             choosing.update(self.sections[event.element].activities)
         if event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
             for name in usage.started:

@@ -14,7 +14,7 @@ from mcpn.check.paths.formulas import Happens
 from mcpn.errors import InputError
 from mcpn.mission.flatten import blocks_of
 from mcpn.mission.model import Each, Holder, walk
-from mcpn.net.events import START, Event, What
+from mcpn.net.events import ENDING, START, Event, What
 from mcpn.net.petri import PetriNet
 from mcpn.net.roles import WAITING
 from mcpn.space.search.goal import FALSE, TRUE, Fires, Formula, marked
@@ -218,13 +218,13 @@ def progress(mission_net: MissionNet | None) -> tuple[Justice, ...]:
 
     Returns:
         For the start and for each objective: again and again it is not to be awaited or not running, or the
-        start, its ``OK`` or its ``FAIL`` happens.
+        start, its ``OK``, its ``FAIL`` or its ``TIMEOUT`` happens.
     """
     if mission_net is None:
         raise InputError.at(None, f"the constraint {PROGRESS} speaks of missions, and this net is of none")
     waits = {mission_net.beginning: {START}}
     for place, name in mission_net.saying("objective").items():
-        waits[place] = {Event(What.SUCCESS, name), Event(What.FAILURE, name)}
+        waits[place] = {Event(what, name) for what in ENDING}
     events = [t.event for t in mission_net.net.transitions]
     return tuple(
         Justice(~marked(place), tuple(t for t, event in enumerate(events) if event in endings))

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from mcpn.errors import LimitError
-from mcpn.mission.graph import Interruption
-from mcpn.mission.model import ROUND, Block, Each, Protocol, Use
+from mcpn.mission.graph import TIMED_OUT, Interruption
+from mcpn.mission.model import ROUND, Block, Each, Objective, Protocol, Use
 from mcpn.mission.robot import Parameter
 
 MAX_NESTING = 128
@@ -105,6 +105,8 @@ def several(block: Block) -> bool:
 def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
     """The rounds of a block, else its tries, else its values: what is done each time, and its scope."""
     alone = replace(block, success=None, failure=None, abort=None, handlers=())
+    if isinstance(alone, Objective) and alone.timeout_goto is not None:
+        alone = replace(alone, timeout_goto=TIMED_OUT)  # it leaves the copies
     if block.repeat is not None:
         for number in range(1, block.repeat + 1):
             value = Parameter(name=ROUND, value=str(number), source=block.source)

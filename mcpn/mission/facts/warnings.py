@@ -8,7 +8,7 @@ from functools import cache
 from mcpn.errors import Problem, Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
-from mcpn.mission.model import ABORT, Block, Holder, Mission, Use, walk
+from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.robot import Element
 
 MOST_NAMED = 3
@@ -110,7 +110,8 @@ def _vain(mission: Mission) -> Iterator[Problem]:
 
     def leads_out(block: Block) -> bool:
         """Whether a block aborts what it stands in."""
-        routes = (block.success, block.failure, *(handler.goto for handler in block.handlers))
+        routes = [block.success, block.failure, *(handler.goto for handler in block.handlers)]
+        routes += [block.timeout_goto] if isinstance(block, Objective) else []
         return ABORT in routes or (block.abort in (None, ABORT) and aborts(block))
 
     for blocks in (mission.blocks, *protocols.values()):

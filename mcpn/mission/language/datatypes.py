@@ -89,16 +89,39 @@ BOOLEAN = Datatype(
     lambda text: text.strip() in ("true", "1"),
     lambda value: "true" if value else "false",
 )
+_DECIMAL = r"[0-9]+(\.[0-9]+)?"
+_NUMBER = rf"{_DECIMAL}([eE][+\-]?[0-9]+)?"
 NUMBER = Datatype(
     "number",
     "number",
-    r"\s*[0-9]+(\.[0-9]+)?([eE][+\-]?[0-9]+)?\s*",
+    rf"\s*{_NUMBER}\s*",
     "a decimal number of at least 0, for example 12 or 2.5e-4",
     float,
 )
 RATE = NUMBER.within("a finite number per hour, at least 0", lambda rate: 0 <= rate < math.inf)
 HOURS = NUMBER.within("a finite number of hours above 0", lambda hours: 0 < hours < math.inf)
 PROBABILITY = NUMBER.within("a number from 0 to 1", lambda share: 0 <= share <= 1)
+_MINUTES = f"([0-9]+M({_DECIMAL}S)?|{_DECIMAL}S)"
+_CLOCK = f"T([0-9]+H({_MINUTES})?|{_MINUTES})"
+
+
+def _seconds(text: str) -> float:
+    """Seconds of a number of them, or of an ISO 8601 duration."""
+    if "P" not in text:
+        return float(text)
+    return sum(float(number) * _UNITS[unit] for number, unit in re.findall(r"([0-9.]+)([A-Z])", text))
+
+
+_UNITS = {"W": 604_800.0, "D": 86_400.0, "H": 3_600.0, "M": 60.0, "S": 1.0}
+SECONDS = Datatype(
+    "seconds",
+    "seconds or duration",
+    rf"\s*({_NUMBER}|P[0-9]+W|P[0-9]+D({_CLOCK})?|P{_CLOCK})\s*",
+    "seconds, for example 90 or 0.5, or a duration of ISO 8601 in weeks, or in days, hours, minutes and "
+    "seconds, for example PT1M30S",
+    _seconds,
+    lambda seconds: str(seconds).removesuffix(".0"),
+).within("from 0.001 to 2592000 seconds (30 days)", lambda seconds: 0.001 <= seconds <= 2_592_000)
 COUNT = Datatype("count", "whole number", r"\s*[0-9]{1,6}\s*", "a whole number of at most 6 digits", int)
 TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <= tries <= MAX_ROUNDS)
 ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
@@ -131,6 +154,7 @@ Activities = Annotated[tuple[str, ...], NAMES.to("activity")]
 Values = Annotated[tuple[str, ...], VALUES]
 Rate = Annotated[float | None, RATE]
 Hours = Annotated[float | None, HOURS]
+Seconds = Annotated[float | None, SECONDS]
 Probability = Annotated[float | None, PROBABILITY]
 Tries = Annotated[int, TRIES]
 Rounds = Annotated[int | None, ROUNDS]

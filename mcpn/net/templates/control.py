@@ -164,7 +164,7 @@ class _Control:
         return [self.canvas.place_of("activity", a, part) for a in activities]
 
     def elementary(self, section: ElementarySection) -> None:
-        """OK and FAIL stop the activities and enter what follows; OK only while all of them run."""
+        """Each end stops the activities and enters what follows; OK only while all of them run."""
         usage, name = self.canvas.usage, section.name
         pen = self.canvas.of("objective", name, section.source)
         place = self.canvas.role(pen.place(), ("objective", name))
@@ -175,7 +175,10 @@ class _Control:
         for what, part, route, read in (
             (What.SUCCESS, "EV_OK", section.success, [p for p in running if p is not None]),
             (What.FAILURE, "EV_FAIL", section.failure, []),
+            (What.TIMEOUT, "EV_TIMEOUT", section.timed_out, []),
         ):
+            if route is None:
+                continue
             after = [*stops, *self.enter(route)]
             pen.transition(part, [place], after, read=read, event=Event(what, name))
 

@@ -25,6 +25,7 @@ class Box:
         success: The route on success as written; ``None`` for the default.
         failure: The same for failure.
         abort: The same for abort.
+        timeout_goto: The same where its time is over.
         handlers: What it does on declared events.
         children: What it holds, in document order.
     """
@@ -39,6 +40,7 @@ class Box:
     success: str | None = None
     failure: str | None = None
     abort: str | None = None
+    timeout_goto: str | None = None
     handlers: tuple[Handler, ...] = ()
     children: tuple[Box, ...] = ()
 
@@ -107,6 +109,7 @@ class _Building:
             block.success,
             block.failure,
             block.abort,
+            block.timeout_goto if isinstance(block, Objective) else None,
             block.handlers,
             tuple(self.box(child, scopes, kind) for child in children),
         )
@@ -137,5 +140,9 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         yield f"for each of {len(block.values)}: {' '.join(block.values)}"
     if block.repeat is not None:
         yield f"{block.repeat} rounds"
+    if isinstance(block, Objective) and block.timeout is not None:
+        yield f"at most {block.timeout:g} s"
+        if within == "parallel" and block.timeout_goto is not None:
+            yield f"timeout leads to {block.timeout_goto}"
     if block.retries:
         yield f"up to {block.retries + 1} tries"

@@ -249,7 +249,12 @@ def _edges(passages: Sequence[DrawnEvent], key_of: Mapping[int, str], actions: b
         yield Arrow(source, target, kind, tuple(lines), "; ".join(t.replace("\n", ": ") for t in told), both)
 
 
-_KINDS = {What.SUCCESS: "success", What.FAILURE: "failure", What.DECLARED: "event"}
+_KINDS = {
+    What.SUCCESS: "success",
+    What.FAILURE: "failure",
+    What.TIMEOUT: "failure",
+    What.DECLARED: "event",
+}
 
 
 def _undone(event: Event) -> Event | None:
@@ -264,6 +269,8 @@ def _happens(event: Event) -> str:
         return f"{_last(event.element)} succeeds"
     if event.what is What.FAILURE:
         return f"{_last(event.element)} fails"
+    if event.what is What.TIMEOUT:
+        return f"the time of {_last(event.element)} is over"
     return what_happens(event, "")
 
 

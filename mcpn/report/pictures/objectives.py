@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from mcpn.mission.graph import ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import Drawing
@@ -117,7 +117,7 @@ class _Drawn:
 
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
     for outcome, route in section.outcomes:
-        yield (route, ("abort",), "event") if outcome == "abort" else (route, (), outcome)
+        yield (route, (outcome,), "event") if outcome in ("abort", TIMED_OUT) else (route, (), outcome)
     for interruption in section.interruptions:
         word = f"on {interruption.event}" + (" once" if interruption.once else "")
         yield interruption.target, (word,), "event"
