@@ -30,6 +30,7 @@ TEXTS = st.lists(st.sampled_from(PIECES), max_size=6).map("".join) | st.text(max
         (START, "MISSION_EV_START"),
         (Event(What.SUCCESS, "transect.diving"), "OBJ_transect.diving_EV_OK"),
         (Event(What.FAILURE, "diving"), "OBJ_diving_EV_FAIL"),
+        (Event(What.TIMEOUT, "diving"), "OBJ_diving_EV_TIMEOUT"),
         (Event(What.OUT_OF_SERVICE, "GPS_sensor"), "GPS_sensor_EV_OOS"),
         (Event(What.OUT_OF_SERVICE, "OBJ_x"), "OBJ_x_EV_OOS"),
         (Event(What.REPAIRED, "GPS_sensor"), "GPS_sensor_EV_RD"),
