@@ -22,15 +22,14 @@ from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from families import philosophers, ring, slotted_ring
-
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.order import cuthill_mckee, force
+from mcpn.testing.nets import component_ring, philosophers, slotted_ring
 
 FAMILIES: dict[str, tuple[Callable[[int], PetriNet], tuple[int, ...]]] = {
     "philosophers": (philosophers, (4, 10, 20, 40, 80)),
     "slotted ring": (slotted_ring, (2, 5, 8, 10, 12)),
-    "ring": (ring, (2, 4, 6, 8, 16)),
+    "ring": (component_ring, (2, 4, 6, 8, 16)),
 }
 Engine = Callable[[PetriNet, tuple[int, ...]], int]
 

@@ -25,10 +25,7 @@ from collections.abc import Callable, Iterator
 from decimal import Decimal
 from pathlib import Path
 
-from families import philosophers, slotted_ring
-from families import ring as ring_of_components
 from limits import Result, measured
-from several_tokens import fms, kanban
 
 from mcpn import __version__
 from mcpn._kernel import Zdd
@@ -39,6 +36,7 @@ from mcpn.errors import McpnError
 from mcpn.net.formats import read_net
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.base import Diagrams
+from mcpn.testing.nets import component_ring, fms, kanban, philosophers, slotted_ring
 
 Way = Callable[[Diagrams, Zdd, Zdd | None], Zdd]
 TURNS = Diagrams.staying
@@ -146,7 +144,7 @@ def nets() -> Iterator[PetriNet]:
     for count in (20, 50, 100):
         yield philosophers(count)
     for count in (8, 16, 24):
-        yield ring_of_components(count)
+        yield component_ring(count)
     for count in (5, 8, 10):
         yield slotted_ring(count)
     for count in (5, 10, 20):
