@@ -26,6 +26,7 @@ PRINTED = {
     "check mission.xml": "check",
     "check mission.xml --engine local": "check",
     "check contended.xml --internal": "check",
+    "check courier/mission.xml --strict": "check",
     "check mission.pnml": "check-net",
     "check unbounded.net": "check-net",
     "check dead.net": "check-net",

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 @click.option(
     "--internal", is_flag=True, help="Show the firings inside the net between which the outcome is decided."
 )
+@click.option("--strict", is_flag=True, help="Let a mission with warnings fail: exit code 1.")
 @jobs_option
 @scheduler_option
 @limit_option
@@ -49,6 +50,7 @@ def check(
     structure: bool,
     engine: Asked,
     internal: bool,
+    strict: bool,
     jobs: int,
     scheduler: str | None,
     max_states: int | None,
@@ -83,8 +85,8 @@ def check(
     else:
         from mcpn.report.text import print_check
 
-        print_check(found, seconds, internal=internal, told=warned)
-    if not found.passed:
+        print_check(found, seconds, internal=internal, told=warned, strict=strict)
+    if not found.passed or (strict and found.warnings):
         sys.exit(EXIT_FAILED)
 
 
@@ -118,6 +120,11 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
         **({"requirements": _requirements_object(found)} if found.requirements else {}),
         "verdicts": {name: verdict.holds for name, verdict in found.verdicts.items()},
         "undecided": found.undecided,
+        "warnings": [
+            {"file": at and at.file, "line": at and at.line, "message": problem.message}
+            for problem in found.warnings
+            for at in (problem.source,)
+        ],
         "witnesses": {
             name: [[*map(str, run.events), *run.tail] for run in runs]
             for name, verdict in found.verdicts.items()

@@ -143,12 +143,12 @@ def tell_warnings(mission_net: MissionNet) -> list[str]:
     Returns:
         The warnings that a report need not repeat: those that whoever reads it has just seen.
     """
+    from mcpn.mission.facts.warnings import static_warnings
     from mcpn.report.terminal import plain
-    from mcpn.report.text import static_warnings
 
     if sys.stderr is None:
         return []
-    warnings = static_warnings(mission_net)
+    warnings = list(map(str, static_warnings(mission_net.usage)))
     for warning in warnings:
         click.echo(plain(f"warning: {warning}"), err=True)
     return warnings if sys.stderr.isatty() and sys.stdout is not None and sys.stdout.isatty() else []

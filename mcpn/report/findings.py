@@ -15,7 +15,6 @@ from mcpn.check.verdicts.mission import MissionCheck, check
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
 from mcpn.errors import McpnError
-from mcpn.mission.facts.warnings import find_warnings
 from mcpn.report.pictures.local import LocalPicture, local_pictures
 from mcpn.report.progress import Steps, counted, exploring
 
@@ -111,13 +110,10 @@ def findings(
         checked = check(spaces, engine=engine, max_states=max_states, progress=steps.at, executor=executor)
     chosen = checked.choice.engine
     told = counted if chosen == "local" else exploring
-    warnings = [*map(str, (*find_warnings(mission_net.usage), *checked.unselectable))]
-    warnings += [f"{c.source}: {c}" for c in mission_net.usage.contentions]
+    warnings = list(map(str, checked.warnings))
     if not (checked.verdicts["safe"].holds and checked.verdicts["confluent"].holds):
         notes.append("No causes and no controller: the reaction to an event is not always the same.")
-        return Findings(
-            checked, notes=notes, warnings=list(dict.fromkeys(warnings)), engine=chosen, seconds=seconds
-        )
+        return Findings(checked, notes=notes, warnings=warnings, engine=chosen, seconds=seconds)
     causes, rows = tried("causes", lambda: _causes(checked, max_states, steps, executor), told) or (
         None,
         None,
@@ -133,7 +129,6 @@ def findings(
     risk = None
     if causes is not None and mission_net.abort is None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
-    warnings = list(dict.fromkeys(warnings))
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
 
 

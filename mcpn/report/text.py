@@ -217,7 +217,12 @@ def print_vocabulary(words: Vocabulary) -> None:
 
 
 def print_check(
-    check: MissionCheck, seconds: float, *, internal: bool = False, told: Collection[str] = ()
+    check: MissionCheck,
+    seconds: float,
+    *,
+    internal: bool = False,
+    told: Collection[str] = (),
+    strict: bool = False,
 ) -> None:
     """Prints a mission's verdicts with their runs, functioning modes, warnings and sizes.
 
@@ -226,6 +231,7 @@ def print_check(
         seconds: Time for all of it.
         internal: Whether runs show the internal firings that decide the outcome.
         told: Warnings that whoever reads it has seen already.
+        strict: Whether warnings let the mission fail.
     """
     terminal = Terminal()
     terminal.print(f"mission {check.mission_net.mission.name}", style="bold")
@@ -238,8 +244,7 @@ def print_check(
         terminal.print()
         _print_modes(terminal, check.modes)
     terminal.print()
-    warned = [*static_warnings(check.mission_net), *map(str, check.unselectable)]
-    for problem in dict.fromkeys(warned):
+    for problem in map(str, check.warnings):
         if problem not in told:
             terminal.print(f"warning: {problem}", style="yellow")
     terminal.print(_sizes(check, seconds), style="dim")
@@ -259,14 +264,9 @@ def print_check(
             terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
         if check.violated:
             terminal.print(f"requirements violated: {', '.join(check.violated)}", style="red")
-
-
-def static_warnings(mission_net: MissionNet) -> list[str]:
-    """What is suspicious in a mission, as far as its text tells, each with its line."""
-    from mcpn.mission.facts.warnings import find_warnings
-
-    contentions = (f"{c.source}: {c}" for c in mission_net.usage.contentions)
-    return list(dict.fromkeys([*map(str, find_warnings(mission_net.usage)), *contentions]))
+    if strict and (warned := len(check.warnings)):
+        several = "s" if warned > 1 else ""
+        terminal.print(f"{warned} warning{several}, and none is allowed (--strict)", style="red")
 
 
 def _sizes(check: MissionCheck, seconds: float) -> str:

@@ -1,4 +1,4 @@
-"""Blocks of a mission with the objectives that they hold, against blocks that the language page writes out."""
+"""Blocks of a mission with the objectives that they hold, against the judge, which writes blocks out."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ TEXT = """<mission xmlns="urn:mcpn:mission:1" name="survey">
 
 
 def named(node: Node) -> dict[str, set[str]]:
-    """By name of a node in it the objectives that the node holds; one that stands for several has them all."""
+    """By name of a node in it the objectives that it holds; one that stands for several has them all."""
     found: dict[str, set[str]] = {}
     stack = [node]
     while stack:
@@ -87,7 +87,9 @@ def test_a_block_runs_while_one_of_its_objectives_does(survey: Path) -> None:
     names = Names(of.net, of)
 
     def running(*objectives: str) -> object:
-        return marked(*(p for p, role in of.roles.items() if role[0] == "objective" and role[1] in objectives))
+        return marked(
+            *(p for p, role in of.roles.items() if role[0] == "objective" and role[1] in objectives)
+        )
 
     rounds = [f"north.transect_{n}.{what}" for n in (1, 2) for what in ("come", "see_try1", "see_try2")]
     assert names.word("block", "north") == names.word("block", "transect") == running(*rounds)

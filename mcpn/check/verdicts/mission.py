@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 from mcpn.check.engines import SMALL, Asked, Choice, answered
 from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.check.verdicts.modes import Mode, functioning_modes
-from mcpn.check.verdicts.unselectable import unselectable
+from mcpn.check.verdicts.unselectable import Never, never_happens
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
+from mcpn.mission.facts.warnings import static_warnings
 from mcpn.mission.flatten import ObjectivesGraph
 from mcpn.mission.model import SUCCEED
 from mcpn.net.compose import MissionNet
@@ -126,6 +127,7 @@ class MissionCheck(Told):
         stable_sizes: Stable states and event edges of the whole mission, exact; ``None`` where not known.
         modes: Functioning modes by objective.
         unselectable: What can never be selected, entered or used, with its line.
+        futile: Objectives and blocks whose success leads only to failure, with their lines.
         requirements: What the mission says that it must satisfy, and whether it does.
     """
 
@@ -137,6 +139,7 @@ class MissionCheck(Told):
     stable_sizes: tuple[int, int] | None = None
     modes: dict[str, list[Mode]] = field(default_factory=dict)
     unselectable: tuple[Problem, ...] = ()
+    futile: tuple[Problem, ...] = ()
     requirements: tuple[RequirementAnswer, ...] = ()
 
     @property
@@ -170,6 +173,12 @@ class MissionCheck(Told):
             return None
         firings = self.markings.firings(self.markings.everything)
         return self.markings.everything.count(), sum(firings.values())
+
+    @property
+    def warnings(self) -> list[Problem]:
+        """What is suspicious in the mission, by its text and by its states, each once."""
+        told = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)
+        return list({str(problem): problem for problem in told}.values())
 
     @property
     def failing(self) -> list[str]:
@@ -295,7 +304,7 @@ def _verdicts(
     """Every verdict; where one fails, the others as far as there is a space to be asked."""
     mission_net, space = spaces.mission, alternatives or markings
     known, reason = [decided], "" if space else UNDECIDED[decided.name]
-    never: tuple[Problem, ...] = ()
+    never = Never()
     firings: Mapping[int, int] = {}
     if space is not None:
         known.append(Verdict("safe", True, "no firing puts a second token in a place"))
@@ -303,9 +312,9 @@ def _verdicts(
         known += _reachability(mission_net, space, settles=alternatives is not None)
         step(Doing.COUNTING)
         firings = space.firings(space.everything)
-        never = unselectable(mission_net, space, firings)
-        found = f"{len(never)} found" if never else "nothing found"
-        known.append(Verdict("unselectable", bool(never), found))
+        never = never_happens(mission_net, space, firings)
+        found = f"{len(never.unselectable)} found" if never.unselectable else "nothing found"
+        known.append(Verdict("unselectable", bool(never.unselectable), found))
         step(Doing.FINDING_MODES)
     by_name = {verdict.name: verdict for verdict in known}
     names = (*required_of(mission_net), *informative_of(mission_net))
@@ -317,7 +326,7 @@ def _verdicts(
         alternatives,
         None if alternatives is None else (alternatives.everything.count(), sum(firings.values())),
         {} if space is None else functioning_modes(mission_net, space),
-        never,
+        *never,
     )
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
+from mcpn.check.verdicts.routing import Routing
 from mcpn.errors import Problem
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.facts.warnings import in_order, never_entered, never_used, of_objectives
@@ -12,28 +14,52 @@ from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space
 
 
-def unselectable(mission_net: MissionNet, space: Space[S], firings: Mapping[int, int]) -> tuple[Problem, ...]:
-    """Alternatives never selected, objectives never entered or never left, resources never used."""
+class Never(NamedTuple):
+    """What is suspicious in the states of a mission, each with its line.
+
+    Args:
+        unselectable: Alternatives never selected, objectives never entered or never left, resources never
+            used.
+        futile: Objectives and blocks whose success leads only to failure.
+    """
+
+    unselectable: tuple[Problem, ...] = ()
+    futile: tuple[Problem, ...] = ()
+
+
+def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int, int]) -> Never:
+    """What of a mission never happens.
+
+    Args:
+        mission_net: The mission's net.
+        space: Its stable states, or its markings.
+        firings: By transition how often it fires between them.
+    """
     usage, mission = mission_net.usage, mission_net.mission
     transitions = mission_net.net.transitions
-    happens = {transitions[t].event for t, count in firings.items() if count}
+    events = (transitions[t].event for t, count in firings.items() if count)
+    happens = {event for event in events if event is not None}
     selected, entered = (
         {name for place, name in mission_net.saying(kind).items() if space.marked([place]) & space.stable}
         for kind in ("active", "objective")
     )
+    sections = list(usage.graph.walk())
+    begun = {activity for section in sections if section.name in entered for activity in section.activities}
+    running = frozenset[str]().union(*map(usage.closure, begun))
     found, used = list[Problem](), set[str]()
     for activity in mission.activities:
         if activity.name not in usage.started:
             continue
         for alternative in activity.alternatives:
             name = f"{activity.name}.{alternative.name}"
-            if name in selected:
+            # Of an activity of objectives that are never entered, these are told, and all else follows.
+            if name in selected or activity.name not in running:
                 used.update(alternative.consumes)
             else:
                 why = _held(usage, activity.name, alternative.consumes)
                 found.append(Problem(alternative.source, f"alternative {name} can never be selected{why}"))
-    sections = list(usage.graph.walk())
-    found.extend(of_objectives((s for s in sections if s.name not in entered), "can never be entered"))
+    routing = Routing(usage.graph, entered, happens)
+    found.extend(routing.never_entered(mission))
     for what, verb in ((What.SUCCESS, "succeed"), (What.FAILURE, "fail")):
         never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
         found.extend(of_objectives(never, f"can never {verb}"))
@@ -41,7 +67,7 @@ def unselectable(mission_net: MissionNet, space: Space[S], firings: Mapping[int,
     for resource in (*mission.hardware, *mission.software):
         if resource.name not in used:
             found.append(never_used(resource))
-    return tuple(in_order(found))
+    return Never(tuple(in_order(found)), tuple(in_order(routing.futile())))
 
 
 def _held(usage: Usage, activity: str, consumed: Sequence[str]) -> str:

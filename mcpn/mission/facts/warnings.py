@@ -29,6 +29,12 @@ def find_warnings(of: Mission | Usage) -> list[Problem]:
     return in_order(_warnings(of if isinstance(of, Usage) else Usage(of, flatten(of))))
 
 
+def static_warnings(usage: Usage) -> list[Problem]:
+    """What is suspicious in a mission as far as its text tells, two activities that contend among it."""
+    contentions = (Problem(c.source, str(c)) for c in usage.contentions)
+    return list({str(problem): problem for problem in (*find_warnings(usage), *contentions)}.values())
+
+
 def in_order(problems: Iterable[Problem]) -> list[Problem]:
     """Problems in the order of files and lines."""
     return sorted(problems, key=lambda p: (p.source.file, p.source.line or 0) if p.source else ("", 0))

@@ -1,0 +1,220 @@
+"""Where the routes of a mission lead, as far as what really happens takes them.
+
+A route is *taken* if the outcome or the event that it belongs to happens in some state. Objectives to which
+no route that is taken leads can never be entered, and the routes that would lead there say why. Where no
+route that is taken leads from a success to the success of the mission, it leads only to failure. Both look
+at routes alone, not at what is out of service along them: what is told is so, but not all that is so is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from typing import NamedTuple
+
+from mcpn.errors import Problem
+from mcpn.mission.facts.warnings import of_objectives
+from mcpn.mission.flatten import blocks_of
+from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
+from mcpn.net.events import Event, What
+
+MOST_SAID = 3
+"""How many names a message says."""
+_VERBS = {"success": "succeed", "failure": "fail", "abort": "abort", TIMED_OUT: "time out"}
+_EVENTS = {"success": What.SUCCESS, "failure": What.FAILURE, TIMED_OUT: What.TIMEOUT}
+
+
+class _Route(NamedTuple):
+    """A route of a section: by which outcome or declared event, and where it leads."""
+
+    of: Section
+    by: str | Event
+    target: str
+
+    def __str__(self) -> str:
+        """Why it is not taken."""
+        what = "objective" if isinstance(self.of, ElementarySection) else "block"
+        if isinstance(self.by, Event):
+            return f"event {self.by.element} never happens while {what} {self.of.name} runs"
+        return f"{what} {self.of.name} can never {_VERBS[self.by]}"
+
+
+class Routing:
+    """The routes of a mission that are taken.
+
+    Args:
+        graph: Its objectives graph.
+        entered: The objectives that some state runs.
+        happens: The events that some state allows.
+    """
+
+    def __init__(self, graph: ObjectivesGraph, entered: Collection[str], happens: Collection[Event]) -> None:
+        self.graph = graph
+        self._entered = entered
+        self._happens = happens
+        self._exits: dict[str, frozenset[str]] = {}
+
+    def entered(self, section: Section) -> bool:
+        """Whether some state runs it."""
+        return any(objective.name in self._entered for objective in section.walk())
+
+    def never_entered(self, mission: Mission) -> Iterator[Problem]:
+        """Objectives, or whole blocks, that routes reach and no run enters, each region with its cause."""
+        blocks: dict[str, tuple[str, ...]] | None = None
+        for graph in self._graphs(self.graph):
+            for region, causes in self._regions(graph):
+                objectives = [objective for section in region for objective in section.walk()]
+                blocks = blocks_of(mission) if blocks is None else blocks
+                names = _folded([objective.name for objective in objectives], blocks)
+                yield Problem(objectives[0].source, f"{names} can never be entered{_because(causes)}")
+
+    def _regions(self, graph: ObjectivesGraph) -> Iterator[tuple[list[Section], list[_Route]]]:
+        """Sections that are never entered, with those behind them, and the routes that would lead there."""
+        never = {section.name for section in graph.sections if not self.entered(section)}
+        into: dict[str, list[_Route]] = {name: [] for name in never}
+        for section in graph.sections:
+            if section.name not in never:
+                for route in _routes(section):
+                    if route.target in into:
+                        into[route.target].append(route)
+        told = set[str]()
+        begins = [s for s in graph.sections if s.name in never and (into[s.name] or s.name == graph.entry)]
+        for begin in begins:
+            if begin.name in told:
+                continue
+            region, queue, causes = list[Section](), [begin.name], list[_Route]()
+            while queue:
+                name = queue.pop(0)
+                if name not in told:
+                    told.add(name)
+                    region.append(graph.section(name))
+                    causes += into[name]
+                    queue += [target for target in region[-1].routes if target in never]
+            yield _in_text(graph, region), causes
+
+    def futile(self) -> Iterator[Problem]:
+        """Objectives and blocks that may still succeed or fail, and lead only to failure by their success."""
+        hopeful = self._reaching(self.graph, SUCCEED)
+        for section in self.graph.sections:
+            if section.name not in hopeful or not self.entered(section):
+                continue
+            if "success" not in self.taken(section) or section.success in (*hopeful, SUCCEED):
+                continue
+            causes, ends = self._behind(self.graph, section.success, hopeful)
+            where = " or ".join(word for exit_, word in _ENDS.items() if exit_ in ends) or "no end"
+            cause = _because(causes) if causes else f": no route leads from {section.success} to succeed"
+            if section.success in _ENDS:
+                cause = f": its success leads to {section.success}"
+            said = f"lead{{}} only to {where} by {{}} success{cause}"
+            if isinstance(section, ElementarySection):
+                yield from of_objectives([section], said.format("s", "its"), said.format("", "their"))
+            else:
+                yield Problem(section.source, f"block {section.name} {said.format('s', 'its')}")
+
+    def taken(self, section: Section) -> frozenset[str]:
+        """The outcomes of a section that happen."""
+        if isinstance(section, ElementarySection):
+            known = {outcome: Event(what, section.name) for outcome, what in _EVENTS.items()}
+            never = {outcome for outcome, event in known.items() if event not in self._happens}
+            return frozenset(outcome for outcome, _ in section.outcomes if outcome not in never)
+        ends = [(branch.mandatory, self._ends(branch.name, branch.graph)) for branch in section.branches]
+        must = [exits for mandatory, exits in ends if mandatory]
+        happen = {
+            "success": all(SUCCEED in exits for exits in must) and all({SUCCEED, FAIL} & e for _, e in ends),
+            "failure": any(FAIL in exits for exits in must),
+            "abort": any(ABORT in exits for _, exits in ends),
+        }
+        return frozenset(outcome for outcome, _ in section.outcomes if happen.get(outcome, True))
+
+    def _led(self, section: Section) -> list[str]:
+        """Where the routes of a section lead that are taken."""
+        targets = list(section.routes)
+        happen = {*self.taken(section), *self._happens}
+        for route in _routes(section):
+            if route.by not in happen:
+                targets.remove(route.target)
+        return targets
+
+    def _ends(self, branch: str, graph: ObjectivesGraph) -> frozenset[str]:
+        """The exits of a branch that routes lead to from its entry."""
+        if branch not in self._exits:
+            seen = self._from(graph, graph.entry)
+            self._exits[branch] = frozenset(seen & {SUCCEED, FAIL, ABORT})
+        return self._exits[branch]
+
+    def _from(self, graph: ObjectivesGraph, begin: str) -> set[str]:
+        seen, stack = {begin}, [begin]
+        inside = {section.name for section in graph.sections}
+        while stack:
+            if (name := stack.pop()) in inside:
+                new = set(self._led(graph.section(name))) - seen
+                seen |= new
+                stack.extend(new)
+        return seen
+
+    def _reaching(self, graph: ObjectivesGraph, goal: str) -> frozenset[str]:
+        """The sections from which routes lead to an exit of the graph."""
+        before: dict[str, list[str]] = {}
+        for section in graph.sections:
+            for target in self._led(section):
+                before.setdefault(target, []).append(section.name)
+        seen, stack = set[str](), [goal]
+        while stack:
+            new = set(before.get(stack.pop(), ())) - seen
+            seen |= new
+            stack.extend(new)
+        return frozenset(seen)
+
+    def _behind(
+        self, graph: ObjectivesGraph, begin: str, hopeful: Collection[str]
+    ) -> tuple[list[_Route], set[str]]:
+        """Routes behind a section that would lead to success and are not taken; the exits reached."""
+        seen = self._from(graph, begin)
+        routes = (r for section in graph.sections if section.name in seen for r in _routes(section))
+        wanting = [r for r in routes if r.target in (*hopeful, SUCCEED) and not isinstance(r.by, Event)]
+        return wanting, seen & {SUCCEED, FAIL, ABORT}
+
+    def _graphs(self, graph: ObjectivesGraph) -> Iterator[ObjectivesGraph]:
+        """A graph and those of branches that are entered, at any depth."""
+        yield graph
+        for section in graph.all_sections():
+            if isinstance(section, ParallelSection) and self.entered(section):
+                yield from (branch.graph for branch in section.branches)
+
+
+_ENDS = {FAIL: "failure", ABORT: "abort"}
+
+
+def _in_text(graph: ObjectivesGraph, sections: Collection[Section]) -> list[Section]:
+    """Sections of a graph in document order."""
+    wanted = {section.name for section in sections}
+    return [section for section in graph.sections if section.name in wanted]
+
+
+def _routes(section: Section) -> Iterator[_Route]:
+    for outcome, target in section.outcomes:
+        yield _Route(section, outcome, target)
+    for interruption in section.interruptions:
+        yield _Route(section, Event(What.DECLARED, interruption.event), interruption.target)
+
+
+def _because(causes: Iterable[_Route]) -> str:
+    said = list(dict.fromkeys(map(str, causes)))
+    more = f" and {len(said) - MOST_SAID} more" if len(said) > MOST_SAID else ""
+    return f": {', '.join(said[:MOST_SAID])}{more}" if said else ""
+
+
+def _folded(objectives: list[str], blocks: dict[str, tuple[str, ...]]) -> str:
+    """Objectives by name, those of a whole block by the outermost such block."""
+    named = {objective: ("objective", objective) for objective in objectives}
+    whole = [name for name, held in blocks.items() if len(held) > 1 and named.keys() >= set(held)]
+    for block in sorted(whole, key=lambda name: len(blocks[name])):  # the outermost last
+        named |= dict.fromkeys(blocks[block], ("block", block))
+    parts = []
+    for kind in ("block", "objective"):
+        names = list(dict.fromkeys(name for what, name in named.values() if what == kind))
+        if names:
+            more = f" and {len(names) - MOST_SAID} more" if len(names) > MOST_SAID else ""
+            said = f"{', '.join(names[:MOST_SAID])}{more}"
+            parts.append(f"{kind if len(names) == 1 else f'{kind}s'} {said}")
+    return " and ".join(parts)
