@@ -45,7 +45,7 @@ def ulysses(count: int) -> Mission:
         following = f"head{i + 1}" if i + 1 < count else None
         blocks.append(replace(first, name=f"head{i}", failure=f"transect{i}"))
         blocks.append(replace(second, name=f"transect{i}", failure=following))
-    return replace(mission, name=f"ulysse-{count}", blocks=tuple(blocks))
+    return replace(mission, name=f"ulysse_{count}", blocks=tuple(blocks))
 
 
 def save(lines: list[dict[str, Any]], folder: Path) -> None:
@@ -72,11 +72,11 @@ def main() -> None:
     sys.set_int_max_str_digits(0)
     print(f"{'net':22}{'places':>8}{'markings':>28}{'right':>7}{'seconds':>9}{'peak':>9}{'nodes':>8}")
     lines: list[dict[str, Any]] = []
-    nets: list[tuple[PetriNet, int | None]] = []
-    for name, sizes in SIZES.items():
-        nets += [(FAMILIES[name].net(n), FAMILIES[name].markings(n)) for n in sizes]
-    nets += [(compose(ulysses(n)).net, None) for n in (1, 10, 100)]
-    for net, expected in nets:
+    nets: list[tuple[str, int, PetriNet, int | None]] = []
+    for name, members in SIZES.items():
+        nets += [(name, n, FAMILIES[name].net(n), FAMILIES[name].markings(n)) for n in members]
+    nets += [("ulysse", n, compose(ulysses(n)).net, None) for n in (1, 10, 100)]
+    for family, number, net, expected in nets:
         started = time.process_time()
         space = reach(net)
         states, seconds = space.states, time.process_time() - started
@@ -84,13 +84,12 @@ def main() -> None:
             str(states) if states < 10**20 else f"{str(states)[0]}.{str(states)[1:4]}e{len(str(states)) - 1}"
         )
         right = "" if expected is None else "yes" if states == expected else "NO"
-        row = f"{net.name:22}{len(net.places):8}{shown:>28}{right:>7}{seconds:9.2f}"
+        row = f"{f'{family} {number}':22}{len(net.places):8}{shown:>28}{right:>7}{seconds:9.2f}"
         nodes = space.reachable.nodes()
         print(f"{row}{space.peak_nodes:9}{nodes:8}", flush=True)
         sizes = {"places": len(net.places), "markings": states}
-        family, _, number = net.name.rpartition("-")
         took = {"seconds": seconds, "peak_nodes": space.peak_nodes, "nodes": nodes}
-        lines.append({"family": family, "n": int(number), **sizes, **took})
+        lines.append({"family": family, "n": number, **sizes, **took})
     if arguments.output:
         save(lines, arguments.output)
     versions = f"mcpn {mcpn.__version__}, Python {platform.python_version()}"
