@@ -49,6 +49,8 @@ PRINTED = {
     "ask mission.xml": "words",
     "ask courier/mission.xml": "words",
     "simulate mission.xml --random 9 --seed 3": "simulate",
+    "simulate mission.xml --tokens --random 9": "simulate-tokens",
+    "simulate dead.net --random 9": "simulate-tokens",
     "controller mission.xml -o one": "controller",
     "controller mission.xml -o one --form modular": "controller",
     "convert mission.xml other.pnml": "convert",

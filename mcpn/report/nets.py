@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from mcpn.check.verdicts.nets import NetCheck, Structure
-from mcpn.net.petri import PetriNet
-from mcpn.net.structure import Sparse
+from mcpn.net.game import TokenGame
+from mcpn.net.petri import Arcs, Marking, PetriNet
 from mcpn.report.terminal import Terminal
 from mcpn.space.markings.tokens import OMEGA
 
@@ -40,23 +40,18 @@ def net_object(check: NetCheck) -> dict[str, Any]:
 
 def structure_object(structure: Structure) -> dict[str, Any]:
     """The structure of a net as one JSON object, places and transitions by name."""
-    net, parts = structure.net, structure.parts
-    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
 
-    def sets(part: str) -> list[list[str]] | None:
-        return [[places[p] for p in members] for members in parts[part]] if part in parts else None
-
-    def flows(part: str, names: list[str]) -> list[dict[str, int]] | None:
-        return [{names[i]: w for i, w in flow.items()} for flow in parts[part]] if part in parts else None
+    def known(part: str) -> Any:
+        return None if part in structure.left_out else getattr(structure, part)
 
     return {
-        "net": net.name,
+        "net": structure.net.name,
         "classes": sorted(structure.classes),
-        "p_semiflows": flows("p_semiflows", places),
-        "t_semiflows": flows("t_semiflows", transitions),
-        "siphons": sets("siphons"),
-        "traps": sets("traps"),
-        "state_machine_components": sets("components"),
+        "p_semiflows": known("p_semiflows"),
+        "t_semiflows": known("t_semiflows"),
+        "siphons": known("siphons"),
+        "traps": known("traps"),
+        "state_machine_components": known("components"),
         "conservative": structure.conservative,
         "covered_by_state_machines": structure.covered,
         "proves": structure.proves,
@@ -69,7 +64,45 @@ def marking_after(net: PetriNet, run: tuple[str, ...]) -> dict[str, int]:
     marking = net.initial
     for name in run:
         marking = net.fire(marking, net.transition_index[name])
+    return tokens_of(net, marking)
+
+
+def tokens_of(net: PetriNet, marking: Marking) -> dict[str, int]:
+    """The tokens of each marked place."""
     return {place.name: tokens for place, tokens in zip(net.places, marking, strict=True) if tokens}
+
+
+def marking_in_words(tokens: Mapping[str, int]) -> str:
+    """Marked places, each with its number of tokens if it holds several."""
+    return ", ".join(place if count == 1 else f"{place} {count}" for place, count in tokens.items())
+
+
+def arcs_in_words(net: PetriNet, transition: int) -> str:
+    """A transition as ``name: a + 2 b ?c -> d``, with its event if another name says it; ``?`` reads."""
+    t = net.transitions[transition]
+
+    def sums(arcs: Arcs) -> list[str]:
+        return [_term(weight, net.places[place].name) for place, weight in arcs]
+
+    read = [f"?{term}" for term in sums(t.read)]
+    parts = [" + ".join(sums(t.consume)), *read, "->", " + ".join(sums(t.produce))]
+    event = "" if t.event is None or str(t.event) == t.name else f" [{t.event}]"
+    return f"{t.name}{event}: {' '.join(part for part in parts if part)}"
+
+
+def game_object(game: TokenGame) -> dict[str, Any]:
+    """A token game as one JSON object."""
+    transitions = game.net.transitions
+
+    def named(transition: int) -> dict[str, str | None]:
+        event = transitions[transition].event
+        return {"transition": transitions[transition].name, "event": None if event is None else str(event)}
+
+    return {
+        "fired": [named(t) for t in game.run],
+        "marking": tokens_of(game.net, game.marking),
+        "enabled": [named(t) for t in game.enabled],
+    }
 
 
 def print_net(check: NetCheck) -> None:
@@ -89,8 +122,8 @@ def print_net(check: NetCheck) -> None:
     terminal.print(f"deadlock free   {answers[check.deadlock_free]}")
     if check.deadlock is not None:
         terminal.print(f"run: {' '.join(check.deadlock)}", indent=4)
-        told = (p if n == 1 else f"{p} {n}" for p, n in marking_after(net, check.deadlock).items())
-        terminal.print(f"dead marking: {', '.join(told)}", indent=4)
+        dead = marking_in_words(marking_after(net, check.deadlock))
+        terminal.print(f"dead marking: {dead}", indent=4)
     for word, names in (("quasi-live", check.dead_transitions), ("live", check.not_live)):
         holds = None if names is None else not names
         without = f"  not: {_some(names)}" if names else ""
@@ -105,24 +138,21 @@ def print_structure(structure: Structure) -> None:
     terminal = Terminal()
     net = structure.net
     terminal.print(f"net {net.name}: {', '.join(sorted(structure.classes)) or 'of no class'}")
-    places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
+    initial = {place.name: place.initial for place in net.places}
 
-    def flow(weights: Sparse) -> str:
-        return f"{_combined(weights, places)} = {sum(w * net.initial[p] for p, w in weights.items())}"
-
-    def members(of: Iterable[int]) -> str:
-        return ", ".join(places[p] for p in of)
+    def flow(weights: Mapping[str, int]) -> str:
+        return f"{_combined(weights)} = {sum(w * initial[p] for p, w in weights.items())}"
 
     told: dict[str, tuple[str, Callable[[Any], str]]] = {
         "p_semiflows": ("P-semiflows", flow),
-        "t_semiflows": ("T-semiflows", lambda weights: _combined(weights, transitions)),
-        "siphons": ("minimal siphons", members),
-        "traps": ("minimal traps", members),
-        "components": ("state machine components", members),
+        "t_semiflows": ("T-semiflows", _combined),
+        "siphons": ("minimal siphons", ", ".join),
+        "traps": ("minimal traps", ", ".join),
+        "components": ("state machine components", ", ".join),
     }
     for part, (title, tell) in told.items():
-        if part in structure.parts:
-            _list(terminal, title, list(map(tell, structure.parts[part])))
+        if part not in structure.left_out:
+            _list(terminal, title, list(map(tell, getattr(structure, part))))
     for sentence in structure.proves:
         terminal.print(f"proved: {sentence}")
     for part, reason in structure.left_out.items():
@@ -137,8 +167,8 @@ def _bounds(check: NetCheck) -> dict[str, int | None] | None:
     return {p.name: None if b == OMEGA else b for p, b in zip(check.net.places, bounds, strict=True)}
 
 
-def _combined(flow: Sparse, names: list[str]) -> str:
-    return " + ".join(_term(weight, names[i]) for i, weight in flow.items())
+def _combined(flow: Mapping[str, int]) -> str:
+    return " + ".join(_term(weight, name) for name, weight in flow.items())
 
 
 def _term(weight: int, name: str) -> str:

@@ -26,7 +26,7 @@ from mcpn.net.siphons import (
     t_semiflows,
     traps,
 )
-from mcpn.net.structure import incidence
+from mcpn.net.structure import Sparse, incidence, invariants
 from mcpn.space.algebra import S, Space
 from mcpn.space.markings.tokens import REPEATED, Boundedness, boundedness
 from mcpn.space.search.goal import DEADLOCK
@@ -233,8 +233,19 @@ PARTS: Mapping[str, Callable[[PetriNet], Any]] = {
 class Structure:
     """What the arcs of a net tell without its markings; a part whose limit was hit is left out and named.
 
+    Places and transitions go by their names, numbers by these are weights; to ask for a part that was left
+    out is a :class:`mcpn.errors.LimitError`.
+
     Args:
         net: The net.
+
+    Examples:
+        >>> from mcpn.testing.nets import kanban
+        >>> found = Structure(kanban(3))
+        >>> found.p_semiflows[0]
+        {'machine1': 1, 'rework1': 1, 'out1': 1, 'card1': 1}
+        >>> len(found.invariants), len(found.p_semiflows), found.siphons[0] == found.traps[0]
+        (5, 6, True)
 
     Attributes:
         classes: See :func:`mcpn.net.siphons.classes`.
@@ -252,6 +263,48 @@ class Structure:
                 self.parts[name] = find(net)
             except LimitError as error:
                 self.left_out[name] = str(error)
+
+    @property
+    def invariants(self) -> tuple[dict[str, int], ...]:
+        """A basis of the P-invariants: weights, also negative, of sums of tokens that no firing changes."""
+        return self._by_place(invariants(self.net))
+
+    @property
+    def p_semiflows(self) -> tuple[dict[str, int], ...]:
+        """The P-invariants without negative weights, those of minimal support."""
+        return self._by_place(self._part("p_semiflows"))
+
+    @property
+    def t_semiflows(self) -> tuple[dict[str, int], ...]:
+        """How often transitions fire on the way from a marking back to it, those of minimal support."""
+        names = [t.name for t in self.net.transitions]
+        return tuple({names[t]: n for t, n in flow.items()} for flow in self._part("t_semiflows"))
+
+    @property
+    def siphons(self) -> tuple[tuple[str, ...], ...]:
+        """Minimal sets of places that stay without tokens once they have none."""
+        return self._sets("siphons")
+
+    @property
+    def traps(self) -> tuple[tuple[str, ...], ...]:
+        """Minimal sets of places that keep a token once they have one."""
+        return self._sets("traps")
+
+    @property
+    def components(self) -> tuple[tuple[str, ...], ...]:
+        """State machine components: sets of places among which transitions only move tokens."""
+        return self._sets("components")
+
+    def _part(self, name: str) -> Any:
+        if name in self.left_out:
+            raise LimitError(self.left_out[name])
+        return self.parts[name]
+
+    def _by_place(self, flows: Iterable[Sparse]) -> tuple[dict[str, int], ...]:
+        return tuple({self.net.places[p].name: weight for p, weight in flow.items()} for flow in flows)
+
+    def _sets(self, part: str) -> tuple[tuple[str, ...], ...]:
+        return tuple(tuple(self.net.places[p].name for p in members) for members in self._part(part))
 
     @property
     def conservative(self) -> bool | None:

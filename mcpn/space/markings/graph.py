@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,9 @@ from mcpn._kernel import (
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
 from mcpn.notebook import Drawn
+
+if TYPE_CHECKING:
+    import networkx as nx
 
 Words = npt.NDArray[np.uint64]
 Ints = npt.NDArray[np.int64]
@@ -131,6 +134,28 @@ class StateGraph(Drawn):
         """Pairs (transition, next state)."""
         targets = self.targets[self.offsets[state] : self.offsets[state + 1]]
         yield from zip(self.labels_of(np.array([state])).tolist(), targets.tolist(), strict=True)
+
+    def to_networkx(self) -> nx.MultiDiGraph[int]:
+        """The graph in networkx, whose algorithms say what mcpn does not ask.
+
+        Returns:
+            States as numbers, each with its ``marking`` (tokens by the name of a marked place); an edge for
+            each firing, its key and ``transition`` the transition's name, with its ``event`` (``None`` for an
+            internal one).
+        """
+        import networkx
+
+        graph: nx.MultiDiGraph[int] = networkx.MultiDiGraph(name=self.net.name)
+        names = [place.name for place in self.net.places]
+        for state in range(self.states):
+            tokens = zip(names, self.marking(state), strict=True)
+            graph.add_node(state, marking={name: count for name, count in tokens if count})
+        fired = [(t.name, None if t.event is None else str(t.event)) for t in self.net.transitions]
+        edges = zip(self.sources.tolist(), self.targets.tolist(), self.labels.tolist(), strict=True)
+        for source, target, label in edges:
+            name, event = fired[label]
+            graph.add_edge(source, target, name, transition=name, event=event)
+        return graph
 
     @cached_property
     def dead(self) -> Mask:
