@@ -1,7 +1,8 @@
-"""What the controller orders on an event: stop, release, select, start, in an order that is safe.
+"""What the controller orders on an event: stop, release, select, start, in an order that is safe; and timers.
 
 Consumers are stopped before what they consume, and started after it. Hardware is released after the last stop
-and before anything new is asked for. An alternative is selected before its activity starts.
+and before anything new is asked for. An alternative is selected before its activity starts. The timers of
+objectives that end are disarmed first, those of objectives that begin armed last.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.graph import names_in
 from mcpn.net.sections import section_part
 
-Verb = Literal["stop", "release", "select", "start"]
-VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start")
+Verb = Literal["disarm", "stop", "release", "select", "start", "arm"]
+VERBS: tuple[Verb, ...] = ("disarm", "stop", "release", "select", "start", "arm")
 """In the order in which they are given on one event."""
 
 
@@ -27,12 +28,13 @@ class PlannedAction:
     """One order of the controller to the robot.
 
     Args:
-        verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware.
-        activity: The activity, but for ``release``.
+        verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware,
+            ``arm`` or ``disarm`` the timer of an objective.
+        activity: The activity, of the first three.
         alternative: The alternative, for ``select``.
         hardware: The hardware resource, for ``release``.
         objective: The running objective that names the activity, for ``select`` and ``start``; ``None`` for
-            an activity that is started by a request for what it produces.
+            an activity that is started by a request for what it produces. Of a timer, the objective.
     """
 
     verb: Verb
@@ -54,6 +56,7 @@ class Ordering:
         self.usage = usage
         self._home = {name: section.name for section in graph.sections for name in names_in(section)}
         self._stops = {section.name: _consumers_first(usage, section) for section in graph.sections}
+        self._timed = {section.name for section in graph.walk() if section.timeout is not None}
         self._named = {section.name: section.activities for section in graph.walk()}
         self._hardware = {
             (activity.name, alternative.name): [k for k in alternative.consumes if k in usage.hardware]
@@ -76,6 +79,7 @@ class Ordering:
         }
         stopped = {a for a in before.mode if a not in after.mode or a in passage.idled}
         first = self._order(before, before.mode)
+        yield from (PlannedAction("disarm", objective=o) for o in before.objectives if o in passage.ended)
         yield from (PlannedAction("stop", a) for a in first if a in stopped)
         released = [k for a in first if a in changed for k in self._hardware[a, before.mode[a]]]
         yield from (PlannedAction("release", hardware=k) for k in dict.fromkeys(released))
@@ -88,6 +92,9 @@ class Ordering:
         for a in begun:
             if a not in before.mode or a in stopped:
                 yield PlannedAction("start", a, objective=objective.get(a))
+        for name in after.objectives:
+            if name in self._timed and (name not in before.objectives or name in passage.ended):
+                yield PlannedAction("arm", objective=name)
 
     def _order(self, situation: Situation, activities: Mapping[str, str]) -> Sequence[str]:
         """Activities of a situation, consumers before what they consume, in the order of its section."""

@@ -170,7 +170,7 @@ class Ordered:
 
     def actions(self, source: int, target: int, passage: Left) -> tuple[PlannedAction, ...]:
         """The actions of an event between two states."""
-        key = self.alike[source], self.alike[target], passage.left, passage.idled
+        key = self.alike[source], self.alike[target], passage.left, passage.idled, passage.ended
         if key not in self._known:
             before, after = self._states[source], self._states[target]
             self._known[key] = tuple(self._ordering.actions(before, after, passage))

@@ -23,6 +23,8 @@ from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.markings.firing import MaskedNet, bits_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from mcpn.space.markings.graph import Ints
     from mcpn.space.stable.alternatives import AlternativesGraph
 
@@ -32,15 +34,17 @@ MAX_FIRINGS = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    """What one event does to activities that run.
+    """What one event does to activities and objectives that run.
 
     Args:
         left: Activities of which an alternative was left: stopped, or evaluated anew.
         idled: Those of them that came to be idle: if they run afterwards, they have been restarted.
+        ended: Objectives with a timeout that were left: if they run afterwards, they have been entered anew.
     """
 
     left: frozenset[str]
     idled: frozenset[str]
+    ended: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,14 +108,15 @@ class Runner:
             marking = after
             if len(fired) > MAX_FIRINGS:
                 raise DivergenceError(f"an internal run does not end within {MAX_FIRINGS} firings", [])
-        left, idled = set[str](), set[str]()
+        left, idled, ended = set[str](), set[str](), set[str]()
         for transition, after in path:
+            ended.update(self._ending[transition])
             left.update(self._leaving[transition])
             for activity in left - idled if left else ():
                 places, at_rest = self.control[activity]
                 if after & places == at_rest:
                     idled.add(activity)
-        return Passage(frozenset(left), frozenset(idled), marking, tuple(fired))
+        return Passage(frozenset(left), frozenset(idled), frozenset(ended), marking, tuple(fired))
 
     def passages(self, graph: AlternativesGraph) -> tuple[Ints, list[Left]]:
         """What the edges of an alternatives graph of the net do to activities.
@@ -121,6 +126,9 @@ class Runner:
         """
         prepared, names = KernelNet(self.mission_net.net), list(self.control)
         number = {name: i for i, name in enumerate(names)}
+        # To the kernel an objective is an activity of no places.
+        late = {name: i for i, name in enumerate(self._timed.values(), len(names))}
+        every = [*names, *late]
         own = np.zeros(len(self._leaving), np.uint32)
         own[prepared.transitions] = np.arange(len(prepared.transitions), dtype=np.uint32)
         found, kinds = prepared.kernel.passages(
@@ -128,10 +136,20 @@ class Runner:
             graph.offsets,
             graph.targets.astype(np.int64),
             own[graph.labels],
-            [[number[name] for name in self._leaving[t]] for t in prepared.transitions],
-            [(bits_of(places), bits_of(at_rest)) for places, at_rest in self.control.values()],
+            [
+                [*(number[name] for name in self._leaving[t]), *(late[name] for name in self._ending[t])]
+                for t in prepared.transitions
+            ],
+            [
+                (bits_of(places), bits_of(rest))
+                for places, rest in [*self.control.values(), *[(0, 0)] * len(late)]
+            ],
         )
-        done = [Left(*(frozenset(names[i] for i in of) for of in kind)) for kind in kinds]
+
+        def those(numbers: Iterable[int], ended: bool) -> frozenset[str]:
+            return frozenset(every[i] for i in numbers if (i >= len(names)) == ended)
+
+        done = [Left(those(left, False), those(idled, False), those(left, True)) for left, idled in kinds]
         assert not len(found) or found.max() < len(done), "an edge ends where its run to completion does"
         return found.astype(np.int64), done
 
@@ -141,6 +159,20 @@ class Runner:
     def _activity(self) -> dict[int, str]:
         """The activity by place that says that one of its alternatives runs."""
         return {place: name.split(".", 1)[0] for place, name in self.mission_net.saying("active").items()}
+
+    @cached_property
+    def _timed(self) -> dict[int, str]:
+        """The objectives that have a timeout, by the place that says that they run."""
+        timed = {section.name for section in self.mission_net.graph.walk() if section.timeout is not None}
+        return {place: name for place, name in self.mission_net.saying("objective").items() if name in timed}
+
+    @cached_property
+    def _ending(self) -> list[frozenset[str]]:
+        """By transition, the objectives with a timeout of which it takes the place."""
+        return [
+            frozenset(self._timed[p] for p in t.consume if p in self._timed)
+            for t in self.mission_net.net.safe_transitions
+        ]
 
     @cached_property
     def _leaving(self) -> list[frozenset[str]]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.controller.actions import PlannedAction
+from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.net.compose import MissionNet
 from mcpn.report.words import event_in_words
@@ -54,21 +54,15 @@ def change_lines(change: Change, mission_net: MissionNet) -> Iterator[str]:
     if failing:
         words = f"{words}; {', '.join(failing)} can only fail now"
     yield from textwrap.wrap(words, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
-    for verb in ("stop", "release", "select", "start"):
+    for verb in VERBS:
         items = [_item(action) for action in change.actions if action.verb == verb]
         if items:
             yield from _wrapped(f"  {verb}", ", ".join(items))
 
 
 def _item(action: PlannedAction) -> str:
-    if action.hardware is not None:
-        return action.hardware
-    alternative = action.alternative
-    return (
-        action.activity or ""
-        if alternative in (None, action.activity)
-        else f"{action.activity} as {alternative}"
-    )
+    subject = action.activity or action.hardware or action.objective or ""
+    return subject if action.alternative in (None, subject) else f"{subject} as {action.alternative}"
 
 
 def _wrapped(head: str, text: str) -> list[str]:

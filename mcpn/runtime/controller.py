@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
+from time import monotonic, perf_counter
 from typing import Any
 
 from mcpn.runtime.machines import ControllerFileError
@@ -24,6 +24,7 @@ from mcpn.runtime.tables import (
     TableSection,
     read,
 )
+from mcpn.runtime.timers import Timers
 
 SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 1
 BEFORE, RUNNING = "before", "running"
@@ -59,6 +60,7 @@ class Controller:
         tables: The controller's tables; :meth:`load` and :meth:`from_document` make them.
         on_refused: Called with each event that cannot be taken, in place of an exception.
         log: How many steps are kept.
+        clock: Gives the time in seconds, for timers; it never goes back.
     """
 
     def __init__(
@@ -67,6 +69,7 @@ class Controller:
         *,
         on_refused: Callable[[Refused], object] | None = None,
         log: int = 1000,
+        clock: Callable[[], float] = monotonic,
     ) -> None:
         self._tables = tables
         self._on_refused = on_refused
@@ -82,6 +85,7 @@ class Controller:
         self._state = 0
         self._out_of_service: set[str] = set()
         self._happened: set[str] = set()
+        self._timers = Timers(clock)
 
     @classmethod
     def load(cls, path: str | Path, **options: Any) -> Controller:
@@ -160,7 +164,32 @@ class Controller:
                     events.add(f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS")
             return tuple(sorted(events))
 
+    @property
+    def timers(self) -> Mapping[str, float]:
+        """By objective that ends when its time is over, the seconds that it has left, the fewest first."""
+        with self._lock:
+            return self._timers.left
+
     # --- events ---
+
+    def tick(self) -> tuple[tuple[str, tuple[Action, ...]], ...]:
+        """Takes the events of the timers that are over, the first one first; call it from time to time.
+
+        Returns:
+            Each event with its actions, as of :meth:`handle`.
+
+        Raises:
+            ExceptionGroup: As of :meth:`handle`; later timers are left for the next time.
+        """
+        with self._lock:
+            taken = []
+            for _ in range(len(self._timers.left)):  # what follows has all its time
+                name = next((name for name, left in self._timers.left.items() if not left), None)
+                if name is None:
+                    break
+                event = f"OBJ_{name}_EV_TIMEOUT"
+                taken.append((event, self.handle(event)))
+            return tuple(taken)
 
     def handle(self, event: str) -> tuple[Action, ...]:
         """Takes one event.
@@ -185,6 +214,7 @@ class Controller:
             self.log.append(Step(self.count, str(event), actions is not None, actions or (), seconds))
             if actions is None:
                 return self._refuse(event)
+            self._timers.follow(actions)
             if _log.isEnabledFor(logging.INFO):
                 _log.info("%s: %s", event, "; ".join(map(str, actions)) or "nothing to do")
             if self._hooks:
@@ -276,6 +306,7 @@ class Controller:
     def snapshot(self) -> str:
         """Where the controller is, as a text to be given to :meth:`restore`."""
         with self._lock:
+            left = self._timers.left
             return json.dumps(
                 {
                     "format": SNAPSHOT,
@@ -287,6 +318,7 @@ class Controller:
                     "out_of_service": sorted(self._out_of_service),
                     "happened": sorted(self._happened),
                     "count": self.count,
+                    **({"timers": left} if left else {}),
                 }
             )
 
@@ -308,8 +340,9 @@ class Controller:
             phase, name, state = said["phase"], said["section"], said["state"]
             gone, count = set(said["out_of_service"]), said["count"]
             happened = set(said.get("happened", ()))
+            left = {name: float(seconds) for name, seconds in said.get("timers", {}).items()}
             section = None if name is None else self._tables.sections[name]
-        except (ValueError, KeyError, TypeError, RecursionError) as error:
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             if isinstance(error, SnapshotError):
                 raise
             raise SnapshotError(f"the snapshot is not whole: {error!r}") from error
@@ -323,13 +356,19 @@ class Controller:
             and type(count) is int
             and count >= 0
         )
+        timeouts = self._tables.laws.timeouts
+        running = set[str]()
         if whole and section:
             whole = section.whole(state, gone, happened)
+            running = timeouts.keys() & section.state(state).objectives if whole else running
+        whole = whole and left.keys() == running
+        whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
         if not whole:
             raise SnapshotError("the snapshot says what cannot be")
         with self._lock:
             self._phase, self._section, self._state = phase, section, state
             self._out_of_service, self._happened, self.count = gone, happened, count
+            self._timers.restore(left)
 
 
 __all__ = ["Controller", "ControllerFileError", "Hook", "Step"]

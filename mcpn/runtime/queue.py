@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import queue
 from collections.abc import AsyncIterator
-from typing import Final
+from typing import Final, Literal
 
 from mcpn.runtime.controller import Controller
 from mcpn.runtime.tables import Action, Refused
@@ -51,16 +51,27 @@ class EventQueue:
         self._queue.put(self._CLOSED)
 
     def run(self) -> None:
-        """Handles events until the queue is closed; a refused event is logged and the next one handled."""
-        while (event := self._queue.get()) is not self._CLOSED:
+        """Handles events until the queue is closed; a refused event is logged and the next one handled.
+
+        It takes the events of timers that are over, too.
+        """
+        while (event := self._next()) is not self._CLOSED:
             try:
                 self.controller.handle(event)  # type: ignore[arg-type]
             except Refused:
                 continue  # logged and counted by the controller
 
+    def _next(self) -> object:
+        while True:
+            self.controller.tick()
+            try:
+                return self._queue.get(timeout=min(self.controller.timers.values(), default=None))
+            except queue.Empty:
+                continue  # a timer is over
+
 
 class AsyncController:
-    """A controller for coroutines.
+    """A controller for coroutines; it keeps the timers while :meth:`reactions` is awaited.
 
     Args:
         controller: The controller.
@@ -72,9 +83,11 @@ class AsyncController:
             raise ValueError(f"a queue of size {size} found, at least 1 expected")
         self.controller = controller
         self._queue: asyncio.Queue[str | None] = asyncio.Queue(size)
+        self._handled = asyncio.Event()
 
     async def handle(self, event: str) -> tuple[Action, ...]:
         """Handles one event at once, as :meth:`mcpn.runtime.Controller.handle`."""
+        self._handled.set()  # it may arm or disarm a timer
         return self.controller.handle(event)
 
     async def put(self, event: str) -> None:
@@ -93,10 +106,34 @@ class AsyncController:
         await self._queue.put(None)
 
     async def reactions(self) -> AsyncIterator[tuple[str, tuple[Action, ...]]]:
-        """Each event with its actions, as it is handled; refused events are logged and passed over."""
-        while (event := await self._queue.get()) is not None:
-            try:
-                actions = self.controller.handle(event)
-            except Refused:
-                continue  # logged and counted by the controller
-            yield event, actions
+        """Each event with its actions, as it is handled, those of timers that are over among them.
+
+        Refused events are logged and passed over.
+        """
+        getting: asyncio.Future[str | None] | None = None
+        handled: asyncio.Future[Literal[True]] | None = None
+        try:
+            while True:
+                for reaction in self.controller.tick():
+                    yield reaction
+                getting = getting or asyncio.ensure_future(self._queue.get())
+                handled = handled or asyncio.ensure_future(self._handled.wait())
+                left = min(self.controller.timers.values(), default=None)
+                await asyncio.wait((getting, handled), timeout=left, return_when=asyncio.FIRST_COMPLETED)
+                if handled.done():
+                    self._handled.clear()
+                    handled = None
+                if not getting.done():
+                    continue
+                event, getting = getting.result(), None
+                if event is None:
+                    return
+                try:
+                    actions = self.controller.handle(event)
+                except Refused:
+                    continue  # logged and counted by the controller
+                yield event, actions
+        finally:
+            for waiting in (getting, handled):
+                if waiting is not None:
+                    waiting.cancel()

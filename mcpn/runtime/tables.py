@@ -56,13 +56,15 @@ class Action:
     """One order to the robot.
 
     Args:
-        verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware.
-        activity: The activity, but for ``release``.
+        verb: ``stop`` or ``start`` an activity, ``select`` one of its alternatives, ``release`` hardware,
+            ``arm`` or ``disarm`` the timer of an objective, which the controller does by itself.
+        activity: The activity, of the first three.
         alternative: The alternative, for ``select``.
         hardware: The hardware resource, for ``release``.
-        objective: The running objective that names the activity, for ``select`` and ``start``.
+        objective: The running objective that names the activity, for ``select`` and ``start``; a timer's own.
         parameters: For ``select``: of the activity, the alternative and the objective, one of each name: the
             objective's, else the alternative's, else the activity's; empty for other verbs.
+        seconds: For ``arm``: how long the objective may run.
     """
 
     verb: str
@@ -71,9 +73,10 @@ class Action:
     hardware: str | None = None
     objective: str | None = None
     parameters: tuple[ParameterValue, ...] = field(default=(), compare=False)
+    seconds: float | None = None
 
     def __str__(self) -> str:
-        parts = (self.verb, self.activity or self.hardware, self.alternative)
+        parts = (self.verb, self.activity or self.hardware or self.objective, self.alternative)
         return " ".join(part for part in parts if part)
 
 
@@ -174,7 +177,8 @@ class TableSection:
         objective = _in(names, "objectives", objective)
         hardware = _in(names, "hardware", hardware)
         parameters = self.laws.of(activity, alternative, objective) if alternative is not None else ()
-        return Action(row["do"], activity, alternative, hardware, objective, parameters)
+        seconds = self.laws.timeouts.get(objective or "") if row["do"] == "arm" else None
+        return Action(row["do"], activity, alternative, hardware, objective, parameters, seconds)
 
     def _inside(self, row: Mapping[str, Any]) -> Inside:
         names = self.names
@@ -211,6 +215,7 @@ class Laws:
     def __init__(self, document: Mapping[str, Any]) -> None:
         self.activities: Mapping[str, Any] = document["activities"]
         self.objectives: Mapping[str, Any] = document["objectives"]
+        self.timeouts = {name: float(s) for name, of in self.objectives.items() if (s := of.get("timeout"))}
 
     def of(self, activity: str | None, alternative: str, objective: str | None) -> tuple[ParameterValue, ...]:
         """Those in force for an alternative: the objective's, the alternative's, the activity's, by name."""
@@ -244,7 +249,7 @@ class Tables:
         try:
             self.mission: str = document["mission"]
             self.hardware: list[str] = document["hardware"]
-            laws = Laws(document)
+            self.laws = laws = Laws(document)
             types = [make(row) for row in document["types"]]
             sections = [TableSection(row, types[row["type"]], laws) for row in document["sections"]]
             self.sections = {section.name: section for section in sections}

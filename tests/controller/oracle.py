@@ -28,6 +28,9 @@ class NetRobot:
         self.running_place = {
             place: name.split(".", 1) for place, name in mission_net.saying("active").items()
         }
+        self.timed = {s.name for s in mission_net.graph.walk() if s.timeout is not None}
+        self.ended: set[str] = set()
+        """Objectives left since the event."""
         self.own: dict[str, list[int]] = {activity.name: [] for activity in mission_net.mission.activities}
         for number, place in enumerate(self.net.places):
             of = place.provenance
@@ -41,7 +44,7 @@ class NetRobot:
 
     @property
     def outcome(self) -> str | None:
-        for kind in ("success", "failure"):
+        for kind in ("success", "failure", "abort"):
             if any(self.marking[place] for place in self.mission_net.saying(kind)):
                 return kind
         return None
@@ -61,12 +64,13 @@ class NetRobot:
         return found
 
     def handle(self, event: str) -> list[tuple[str, ...]]:
-        before = self.mode
+        before, ran = self.mode, self.objectives & self.timed
+        self.ended = set()
         left: set[str] = set()
         idle: set[str] = set()
         self.fire(self.possible[event], left, idle)
         self.complete(left, idle)
-        after = self.mode
+        after, runs = self.mode, self.objectives & self.timed
         stopped = {a for a in before if a not in after or a in idle}
         changed = {a for a in before if a in stopped or a in left or after.get(a) != before[a]}
         released = {k for a in changed for k in self.hardware(a, before[a])}
@@ -77,6 +81,8 @@ class NetRobot:
             + [("release", k) for k in released]
             + [("select", a, after[a]) for a in selected]
             + [("start", a) for a in started]
+            + [("disarm", name) for name in ran & self.ended]
+            + [("arm", name) for name in runs if name not in ran or name in self.ended]
         )
 
     def hardware(self, activity: str, alternative: str) -> list[str]:
@@ -87,6 +93,9 @@ class NetRobot:
     def fire(self, transition: int, left: set[str], idle: set[str]) -> None:
         before = self.marking
         self.marking = self.net.fire(before, transition)
+        for place, name in self.mission_net.saying("objective").items():
+            if place in {p for p, _ in self.net.transitions[transition].consume}:
+                self.ended.add(name)
         for place, (activity, _) in self.running_place.items():
             if before[place] > self.marking[place]:
                 left.add(activity)

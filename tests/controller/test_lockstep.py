@@ -31,7 +31,7 @@ FORMS: tuple[Form, ...] = get_args(Form)
 
 
 def plain(actions: tuple[Action, ...]) -> list[tuple[str, ...]]:
-    parts = ((a.verb, a.activity or a.hardware, a.alternative) for a in actions)
+    parts = ((a.verb, a.activity or a.hardware or a.objective, a.alternative) for a in actions)
     return sorted(tuple(part for part in action if part is not None) for action in parts)
 
 
@@ -65,13 +65,14 @@ def walk(
     mission_net: MissionNet, controllers: Sequence[AnyController], rng: random.Random, steps: int
 ) -> list[Runtime]:
     robot = NetRobot(mission_net, rng)
-    runtimes = [Runtime.from_document(document(c, mission_net)) for c in controllers]
+    runtimes = [Runtime.from_document(document(c, mission_net), clock=lambda: 0.0) for c in controllers]
     for _ in range(steps):
         possible = sorted(robot.possible)
         for runtime in runtimes:
             assert runtime.possible == tuple(possible)
             assert dict(runtime.mode) == robot.mode
             assert runtime.outcome == robot.outcome
+            assert runtime.timers.keys() == robot.objectives & robot.timed
             assert set(runtime.state.objectives) == robot.objectives
             check_each_is_one_thing(mission_net, runtime.state)
         if not possible:
@@ -186,6 +187,16 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
 @given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
     """An interruption is an event like any other; of a section's machine it is an exit."""
+    mission_net = composed(mission)
+    controllers = either(mission_net)
+    event(f"{len(controllers)} controllers")
+    if controllers:
+        walk(mission_net, controllers, random.Random(seed), 40)
+
+
+@fewer(0.5)
+@given(missions(max_objectives=3, max_depth=2, events=1, aborts=1, timeouts=7), st.integers(0, 2**32))
+def test_missions_with_timeouts(mission: Mission, seed: int) -> None:
     mission_net = composed(mission)
     controllers = either(mission_net)
     event(f"{len(controllers)} controllers")

@@ -72,7 +72,7 @@ def test_every_edge_of_ulysse(form: Form, ulysse_net: MissionNet, tmp_path: Path
 
 @fewer(0.4)
 @given(
-    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True, text=True),
+    missions(max_objectives=3, max_depth=1, events=1, timeouts=3, awkward_names=True, text=True),
     st.integers(0, 2**32),
     st.sampled_from(get_args(Form)),
 )

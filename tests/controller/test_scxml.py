@@ -24,8 +24,15 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.controller.interpreters import Answers, python_statemachine, qt, qt_rows
+from tests.controller.test_timers import TIMED
 from tests.controller.traces import Traced, random_events, tour
 
+TIMES = {
+    ("OBJ_a_try1_EV_TIMEOUT", "1009ms"),
+    ("OBJ_a_try2_EV_TIMEOUT", "1009ms"),
+    ("OBJ_b_EV_TIMEOUT", "1717ms"),
+    ("OBJ_d_EV_TIMEOUT", "2323ms"),
+}
 INTERPRETERS = {"Qt": qt, "python-statemachine": python_statemachine}
 
 
@@ -99,16 +106,25 @@ def test_any_mission(
 
 
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])
-def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: MissionNet) -> None:
+@pytest.mark.parametrize("timed", [False, True])
+def test_the_document_is_what_the_recommendation_wants(
+    form: str, timed: bool, ulysse_net: MissionNet
+) -> None:
     """Each rule that the XML schema of W3C has for the elements used: content, attributes, their types."""
-    controller = generate(ulysse_net, "flat" if form == "flat" else "hierarchical")
-    ((_, text),) = files(controller, ulysse_net, "scxml").items()
+    mission_net = compose(TIMED) if timed else ulysse_net
+    controller = generate(mission_net, "flat" if form == "flat" else "hierarchical")
+    ((_, text),) = files(controller, mission_net, "scxml").items()
     root = etree.fromstring(text.encode())
     children = {
         "scxml": {"parallel"},
         "parallel": {"state"},
-        "state": {"state", "final", "transition"},
-        "transition": {"log"},
+        "state": {"state", "final", "transition", "onentry", "onexit"},
+        "transition": {"log", "raise"},
+        "onentry": {"send"},
+        "onexit": {"cancel"},
+        "raise": set(),
+        "send": set(),
+        "cancel": set(),
         "final": set(),
         "log": set(),
     }
@@ -119,10 +135,15 @@ def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: Mi
         "transition": {"event", "cond", "target"},
         "final": {"id"},
         "log": {"label", "expr"},
+        "onentry": set(),
+        "onexit": set(),
+        "raise": {"event"},
+        "send": {"event", "id", "delay"},
+        "cancel": {"sendid"},
     }
     assert (root.get("version"), root.get("datamodel")) == ("1.0", "ecmascript")
     assert re.fullmatch(r"[\w.:-]+", root.get("name") or "", re.A)  # NMTOKEN
-    ids = [e.get("id") for e in root.iter("{*}state", "{*}parallel", "{*}final")]
+    ids = [e.get("id") for e in root.iter("{*}state", "{*}parallel", "{*}final", "{*}send")]
     assert len(ids) == len(set(ids))
     assert all(re.fullmatch(r"[A-Za-z_][\w.-]*", i or "", re.A) for i in ids)  # NCName
     for element in root.iter(etree.Element):
@@ -142,6 +163,11 @@ def test_the_document_is_what_the_recommendation_wants(form: str, ulysse_net: Mi
             # No descriptor of an event may match another one: none has a dot, a blank or a star.
             assert not set(element.get("event") or "") & set(". *")
             assert element.get("event") or element.get("target")
+    heard = {e.get("event") for e in root.iter("{*}transition")}
+    sent = {(e.get("id"), e.get("event"), e.get("delay")) for e in root.iter("{*}send")}
+    assert {e.get("sendid") for e in root.iter("{*}cancel")} == {name for name, _, _ in sent}
+    assert {e.get("event") for e in root.iter("{*}raise", "{*}send")} <= heard
+    assert {(late, delay) for _, late, delay in sent} == (TIMES if timed else set())
 
 
 @pytest.mark.parametrize("form", ["flat", "hierarchical"])

@@ -138,7 +138,7 @@ class OfController:
     """A controller in the runtime, put back by its snapshots."""
 
     def __init__(self, mission_net: MissionNet, controller: AnyController) -> None:
-        self.runtime = Runtime.from_document(document(controller, mission_net), log=1)
+        self.runtime = Runtime.from_document(document(controller, mission_net), log=1, clock=lambda: 0.0)
         self.start = self.here()
 
     def here(self) -> str:

@@ -194,6 +194,7 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
     events = [change.get(e, nothing) for e in range(len(n.events))]
     columns = list(zip(*n.action_rows, strict=True)) or [(), (), (), ()]
     meaning = f"2 i: hardware i fails; 2 i + 1: it is ready again; {nothing}: neither"
+    timed = (", 4 disarm, 5 arm", "; objective of a timer") if n.timers else ("", "")
     arrays = [
         *([Array("event_change", events, meaning)] if n.faulty else []),
         Array("section_type", n.section_type, "type of each section"),
@@ -210,8 +211,8 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
         Array("section_alternatives", n.slices["alternatives"], "its alternatives"),
         Array("pool", n.pool, "numbers of elements of the mission"),
         Array("list_start", n.list_start, "first action of a list; the next row ends it"),
-        Array("action_verb", list(columns[0]), "0 stop, 1 release, 2 select, 3 start"),
-        Array("action_subject", list(columns[1]), "activity of the type; hardware to release"),
+        Array("action_verb", list(columns[0]), f"0 stop, 1 release, 2 select, 3 start{timed[0]}"),
+        Array("action_subject", list(columns[1]), f"activity of the type; hardware to release{timed[1]}"),
         Array("action_alternative", list(columns[2]), f"alternative of the type, or {none}"),
         Array("action_objective", list(columns[3]), f"objective of the type, or {none}"),
     ]
@@ -219,6 +220,11 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
         arrays.append(
             Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool")
         )
+    if n.timers:
+        times = [round(1000 * n.timeouts.get(name, 0.0)) for name in n.objectives]
+        arrays.append(Array("objective_milliseconds", times, "how long an objective may run; 0: any time"))
+        none_late = f"the event that its time is over, {len(n.events)} for none"
+        arrays.append(Array("objective_late", n.late, none_late))
     for kind, law in n.law.items():
         arrays.append(Array(f"{kind}_law", [first for first, _ in law], f"first parameter of {kind}"))
         arrays.append(Array(f"{kind}_law_count", [count for _, count in law], "how many"))

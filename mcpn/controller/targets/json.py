@@ -7,10 +7,10 @@ One object with these keys:
   ``minimised``: true where states that cannot be told apart have been merged;
 - ``hardware``: the hardware that can fail; ``initial``: the section entered at the mission's start;
 - ``sections``: each with ``name``, ``type`` (index in ``types``), ``routes`` (outcome, ``success``,
-  ``failure``, ``abort`` where a branch of it may abort, or ``on E`` for an event ``E`` that interrupts the
-  section, ``on E 2`` for its second handler of it, to the section entered next, or ``succeed``, ``fail`` or
-  ``abort``), ``events`` (its own text of each event of the type) and ``names`` (by
-  kind, from names in the type to its own; a name that is missing stays);
+  ``failure``, ``abort`` where a branch of it may abort, ``timed out`` where its time may be over, or ``on E``
+  for an event ``E`` that interrupts the section, ``on E 2`` for its second handler of it, to the section
+  entered next, or ``succeed``, ``fail`` or ``abort``), ``events`` (its own text of each event of the type)
+  and ``names`` (by kind, from names in the type to its own; a name that is missing stays);
 - ``types``: machines, each with ``hardware``, ``events``, ``states``, ``entries`` and ``edges``:
 
   - a state: ``objectives`` (running), ``pending`` (about to be entered), ``done`` (branches that have ended),
@@ -19,8 +19,8 @@ One object with these keys:
   - an entry: ``to`` and ``actions``, one for each number whose bit *i* says that ``hardware[i]`` is out of
     service, or null;
   - an edge: ``from``, ``event`` (an index), ``to`` (a state, or the outcome with which the section is left)
-    and ``actions`` in order, each with ``do`` (``stop``, ``release``, ``select``, ``start``) and
-    ``activity``, ``alternative``, ``hardware`` or ``objective`` as it has them;
+    and ``actions`` in order, each with ``do`` (``disarm``, ``stop``, ``release``, ``select``, ``start``,
+    ``arm``) and ``activity``, ``alternative``, ``hardware`` or ``objective`` as it has them;
   - where a hierarchical controller has handlers that happen once: ``once``, those of the type by where they
     are written (``go_home.leak``), and on edges ``open``, those that must not have happened yet, and
     ``happened``, those that must have; left out where there are none;
@@ -35,7 +35,8 @@ One object with these keys:
   - ``effects``: ``changes``, ``actions``, and where the section is left, ``to``, the outcome;
   - ``entries`` and ``rules``: where the literals ``if`` are true, ``do`` an effect (an index); the latter on
     an ``event`` (an index); those of one event that fit a state do the same;
-- ``objectives`` and ``activities`` carry the parameters for the control laws, untouched.
+- ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
+  ends when its time is over has ``timeout``, in seconds.
 
 How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``, ``X_EV_RD`` takes it away,
 before the start, in every section and after the end alike. ``MISSION_EV_START`` enters the initial section. A
@@ -46,7 +47,8 @@ handlers that have happened, too: an edge can be taken where its ``open`` have n
 ``happened`` have, and then adds its ``open`` to the set; at most one edge of a state and an event can. In the
 modular form a section is entered in the state ``idle``, changed by ``status`` as hardware and handlers are,
 by an entry that fits; an event takes a rule of it that fits, and what the state then says of ``once`` has
-happened.
+happened. An action ``arm`` starts the timer of an objective, ``disarm`` ends it; when it has run for the
+objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
 """
 
 from __future__ import annotations
@@ -195,6 +197,7 @@ def laws(mission_net: MissionNet) -> dict[str, Any]:
             section.name: {
                 "activities": list(section.activities),
                 "parameters": _parameters(section.parameters),
+                **({} if section.timeout is None else {"timeout": section.timeout}),
             }
             for section in mission_net.graph.walk()
         },

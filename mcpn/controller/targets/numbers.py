@@ -15,13 +15,17 @@ from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from mcpn.controller.actions import VERBS, PlannedAction
+from mcpn.controller.actions import PlannedAction, Verb
 from mcpn.controller.hierarchy import KINDS, PlacedMachine, SectionMachine
 from mcpn.controller.modular import AnyController, Rules
+from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
+
+VERBS: tuple[Verb, ...] = ("stop", "release", "select", "start", "disarm", "arm")
+"""By number."""
 
 Item = TypeVar("Item", bound=Hashable)
 Own = Mapping[str, Mapping[str, int]]
@@ -68,6 +72,11 @@ class Numbers(Generic[Type]):
         running = [a for a in mission.activities if a.name in set(self.activities)]
         self.alternatives = [f"{a.name}.{way.name}" for a in running for way in a.alternatives]
         self.objectives = [section.name for section in self.mission_net.graph.walk()]
+        graph = self.mission_net.graph
+        self.timeouts = {s.name: s.timeout for s in graph.walk() if s.timeout is not None}
+        """By objective that has one, in seconds."""
+        self.timers = _timers(graph)
+        """How many run at a time, at most."""
         mine = (section.names["once"].get(h, h) for section, h in self._handlers())
         self.once = sorted(set(mine))
         self.sections = [section.name for section in controller.sections]
@@ -100,7 +109,13 @@ class Numbers(Generic[Type]):
             for handler in self.types[section.type].once:
                 yield section, handler
 
-    # --- events of hardware ---
+    # --- events of hardware, and of timers ---
+
+    @property
+    def late(self) -> list[int]:
+        """By objective, the event that its time is over; as many as there are events for none."""
+        texts = (str(Event(What.TIMEOUT, name)) for name in self.objectives)
+        return [self._event.get(text, len(self.events)) for text in texts]
 
     @property
     def failures(self) -> list[int]:
@@ -162,9 +177,7 @@ class Numbers(Generic[Type]):
         rows = tuple(
             (
                 VERBS.index(action.verb),
-                own["activities"][action.activity]
-                if action.activity
-                else own["hardware"][action.hardware or ""],
+                next(own[kind][name] for kind, name in _subjects(action) if name is not None),
                 own["alternatives"][f"{action.activity}.{action.alternative}"]
                 if action.alternative
                 else self.none,
@@ -262,6 +275,23 @@ class Numbers(Generic[Type]):
             for parameters in of:
                 self.law[kind].append((len(self.parameters), len(parameters)))
                 self.parameters.extend(parameters)
+
+
+def _timers(graph: ObjectivesGraph) -> int:
+    """How many objectives of a graph that have a timeout run at a time, at most."""
+    most = 0
+    for section in graph.sections:
+        if isinstance(section, ElementarySection):
+            most = max(most, int(section.timeout is not None))
+        else:
+            most = max(most, sum(_timers(branch.graph) for branch in section.branches))
+    return most
+
+
+def _subjects(action: PlannedAction) -> Iterator[tuple[str, str | None]]:
+    """What an order may be to: the first that there is."""
+    yield from (("activities", action.activity), ("hardware", action.hardware))
+    yield "objectives", action.objective
 
 
 def _positions(

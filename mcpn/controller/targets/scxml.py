@@ -9,6 +9,9 @@ as its expression, a string that is JSON: by name ``value`` and ``unit``.
 A handler that happens once has a region too, *open* and then *happened*: a move that asks for it has a
 condition, and the region goes on with the same event in the same state of the section.
 
+An objective with a timeout has a region, *off* and *on*: what arms and disarms its timer raises an event, and
+*on* sends the event that its time is over after a delay, and cancels that when it is left.
+
 An event's name is its text with ``-`` in place of ``.``: a dot would make ``OBJ_a_EV_OK`` also match
 ``OBJ_a_EV_OK.b_EV_OK``. An event that cannot be taken is ignored, as the Recommendation wants it; a host that
 must know asks first, or watches whether the configuration or the log changes.
@@ -58,6 +61,8 @@ class _Document:
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
         self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
+        timed = [s.name for s in mission_net.graph.walk() if s.timeout is not None]
+        self.timers = identifiers(timed, prefix="timer_")
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
 
     def text(self) -> str:
@@ -93,10 +98,23 @@ class _Document:
             for event, condition in self.happening[name]:
                 _add(status, "transition", event=event, cond=condition, target=f"{identifier}.happened")
             _add(region, "state", id=f"{identifier}.happened")
+        for name, identifier in self.timers.items():
+            self.timer(whole, name, identifier)
         written = etree.tostring(
             root.getroottree(), pretty_print=True, xml_declaration=True, encoding="UTF-8"
         )
         return written.decode()
+
+    def timer(self, whole: etree._Element, name: str, identifier: str) -> None:
+        """The region of an objective's timer."""
+        region = _add(whole, "state", id=identifier, initial=f"{identifier}.off")
+        region.append(_comment(f"timer of {name}"))
+        off, on = (_add(region, "state", id=f"{identifier}.{state}") for state in ("off", "on"))
+        _add(off, "transition", event=f"arm-{identifier}", target=f"{identifier}.on")
+        late, delay = event_name(Event(What.TIMEOUT, name)), f"{round(1000 * self.laws.timeouts[name])}ms"
+        _add(_add(on, "onentry"), "send", event=late, id=f"{identifier}.late", delay=delay)
+        _add(_add(on, "onexit"), "cancel", sendid=f"{identifier}.late")
+        _add(on, "transition", event=f"disarm-{identifier}", target=f"{identifier}.off")
 
     def section(self, parent: etree._Element, section: PlacedMachine) -> None:
         machine = self.controller.types[section.type]
@@ -171,6 +189,9 @@ class _Document:
             log = _add(transition, "log", label=_label(action, section))
             if said := self.parameters(action, section):
                 log.set("expr", said)
+            if action.verb in ("arm", "disarm"):
+                name = section.names["objectives"].get(action.objective or "", action.objective or "")
+                _add(transition, "raise", event=f"{action.verb}-{self.timers[name]}")
 
     def parameters(self, action: PlannedAction, section: PlacedMachine) -> str:
         """Those in force for a selection, as a string of ECMAScript."""
@@ -198,7 +219,9 @@ def _label(action: PlannedAction, section: PlacedMachine) -> str:
     names = section.names
     if action.hardware is not None:
         return f"{action.verb} {names['hardware'].get(action.hardware, action.hardware)}"
-    activity = action.activity or ""
+    if action.activity is None:
+        return f"{action.verb} {names['objectives'].get(action.objective or '', action.objective)}"
+    activity = action.activity
     own = names["activities"].get(activity, activity)
     if action.alternative is None:
         return f"{action.verb} {own}"

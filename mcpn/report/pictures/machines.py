@@ -279,7 +279,7 @@ def _last(name: str) -> str:
 
 
 def _order(action: PlannedAction) -> str:
-    what = action.activity or action.hardware or ""
+    what = action.activity or action.hardware or action.objective or ""
     if action.verb == "select" and action.alternative not in (None, action.activity):
         return f"select {what}: {action.alternative}"
     return f"{action.verb} {what}"

@@ -82,6 +82,7 @@
   const action = (section, told) => {
     if (told.do === "select") return `select ${way(section, told.activity, told.alternative).join(": ")}`;
     if (told.do === "release") return `release ${named(section, "hardware", told.hardware)}`;
+    if (told.activity === undefined) return `${told.do} ${named(section, "objectives", told.objective)}`;
     return `${told.do} ${named(section, "activities", told.activity)}`;
   };
   const first = { phase: "before", section: null, at: 0, out: new Set(), happened: new Set() };
