@@ -1,4 +1,4 @@
-"""Writes what follows from declarations: the schema of missions, the tables of language.md and formats.md.
+"""Writes what follows from declarations: the schema of missions, the tables of three pages.
 
 The model of missions declares their language, JSON Schemas declare formats. ``python docs/tables.py`` renews
 what follows; a test says whether it is up to date.
@@ -21,7 +21,7 @@ from mcpn.mission.schema import SCHEMA
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
-PAGES = [Path(__file__).with_name(name) for name in ("language.md", "formats.md")]
+PAGES = [Path(__file__).with_name(name) for name in ("language.md", "patterns.md", "formats.md")]
 
 
 def rows(attributes: Iterable[Field], required: Collection[str]) -> list[str]:

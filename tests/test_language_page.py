@@ -21,7 +21,8 @@ from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from tests.conftest import ROOT
 
-PAGE = ROOT / "docs" / "language.md"
+PAGES = [ROOT / "docs" / "language.md", ROOT / "docs" / "patterns.md"]
+TEXT = "".join(page.read_text() for page in PAGES)
 
 
 def test_the_schema_is_that_of_the_model() -> None:
@@ -34,16 +35,15 @@ def test_the_tables_are_those_of_the_model() -> None:
     assert spec.loader is not None
     tables = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tables)
-    page = PAGE.read_text()
-    assert tables.renewed(page) == page, "run python docs/tables.py"
-    described = set(re.findall(r"<!-- table (\w+) -->", page))
+    assert tables.renewed(TEXT) == TEXT, "run python docs/tables.py"
+    described = set(re.findall(r"<!-- table (\w+) -->", TEXT))
     assert set(every()) <= described
     # Every attribute says what it means.
-    rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
+    rows = [line.split("|") for line in TEXT.splitlines() if line.startswith("| `")]
     assert all(cells[4].strip() for cells in rows if len(cells) == 6)
 
 
-@pytest.mark.parametrize("text", re.findall(r"```xml\n(.*?)```", PAGE.read_text(), re.DOTALL))
+@pytest.mark.parametrize("text", re.findall(r"```xml\n(.*?)```", TEXT, re.DOTALL))
 def test_the_missions_of_the_page_hold(text: str, tmp_path: Path) -> None:
     (tmp_path / "m.xml").write_text(text)
     found = check(compose(read_mission(tmp_path / "m.xml")), engine="local")
@@ -105,15 +105,18 @@ def test_each_element_is_in_some_mission() -> None:
             for element in etree.parse(path).iter(etree.Element):
                 tag = etree.QName(element).localname
                 used |= {(tag, ""), *((tag, str(name)) for name in element.attrib)}
-    for text in re.findall(r"```xml\n(.*?)```", PAGE.read_text(), re.DOTALL):
+    for text in re.findall(r"```xml\n(.*?)```", TEXT, re.DOTALL):
         for element in etree.fromstring(text).iter(etree.Element):
-            used |= {(etree.QName(element).localname, str(name)) for name in element.attrib}
+            tag = etree.QName(element).localname
+            used |= {(tag, ""), *((tag, str(name)) for name in element.attrib)}
     blocks = ("objective", "parallel", "use", "each")
     common = {"description", "success", "failure", "abort", "mandatory", "retries", "repeat"}
+    scoped = {name for name, tag in language().items() if {"after", "before"} <= tag.attributes.keys()}
     for tag, names in every().items():
         assert (tag, "") in used, tag
         for name in names:
             of_any = name in common and any((block, name) in used for block in blocks)
+            of_any |= name in ("after", "before", "until") and any((other, name) in used for other in scoped)
             assert (tag, name) in used or of_any, f"{name} of {tag}"
 
 

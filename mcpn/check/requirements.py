@@ -12,7 +12,7 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.logic.witness import Witness, explain
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.flatten import requirements_of
-from mcpn.mission.model import Requirement
+from mcpn.mission.requirement import Requirement
 from mcpn.net.compose import MissionNet
 from mcpn.space.algebra import Space
 from mcpn.space.search.goal import Formula
@@ -26,14 +26,23 @@ class AskedRequirement:
     Args:
         name: Qualified by the use.
         requirement: As it is written.
-        formula: What it says.
+        text: What it says, as a formula that people may write.
+        formula: The same, understood.
         names: Those that it was read with.
+        sentence: What its pattern says, in English; empty where it is written as a formula.
     """
 
     name: str
     requirement: Requirement
+    text: str
     formula: Formula
     names: Names
+    sentence: str = ""
+
+    @property
+    def words(self) -> str:
+        """What it says, as its author describes it, else in English, else as a formula."""
+        return self.requirement.description or self.sentence or self.text
 
 
 @dataclass(frozen=True)
@@ -74,10 +83,24 @@ def asked_of(mission_net: MissionNet) -> list[AskedRequirement]:
     for name, (within, each) in requirements_of(mission_net.mission).items():
         names = Names(mission_net.net, mission_net, within)
         try:
-            found.append(AskedRequirement(name, each, parse(each.formula, names), names))
+            found.append(_asked(name, each, names))
         except (InputError, LimitError) as error:
-            raise InputError.at(each.source, f"requirement {name}: {error}") from None
+            source, message = each.source, str(error)
+            if isinstance(error, InputError) and error.problems[0].source is not None:
+                source, message = error.problems[0].source, error.problems[0].message
+            raise InputError.at(source, f"requirement {name}: {message}") from None
     return found
+
+
+def _asked(name: str, requirement: Requirement, names: Names) -> AskedRequirement:
+    if requirement.formula is not None:
+        return AskedRequirement(
+            name, requirement, requirement.formula, parse(requirement.formula, names), names
+        )
+    from mcpn.check.patterns.reading import read_pattern
+
+    said = read_pattern(requirement.patterns[0], names)
+    return AskedRequirement(name, requirement, said.formula, parse(said.formula, names), names, said.sentence)
 
 
 def answer_requirements(

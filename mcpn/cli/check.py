@@ -97,7 +97,8 @@ def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
     return [
         {
             "name": answer.asked.name,
-            "formula": answer.asked.requirement.formula,
+            "formula": answer.asked.text,
+            "sentence": answer.asked.sentence or None,
             "description": answer.asked.requirement.description,
             "expected": answer.asked.requirement.expected,
             "severity": answer.asked.requirement.severity,

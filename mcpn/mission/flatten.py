@@ -34,9 +34,9 @@ from mcpn.mission.model import (
     Parallel,
     Protocol,
     Recursive,
-    Requirement,
     Use,
 )
+from mcpn.mission.requirement import Requirement
 from mcpn.mission.validate import valid
 
 __all__ = [

@@ -23,8 +23,6 @@ from typing import Annotated, TypeAlias
 from mcpn.mission.language.datatypes import (
     NAME,
     ROUTE,
-    SEVERITY,
-    TRUTH,
     Activities,
     Called,
     Children,
@@ -38,6 +36,7 @@ from mcpn.mission.language.datatypes import (
     Tries,
     Values,
 )
+from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import (
     Activity,
     DeclaredEvent,
@@ -79,20 +78,6 @@ class Handler(Described):
         "true: a handler written once happens at most once in the whole mission, whichever copy of it "
         "(value, use, round, try, branch) it happens in; then the next handler outwards counts.",
     ] = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Requirement(Element):
-    """What a mission must satisfy, in its own words: ``check`` answers it beside its own verdicts.
-
-    In a protocol it is asked of each use, and a name is first looked for among the names of that use.
-    """
-
-    TAG = "requirement"
-    formula: Annotated[str, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."]
-    expected: Annotated[str, TRUTH, "fails: the formula must not hold."] = "holds"
-    severity: Annotated[str, SEVERITY, "advice: it is told, and does not fail the check."] = "required"
-    fair: Annotated[bool, "true: of those runs alone along which objectives that run end some day."] = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

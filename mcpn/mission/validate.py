@@ -28,7 +28,8 @@ from mcpn.mission.model import (
     walk,
 )
 from mcpn.mission.near import Hints
-from mcpn.mission.robot import Activity, Element, Parameter
+from mcpn.mission.requirement import Requirement
+from mcpn.mission.robot import Activity, Described, Element, Parameter
 from mcpn.mission.typecheck import find_misfits
 
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
@@ -94,9 +95,10 @@ class _Checks:
         yield from _duplicates("activity", mission.activities)
         yield from _duplicates("event", mission.events)
         yield from _duplicates("protocol", mission.protocols)
-        yield from _duplicates("requirement", mission.requirements)
-        for protocol in mission.protocols:
-            yield from _duplicates("requirement", protocol.requirements)
+        for requirements in (mission.requirements, *(p.requirements for p in mission.protocols)):
+            yield from _duplicates("requirement", requirements)
+            for requirement in requirements:
+                yield from self.requirement(requirement)
         yield from self.rates()
         yield from self.products()
         for activity in mission.activities:
@@ -123,20 +125,33 @@ class _Checks:
         if not NAME.matches(element.name):
             found = f"the name {element.name!r} is not allowed"
             yield Problem(element.source, f"{found}, expected {NAME.expected}")
-        form = form_of(type(element))
-        for attribute in form.attributes:
+        yield from self.values(element, element.name)
+        for content in form_of(type(element)).contents:
+            if content.classes == (Parameter,):
+                yield from _duplicates("parameter", getattr(element, content.name))
+
+    def values(self, element: Described, name: str) -> Iterator[Problem]:
+        """Values of its attributes that do not count."""
+        for attribute in form_of(type(element)).attributes:
             value, holds = getattr(element, attribute.name), attribute.datatype
             if value is attribute.default:
                 continue
             if attribute.several:
-                yield from _repeats(element, attribute.tag, value)
+                yield from _repeats(element.source, f"{attribute.tag} of {name}", value)
             elif value is not None and not holds.allows(value):
                 shown = f"{value:g}" if isinstance(value, float) else value
-                message = f"{attribute.tag} of {element.name} is {shown}, expected {holds.allowed}"
+                message = f"{attribute.tag} of {name} is {shown}, expected {holds.allowed}"
                 yield Problem(element.source, message)
-        for content in form.contents:
-            if content.classes == (Parameter,):
-                yield from _duplicates("parameter", getattr(element, content.name))
+
+    def requirement(self, requirement: Requirement) -> Iterator[Problem]:
+        """What a requirement says by itself; its formulas are read when the mission has its net."""
+        if requirement.misuse:
+            yield Problem(requirement.source, f"requirement {requirement.name} has {requirement.misuse}")
+        for pattern in requirement.patterns:
+            said = f"<{pattern.TAG}> of requirement {requirement.name}"
+            yield from self.values(pattern, said)
+            if pattern.misuse:
+                yield Problem(pattern.source, f"{said} has {pattern.misuse}")
 
     def rates(self) -> Iterator[Problem]:
         for h in self.mission.hardware:
@@ -366,7 +381,7 @@ def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:
         first.setdefault(element.name, element)
 
 
-def _repeats(element: Element, attribute: str, names: tuple[str, ...]) -> Iterator[Problem]:
+def _repeats(source: Source | None, what: str, names: tuple[str, ...]) -> Iterator[Problem]:
     for name, count in Counter(names).items():
         if count > 1:
-            yield Problem(element.source, f"{attribute} of {element.name} names {name} {count} times")
+            yield Problem(source, f"{what} names {name} {count} times")

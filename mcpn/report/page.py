@@ -117,16 +117,18 @@ def _headline(check: MissionCheck) -> str:
 def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
     """Each requirement in its author's words, with the run that violates it."""
     for answer in check.requirements:
-        asked = answer.asked.requirement
+        asked = answer.asked
         state = {True: "holds", False: "fails", None: "unknown"}[answer.met]
-        runs, notes = [], [asked.formula if asked.expected == "holds" else f"not: {asked.formula}"]
+        runs, notes = [], [f"{'' if asked.requirement.expected == 'holds' else 'not: '}{asked.text}"]
+        if asked.sentence not in ("", asked.words):
+            notes.insert(0, asked.sentence)
         if answer.witness is not None and not answer.met:
             steps = [(str(event), words) for event, words in in_words(check.mission_net, answer.witness.run)]
             runs = [{"steps": steps, "events": json.dumps([event for event, _ in steps])}]
             notes += answer.witness.notes
         yield {
-            "name": answer.asked.name,
-            "sentence": asked.description or asked.formula,
+            "name": asked.name,
+            "sentence": asked.words,
             "state": state if answer.required or answer.met else "note",
             "explanation": "; ".join([*notes, *filter(None, [answer.reason])]),
             "runs": runs,

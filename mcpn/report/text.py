@@ -166,15 +166,16 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
         terminal.print()
         terminal.print("requirements", style="bold")
     for answer in check.requirements:
-        requirement = answer.asked.requirement
         mark, colour = {True: ("ok", "green"), False: ("FAIL", "red"), None: ("?", "yellow")}[answer.met]
         if not (answer.required or answer.met):
             mark, colour = _INFORMATIVE, "yellow"
-        said = requirement.description or requirement.formula
-        terminal.print(f"{mark:4} {said} ({answer.asked.name})", style=colour, indent=2, hang=5)
+        asked = answer.asked
+        terminal.print(f"{mark:4} {asked.words} ({asked.name})", style=colour, indent=2, hang=5)
         if answer.met:
             continue
-        terminal.print(answer.reason or f"{requirement.formula} {_FOUND[bool(answer.holds)]}", indent=7)
+        if asked.sentence not in ("", asked.words):
+            terminal.print(asked.sentence, indent=7)
+        terminal.print(answer.reason or f"{asked.text} {_FOUND[bool(answer.holds)]}", indent=7)
         if answer.witness is not None:
             _print_witness(terminal, check.mission_net, answer.witness, 9)
 

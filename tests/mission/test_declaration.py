@@ -150,8 +150,12 @@ RANGES = {
     "timeout": (0.001, 2_592_000.0),
     "retries": (0, 100_000),
     "repeat": (1, 100_000),
+    "most": (1, 9),
+    "at_most": (1, 9),
+    "at_least": (1, 9),
+    "exactly": (1, 9),
 }
-"""The least and the largest value of each number, as docs/language.md says them."""
+"""The least and the largest value of each number, as the pages say them."""
 
 
 def test_every_number_has_a_range() -> None:

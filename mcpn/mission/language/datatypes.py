@@ -72,6 +72,15 @@ NAMES = Datatype(
     _split,
     " ".join,
 )
+LOCATIONS = Datatype(
+    "objectives",
+    "objectives",
+    rf"\s*({_LETTER}[A-Za-z0-9_.]*(\s+{_LETTER}[A-Za-z0-9_.]*)*)?\s*",
+    "names of objectives, separated by spaces",
+    _split,
+    " ".join,
+)
+"""Objectives by their names in formulas, which uses of protocols qualify."""
 VALUES = Datatype(
     "values",
     "values",
@@ -125,12 +134,14 @@ SECONDS = Datatype(
 COUNT = Datatype("count", "whole number", r"\s*[0-9]{1,6}\s*", "a whole number of at most 6 digits", int)
 TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <= tries <= MAX_ROUNDS)
 ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
+ENTRIES = COUNT.within("a whole number from 1 to 9", lambda times: 1 <= times <= 9)
+"""How often something may come about; a formula says each time once more."""
 ROUTE = NAME.to("block")
 
 
 def _one_of(name: str, *choices: str) -> Datatype:
     """One of some words."""
-    said = " or ".join(choices)
+    said = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
     return Datatype(
         name,
         said,
@@ -144,6 +155,8 @@ def _one_of(name: str, *choices: str) -> Datatype:
 
 TRUTH = _one_of("truth", "holds", "fails")
 SEVERITY = _one_of("severity", "required", "advice")
+ORDER = _one_of("order", "any", "sequenced", "ordered", "strict", "fair")
+REACTION = _one_of("reaction", "instantaneous", "prompt", "delayed", "bound", "bound_delay")
 
 Name = Annotated[str, NAME]
 EventName = Annotated[str, NAME.to("event")]

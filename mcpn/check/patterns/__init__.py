@@ -1,0 +1,1 @@
+"""Patterns of requirements: as formulas, and as sentences."""

@@ -1,0 +1,275 @@
+"""What a mission must satisfy: requirements, as formulas or as patterns.
+
+The patterns are those of Dwyer, Avrunin, Corbett (*Patterns in property specifications for finite-state
+verification*, ICSE 1999) and of Menghi, Tsigkanos, Pelliccione, Ghezzi, Berger (*Specification patterns for
+robotic missions*, IEEE TSE 2019). What each means is said in :mod:`mcpn.check.patterns`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, TypeAlias
+
+from mcpn.mission.language.datatypes import (
+    ENTRIES,
+    LOCATIONS,
+    ORDER,
+    REACTION,
+    SEVERITY,
+    TRUTH,
+    Called,
+)
+from mcpn.mission.robot import Described, Element
+
+Avoided = Annotated[tuple[str, ...], Called("of"), LOCATIONS, "Objectives, each of them."]
+Locations = Annotated[tuple[str, ...], Called("in"), LOCATIONS, "Objectives, in this order where it counts."]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pattern(Described):
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        return ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Scoped(_Pattern):
+    """A pattern of Dwyer, Avrunin and Corbett, in one of their five scopes."""
+
+    after: Annotated[str | None, "A formula: from the first moment on at which it holds."] = None
+    before: Annotated[
+        str | None,
+        "A formula: up to the first moment at which it holds, if there is one; with after: from each moment "
+        "of the one to the next moment of the other, if there is one.",
+    ] = None
+    until: Annotated[
+        str | None, "A formula, with after: as between, and for ever where this one never holds."
+    ] = None
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        return _wrong_scope(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Absence(_Scoped):
+    """It never holds."""
+
+    TAG = "absence"
+    of: Annotated[str, "The formula that never holds."]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Universality(_Scoped):
+    """It always holds."""
+
+    TAG = "universality"
+    of: Annotated[str, "The formula that always holds."]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Existence(_Scoped):
+    """It holds at some moment."""
+
+    TAG = "existence"
+    of: Annotated[str, "The formula that holds at some moment."]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundedExistence(_Scoped):
+    """It comes to hold so many times at most."""
+
+    TAG = "bounded_existence"
+    of: Annotated[str, "The formula whose stretches are counted."]
+    most: Annotated[int, ENTRIES, "How many times at most it comes to hold."] = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Precedence(_Scoped):
+    """It holds only after something else has held, or together with it."""
+
+    TAG = "precedence"
+    of: Annotated[str, "The formula that needs the other first."]
+    followed_by: Annotated[
+        str | None, "A formula: only of, and later this one, together need the other first."
+    ] = None
+    by: Annotated[str, "The formula that holds first."]
+    then: Annotated[str | None, "A formula: by, and later this one, hold first."] = None
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        if self.followed_by is not None and self.then is not None:
+            return "both followed_by and then, expected a chain on one side"
+        return _wrong_scope(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Response(_Scoped):
+    """Whenever one thing holds, another holds then or later."""
+
+    TAG = "response"
+    to: Annotated[str, "The formula that calls for the response."]
+    followed_by: Annotated[str | None, "A formula: to, and later this one, together call for it."] = None
+    gives: Annotated[str, "The formula that responds."]
+    then: Annotated[str | None, "A formula: gives, and later this one, respond."] = None
+    without: Annotated[str | None, "A formula, with then: it does not hold from gives up to then."] = None
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        if self.followed_by is not None and self.then is not None:
+            return "both followed_by and then, expected a chain on one side"
+        if self.without is not None and self.then is None:
+            return "without and no then, expected both"
+        return _wrong_scope(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Visit(_Pattern):
+    """The robot comes to some objectives."""
+
+    TAG = "visit"
+    objectives: Locations
+    order: Annotated[
+        str,
+        ORDER,
+        "any; sequenced: each after the one before it; ordered: none before the one before it, too; "
+        "strict: and none is entered twice before the next one; fair: none is entered again before the next "
+        "one in the ring.",
+    ] = "any"
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        return _too_few(self.objectives, self.order)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Patrolling(_Pattern):
+    """The robot comes to some objectives again and again."""
+
+    TAG = "patrolling"
+    objectives: Locations
+    order: Annotated[str, ORDER, "As of a visit, in a ring: the first follows the last."] = "any"
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        return _too_few(self.objectives, self.order)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Avoidance(_Pattern):
+    """The robot keeps away from some objectives."""
+
+    TAG = "avoidance"
+    objectives: Avoided
+    until: Annotated[str | None, "A formula, which comes to hold: up to then."] = None
+    after: Annotated[str | None, "A formula: from when it holds."] = None
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        both = self.until is not None and self.after is not None
+        return "both until and after, expected one of them" if both else _too_few(self.objectives)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RestrictedAvoidance(_Pattern):
+    """The robot enters each of some objectives so many times."""
+
+    TAG = "restricted_avoidance"
+    objectives: Avoided
+    at_most: Annotated[int | None, ENTRIES, "How many times at most."] = None
+    at_least: Annotated[int | None, ENTRIES, "How many times at least."] = None
+    exactly: Annotated[int | None, ENTRIES, "How many times."] = None
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        given = [n for n in (self.at_most, self.at_least, self.exactly) if n is not None]
+        if len(given) != 1:
+            return f"{len(given)} of at_most, at_least and exactly, expected one of them"
+        return _too_few(self.objectives)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reaction(_Pattern):
+    """Whenever one thing holds, the robot reacts."""
+
+    TAG = "reaction"
+    to: Annotated[str, "The formula that calls for the reaction."]
+    gives: Annotated[str, "The formula that is the reaction."]
+    when: Annotated[
+        str,
+        REACTION,
+        "instantaneous: at that moment; prompt: after the next event; delayed: then or later; bound: at that "
+        "moment, and only then; bound_delay: after the next event, and only then.",
+    ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wait(_Pattern):
+    """The robot stays in some objectives up to the moment at which something comes to hold."""
+
+    TAG = "wait"
+    objectives: Locations
+    until: Annotated[str, "The formula that ends the wait, and comes to hold."]
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with its attributes, taken together; nothing where all is well."""
+        return _too_few(self.objectives)
+
+
+def _wrong_scope(of: _Scoped) -> str:
+    if of.until is not None and of.before is not None:
+        return "both before and until, expected one of them"
+    if of.until is not None and of.after is None:
+        return "until without after, expected before, or after and until"
+    return ""
+
+
+def _too_few(objectives: tuple[str, ...], order: str = "any") -> str:
+    if not objectives:
+        return "no objective, expected one or more"
+    if order != "any" and len(objectives) < 2:
+        return f"order {order} and one objective, expected two or more"
+    return ""
+
+
+Scoped: TypeAlias = Absence | Universality | Existence | BoundedExistence | Precedence | Response
+"""The patterns of Dwyer, Avrunin and Corbett: eleven, with the chains, in five scopes."""
+Pattern: TypeAlias = Scoped | Visit | Patrolling | Avoidance | RestrictedAvoidance | Reaction | Wait
+"""Elements that say what a mission must satisfy: those, and the 22 of Menghi and others."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirement(Element):
+    """What a mission must satisfy, in its own words: ``check`` answers it beside its own verdicts.
+
+    In a protocol it is asked of each use, and a name is first looked for among the names of that use. It has
+    a formula, or one pattern inside.
+    """
+
+    TAG = "requirement"
+    formula: Annotated[
+        str | None, "On stable states, in CTL or LTL (ask): G (oos(sonar) -> F objective(surface))."
+    ] = None
+    expected: Annotated[str, TRUTH, "fails: the formula must not hold."] = "holds"
+    severity: Annotated[str, SEVERITY, "advice: it is told, and does not fail the check."] = "required"
+    fair: Annotated[bool, "true: of those runs alone along which objectives that run end some day."] = False
+    patterns: tuple[Pattern, ...] = ()
+
+    @property
+    def misuse(self) -> str:
+        """What is wrong with it as a whole; nothing where all is well."""
+        if self.formula is not None and self.patterns:
+            return f"both a formula and <{self.patterns[0].TAG}>, expected one of them"
+        if self.formula is None and len(self.patterns) != 1:
+            found = f"{len(self.patterns)} patterns" if self.patterns else "neither a formula nor a pattern"
+            return f"{found}, expected a formula or one pattern"
+        return ""
