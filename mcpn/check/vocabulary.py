@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.names import Names
+from mcpn.mission.flatten import blocks_of
 from mcpn.net.events import What
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ class Vocabulary:
     Args:
         mission: The mission's name.
         objectives: For ``objective(x)`` and ``pending(x)``.
+        blocks: For ``block(x)``: those that hold objectives.
         activities: For ``activity(x)``, ``alternative(x)=y``, ``waiting(x)`` and ``refused(x)``.
         hardware: For ``oos(x)`` and ``available(x)``.
         software: For ``available(x)``.
@@ -51,6 +53,7 @@ class Vocabulary:
 
     mission: str
     objectives: tuple[NamedWord, ...]
+    blocks: tuple[NamedWord, ...]
     activities: tuple[NamedActivity, ...]
     hardware: tuple[NamedWord, ...]
     software: tuple[NamedWord, ...]
@@ -77,6 +80,7 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
     return Vocabulary(
         mission.name,
         folded(described),
+        folded({name: None for name, held in blocks_of(mission).items() if held != (name,)}),
         tuple(
             NamedActivity(a.name, (), a.description, tuple(way.name for way in a.alternatives))
             for a in mission_net.usage.activities.values()

@@ -22,7 +22,7 @@ from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import in_words, modes_in_words, what_happens
+from mcpn.report.words import in_words, modes_together, what_happens
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
@@ -239,11 +239,11 @@ def _tables(findings: Findings) -> list[Table]:
     tables = [
         Table(
             "Functioning modes",
-            ("objective", "mode", "alternatives"),
+            ("objectives", "mode", "alternatives"),
             [
-                (objective, str(number), mode or "as written")
-                for objective, modes in findings.check.modes.items()
-                for number, mode in enumerate(modes_in_words(modes), 1)
+                (", ".join(objectives), str(number), mode or "as written")
+                for modes, objectives in modes_together(findings.check).items()
+                for number, mode in enumerate(modes, 1)
             ],
         )
     ]

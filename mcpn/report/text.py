@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
-from mcpn.report.words import in_words, modes_in_words
+from mcpn.report.words import in_words, modes_together
 
 if TYPE_CHECKING:
     from mcpn.check.compare import Measurement
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from mcpn.check.logic.questions import Answer
     from mcpn.check.logic.witness import Witness
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
-    from mcpn.check.verdicts.modes import Mode
     from mcpn.check.vocabulary import NamedWord, Vocabulary
     from mcpn.net.compose import MissionNet
     from mcpn.net.events import Event
@@ -185,6 +184,7 @@ _FOUND = {True: "holds, and is to fail", False: "fails"}
 
 _MEANT = {
     "objectives": "objective(x) runs, pending(x) is about to",
+    "blocks": "block(x) has an objective that runs",
     "activities": "activity(x) runs, alternative(x)=y, waiting(x), waiting(x)=y, refused(x)",
     "hardware": "oos(x) is out of service, available(x)",
     "software": "available(x): its producer runs",
@@ -243,7 +243,7 @@ def print_check(
     _print_requirements(terminal, check)
     if check.modes:
         terminal.print()
-        _print_modes(terminal, check.modes)
+        _print_modes(terminal, check)
     terminal.print()
     for problem in map(str, check.warnings):
         if problem not in told:
@@ -314,13 +314,10 @@ def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict
         print_steps(terminal, in_words(mission_net, run), indent=9)
 
 
-def _print_modes(terminal: Terminal, modes: Mapping[str, list[Mode]]) -> None:
+def _print_modes(terminal: Terminal, check: MissionCheck) -> None:
     """Objectives of the same functioning modes together."""
-    shared: dict[tuple[str, ...], list[str]] = {}
-    for objective, found in modes.items():
-        shared.setdefault(modes_in_words(found), []).append(objective)
     terminal.print("functioning modes", style="bold")
-    for ways, objectives in shared.items():
+    for ways, objectives in modes_together(check).items():
         terminal.print(", ".join(objectives), indent=2)
         if not ways:
             terminal.print("never runs", indent=6)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from mcpn.check.logic.names import Names
 from mcpn.check.verdicts.modes import Mode, Situation, said_by
 from mcpn.net.events import Event, What
 from mcpn.space.run import Run
 
 if TYPE_CHECKING:
+    from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.net.compose import MissionNet
 
 
@@ -89,6 +91,26 @@ def changes(before: Situation, after: Situation) -> list[str]:
     if after.outcome and not before.outcome:
         phrases.append(f"the mission ends in {after.outcome}")
     return phrases
+
+
+def modes_together(check: MissionCheck) -> dict[tuple[str, ...], list[str]]:
+    """By functioning modes in words the objectives that have these, each group folded."""
+    shared: dict[tuple[str, ...], list[str]] = {}
+    for objective, modes in check.modes.items():
+        shared.setdefault(modes_in_words(modes), []).append(objective)
+    return {ways: folded(check.mission_net, names) for ways, names in shared.items()}
+
+
+def folded(mission_net: MissionNet, objectives: Collection[str]) -> list[str]:
+    """Objectives by name; where all rounds and tries of one are among them they are said together."""
+    names = Names(mission_net.net, mission_net)
+    found = list[str]()
+    here = names.folded(objectives)
+    whole = names.folded([objective.name for objective in mission_net.graph.walk()]) if here else {}
+    for name, of in here.items():
+        together = len(of) > 1 and len(of) == len(whole[name])
+        found += [f"{name} (all {len(of)})"] if together else of
+    return found
 
 
 def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ def understood(mission_net: MissionNet) -> None:
     for kind, named in (
         ("objective", words.objectives),
         ("pending", words.objectives),
+        ("block", words.blocks),
         ("activity", words.activities),
         ("oos", words.hardware),
         ("available", words.software),
