@@ -53,6 +53,9 @@ def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> li
     Raises:
         UnsafeError: The net is not 1-safe.
         SemanticsError: The mission breaks what composition rests on.
+
+    See Also:
+        :func:`mcpn.check.sizes.sizes`: the counts by one engine.
     """
     found = []
     net = compose(subject).net if isinstance(subject, Mission) else subject
