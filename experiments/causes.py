@@ -28,7 +28,7 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What
-from mcpn.report.causes import fmeca_rows
+from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.pictures.plots import Curves
 from mcpn.sentences import enumeration
 from mcpn.space.diagrams.spaces import DiagramMarkings

@@ -28,7 +28,7 @@ from mcpn.errors import InputError
 
 if TYPE_CHECKING:
     from mcpn.check.engines import Asked
-    from mcpn.report.causes import Classes
+    from mcpn.report.failures.tables import Classes
 
 MOST_TOLD = 50
 """Objectives up to which runs and FMECA rows are told without being asked for."""
@@ -81,12 +81,10 @@ def causes(
     """
     if not rates:
         without_threads_of_numpy()
-    from dataclasses import asdict
-
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
-    from mcpn.report import causes as report
-    from mcpn.report.openpsa import open_psa
+    from mcpn.report.failures import objects, tables, terminal
+    from mcpn.report.failures.openpsa import open_psa
     from mcpn.report.text import print_choice
     from mcpn.study import open_study
     from mcpn.workers import executor_of
@@ -94,7 +92,7 @@ def causes(
     started = time.perf_counter()
     classes = _classes(severities)
     if fmeca is not None:
-        report.check_table_name(fmeca)
+        tables.check_table_name(fmeca)
     study = open_study(mission, import_root=import_root)
     if not as_json:
         tell_warnings(study.mission_net)
@@ -105,10 +103,7 @@ def causes(
         found = every.of(objectives) if objectives else every
         short = len(found.objectives) <= MOST_TOLD
         wanted = None if fmeca is not None else list(found.objectives)
-        told_rows = (
-            short and study.mission_net.abort is None
-        )  # asked for by --fmeca, it says why there are none
-        rows = table_of(found.prospects, wanted) if told_rows or fmeca is not None else []
+        rows = table_of(found.prospects, wanted) if short or fmeca is not None else []
     numbers = None
     if rates:
         from mcpn.check.causes.risk import risk
@@ -116,29 +111,29 @@ def causes(
         numbers = risk(every.prospects, max_states)
     if openpsa is not None:
         cut_sets = {name: goal.cut_sets for name, goal in every.objectives.items()}
-        write_atomically(openpsa, open_psa(study.mission_net.usage, every.mission.cut_sets, cut_sets))
+        safety = None if every.safety is None else every.safety.cut_sets
+        usage = study.mission_net.usage
+        write_atomically(openpsa, open_psa(usage, every.mission.cut_sets, cut_sets, safety))
     if fmeca is not None:
-        report.save_fmeca(rows, fmeca, classes)
+        tables.save_fmeca(rows, fmeca, classes)
     if as_json:
-        document: dict[str, Any] = report.causes_object(found, runs=short)
+        document: dict[str, Any] = objects.causes_object(found, runs=short)
         if numbers is not None:
-            document["risk"] = asdict(numbers)
+            document["risk"] = objects.risk_object(numbers)
         emit_json(document | choice_object(every.choice) | {"seconds": time.perf_counter() - started})
         return
-    report.print_causes(found)
-    if study.mission_net.abort is not None:
-        click.echo("no FMECA table: it knows no mission yet that can be aborted")
+    terminal.print_causes(found)
     if rows:
-        report.print_fmeca([r for r in rows if not objectives or r.objective in objectives], classes)
+        terminal.print_fmeca([r for r in rows if not objectives or r.objective in objectives], classes)
     if numbers is not None:
-        report.print_risk(numbers)
+        terminal.print_risk(numbers)
     print_choice(every.choice)
 
 
 def _classes(given: tuple[str, ...]) -> Classes:
     """Severity classes with the names that the user gives."""
     from mcpn.check.causes.effects import Severity
-    from mcpn.report.causes import STANDARD
+    from mcpn.report.failures.tables import STANDARD
 
     known = {severity.words: severity for severity in Severity}
     classes = dict(STANDARD)

@@ -131,6 +131,7 @@ def _check_object(found: MissionCheck, seconds: float, internal: bool) -> dict[s
             for name, verdict in found.verdicts.items()
             if (runs := verdict.runs if internal else verdict.runs_of_events)
         },
+        **({"skipped": list(skipped)} if (skipped := found.verdicts["success_reachable"].skipped) else {}),
         **choice_object(found.choice),
         "seconds": seconds,
     }

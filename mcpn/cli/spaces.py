@@ -183,9 +183,7 @@ def alternatives(
 @click.command()
 @click.argument("file", type=FILE)
 @click.option(
-    "--plot",
-    type=FILE,
-    help="Write a plot of seconds, memory and nodes: .svg or .png (needs mcpn[experiments]).",
+    "--plot", type=FILE, help="Write a plot of seconds and memory: .svg or .png (needs mcpn[experiments])."
 )
 @limit_option
 @import_option
@@ -207,9 +205,12 @@ def compare(
         ready(plot)
     found = measure(subject, max_states=max_states)
     if plot is not None:
-        from mcpn.report.pictures.plots import save_engines
+        from mcpn.report.pictures.plots import Bars, save_plot
 
-        save_engines(plot, found, f"Engines on {subject.name}")
+        ran = [m for m in found if m.sizes is not None]
+        seconds = Bars("seconds", {m.engine: m.seconds for m in ran})
+        memory = Bars("megabytes", {m.engine: m.megabytes for m in ran})
+        save_plot(plot, [seconds, memory], f"Engines on {subject.name}")
     error = disagreement(found)
     if as_json:
         emit_json(

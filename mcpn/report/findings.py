@@ -118,16 +118,14 @@ def findings(
         None,
         None,
     )
-    if causes is not None and rows is None and mission_net.abort is not None:
-        notes.append("No FMECA table and no numbers of risk: they know no mission yet that can be aborted.")
-    elif causes is not None and rows is None:
+    if causes is not None and rows is None:
         notes.append(f"No FMECA table of more than {MOST_ROWS} objectives: mcpn causes --fmeca writes it.")
     controller = tried("controller", lambda: _controller(checked, max_states, steps, executor), counted)
     with timed("local graphs", counted):
         local, missing = local_pictures(spaces, steps.at)
     notes += missing
     risk = None
-    if causes is not None and mission_net.abort is None and _has_rates(mission_net.mission):
+    if causes is not None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
     return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
 
@@ -154,7 +152,7 @@ def _causes(
         progress=steps.at,
         executor=executor,
     )
-    if len(causes.objectives) > MOST_ROWS or checked.mission_net.abort is not None:
+    if len(causes.objectives) > MOST_ROWS:
         return causes, None
     steps.begin("the FMECA table")
     return causes, fmeca(causes.prospects)

@@ -17,15 +17,17 @@ from typing import TYPE_CHECKING, Any
 
 from mcpn import __version__
 from mcpn.net.events import Event
-from mcpn.report.causes import COLUMNS, fmeca_rows, without_a_rate
+from mcpn.report.failures.sentences import risk_counts, without_a_rate
+from mcpn.report.failures.tables import COLUMNS, fmeca_rows
 from mcpn.report.pictures.boxes import boxes
 from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
-from mcpn.report.words import in_words, modes_together, what_happens
+from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens
 from mcpn.sentences import enumeration
 
 if TYPE_CHECKING:
+    from mcpn.check.causes.cutsets import CutSet
     from mcpn.check.causes.find import Causes
     from mcpn.check.causes.fmeca import Row
     from mcpn.check.causes.risk import Risk
@@ -154,7 +156,9 @@ def _verdicts(check: MissionCheck) -> list[dict[str, Any]]:
                 "name": name,
                 "sentence": sentences[{True: 0, False: 1, None: 2}[verdict.holds]],
                 "state": state if verdict.required else "note",
-                "explanation": verdict.explanation,
+                "explanation": "; ".join(
+                    [verdict.explanation, *([skipped_in_words(verdict.skipped)] if verdict.skipped else [])]
+                ),
                 "runs": runs,
             }
         )
@@ -168,36 +172,68 @@ def _answers(findings: Findings) -> Iterator[tuple[str, str]]:
     yield ("holds", "fails", "unknown")[number], SENTENCES["success_reachable"][number]
     if findings.causes is None:
         return
-    cut_sets = findings.causes.mission.cut_sets
-    if () in cut_sets:
-        yield "fails", "It fails whatever the hardware does."
-    elif cut_sets:
-        lost = "; ".join(enumeration(lost) + (" together" if len(lost) > 1 else "") for lost in cut_sets)
-        yield "note", f"It can succeed no more once this hardware is lost and not repaired: {lost}."
-    else:
-        yield "holds", "No loss of hardware alone makes it fail."
-    if findings.causes.safety is not None:
-        yield _safety(findings.causes.safety.cut_sets)
-    alone = {lost[0] for lost in cut_sets if len(lost) == 1}
-    mission = findings.check.mission_net.mission
-    survived = [h.name for h in mission.hardware if h.faulty and h.name not in alone]
-    if survived and () not in cut_sets:
-        yield "holds", f"It survives the loss of any one of these alone: {', '.join(survived)}."
+    mission, safety = findings.causes.mission, findings.causes.safety
+    yield from _lost(mission.cut_sets, aborts=safety is not None)
+    if safety is not None:
+        yield _safety(safety.cut_sets)
+    yield from _survived(findings)
     if findings.risk is not None:
         chance = findings.risk
-        told = f"it succeeds with probability {chance.success:.6g} and fails with {chance.failure:.6g}"
+        aborts = "" if chance.abort is None else f", is aborted with {chance.abort:.6g}"
+        told = (
+            f"it succeeds with probability {chance.success:.6g}{aborts} and fails with {chance.failure:.6g}"
+        )
         if chance.unrated:
             told += f"; {without_a_rate(chance)}"
         yield "note", f"With the given rates {told}."
 
 
-def _safety(cut_sets: Sequence[Sequence[str]]) -> tuple[str, str]:
+def _lost(cut_sets: Sequence[CutSet], *, aborts: bool) -> Iterator[tuple[str, str]]:
+    """What keeps a mission from success."""
+    if () in cut_sets:
+        yield "fails", f"It {'can never succeed' if aborts else 'fails'} whatever the hardware does."
+    elif cut_sets:
+        lost = "; ".join(map(_together, cut_sets))
+        yield "note", f"It can succeed no more once this hardware is lost and not repaired: {lost}."
+    else:
+        keeps = "keeps it from success" if aborts else "makes it fail"
+        yield "holds", f"No loss of hardware alone {keeps}."
+
+
+def _survived(findings: Findings) -> Iterator[tuple[str, str]]:
+    """Which hardware may be lost alone; giving up safely is no success, and is told apart from it."""
+    causes, faulty = findings.causes, [h for h in findings.check.mission_net.mission.hardware if h.faulty]
+    if causes is None:
+        return
+
+    def left(cut_sets: Sequence[CutSet]) -> list[str]:
+        alone = {lost[0] for lost in cut_sets if len(lost) == 1}
+        return [] if () in cut_sets else [h.name for h in faulty if h.name not in alone]
+
+    succeeding = left(causes.mission.cut_sets)
+    if causes.safety is None:
+        if succeeding:
+            yield "holds", f"It survives the loss of any one of these alone: {', '.join(succeeding)}."
+        return
+    if succeeding:
+        yield "holds", f"It can succeed after the loss of any one of these alone: {', '.join(succeeding)}."
+    aborting = [name for name in left(causes.safety.cut_sets) if name not in succeeding]
+    if aborting:
+        names = ", ".join(aborting)
+        yield "note", f"After the loss of any one of these alone it can only be aborted: {names}."
+
+
+def _together(lost: CutSet) -> str:
+    return enumeration(lost) + (" together" if len(lost) > 1 else "")
+
+
+def _safety(cut_sets: Sequence[CutSet]) -> tuple[str, str]:
     """What makes a mission that can abort end in neither success nor abort."""
     if () in cut_sets:
         return "fails", "It can never succeed, and never be aborted."
     if not cut_sets:
         return "holds", "Whatever hardware is lost, it can still succeed or be aborted."
-    lost = "; ".join(enumeration(lost) + (" together" if len(lost) > 1 else "") for lost in cut_sets)
+    lost = "; ".join(map(_together, cut_sets))
     return (
         "note",
         f"It can neither succeed nor be aborted once this hardware is lost and not repaired: {lost}.",
@@ -225,13 +261,9 @@ def _effect(row: Row) -> str:
 
 def _risk(risk: Risk) -> Table:
     """Numbers of risk: the mission's, then the importance of each hardware resource."""
-    rows = [
-        ("probability of success", f"{risk.success:.6g}"),
-        ("probability of failure", f"{risk.failure:.6g}"),
-        ("times in a degraded mode, expected", f"{risk.degraded_modes:.6g}"),
-    ]
-    ranked = sorted(risk.importance.items(), key=lambda pair: -pair[1])
-    rows += [(f"importance of {name}", f"{value:.6g}") for name, value in ranked]
+    said = {end: f"probability of {end}" for end in ("success", "abort", "failure")}
+    said["degraded modes"] = "times in a degraded mode, expected"
+    rows = [(said.get(name, name), f"{value:.6g}") for name, value in risk_counts(risk)]
     return Table("Risk", ("what", "value"), rows)
 
 
@@ -266,10 +298,12 @@ def _cut(table: Table) -> Table:
 
 
 def _cause_tables(causes: Causes) -> list[Table]:
-    goals = [causes.mission, *causes.objectives.values()]
+    goals = [(goal.name, goal) for goal in (causes.mission, *causes.objectives.values())]
+    if causes.safety is not None:
+        goals.insert(1, (f"{causes.safety.name}: its safe ends", causes.safety))
     sets = [
-        (goal.name, enumeration(lost or ("nothing: it fails anyway",)), str(len(lost)))
-        for goal in goals
+        (name, enumeration(lost or ("nothing: it fails anyway",)), str(len(lost)))
+        for name, goal in goals
         for lost in goal.cut_sets
     ]
     critical = [

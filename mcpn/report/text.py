@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
-from mcpn.report.words import in_words, modes_together
+from mcpn.report.words import in_words, modes_together, skipped_in_words
 
 if TYPE_CHECKING:
     from mcpn.check.compare import Measurement
@@ -98,25 +98,12 @@ def print_comparison(found: Sequence[Measurement]) -> None:
     ran = [m for m in found if m.sizes is not None]
     slowest = max((m.seconds for m in ran), default=0.0)
     counted = ("states", "edges", "stable_states", "dead_states")
-    heads = (
-        "engine",
-        "states",
-        "edges",
-        "stable",
-        "dead",
-        "seconds",
-        "speed",
-        "MB",
-        "nodes",
-        "peak",
-        "order",
-    )
+    heads = ("engine", "states", "edges", "stable", "dead", "seconds", "speed", "MB", "nodes")
     rows: list[tuple[str, ...]] = [heads]
     for m in ran:
-        sizes = {name: "" if size is None else str(size) for name, size in (m.sizes or {}).items()}
+        sizes = ["" if (size := (m.sizes or {})[name]) is None else str(size) for name in (*counted, "nodes")]
         took = (f"{m.seconds:.3f}", f"{slowest / m.seconds:.1f} x", str(m.megabytes))
-        diagram = (sizes["nodes"], sizes["peak_nodes"], m.order or "")
-        rows.append((m.engine, *(sizes[name] for name in counted), *took, *diagram))
+        rows.append((m.engine, *sizes[:-1], *took, sizes[-1]))
     terminal.columns(rows)
     for m in found:
         if m.sizes is None:
@@ -320,6 +307,8 @@ def _print_verdict(terminal: Terminal, mission_net: MissionNet, verdict: Verdict
     terminal.print(line, style=colour, indent=2, hang=5)
     if verdict.required and not verdict.holds:
         terminal.print(verdict.explanation, indent=7)
+    elif verdict.skipped:
+        terminal.print(skipped_in_words(verdict.skipped), indent=7)
     runs = verdict.runs if internal else verdict.runs_of_events
     for number, run in enumerate(runs, 1):
         if len(runs) > 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from mcpn.check.logic.names import Names
@@ -120,3 +120,13 @@ def modes_in_words(modes: Iterable[Mode]) -> tuple[str, ...]:
     """
     said = (", ".join(f"{a}: {way}" for a, way in mode.items() if a != way) for mode in modes)
     return tuple(dict.fromkeys(said))
+
+
+def skipped_in_words(names: Sequence[str]) -> str:
+    """That some objectives are skipped on a run.
+
+    >>> skipped_in_words(["take_picture", "measure"])
+    '2 objectives are skipped on the way: take_picture, measure'
+    """
+    several = "objectives are" if len(names) > 1 else "objective is"
+    return f"{len(names)} {several} skipped on the way: {', '.join(names)}"

@@ -36,6 +36,8 @@ class Numbers:
     failure: float
     degraded_modes: float
     importance: Mapping[str, float]
+    abort: float | None
+    safety_importance: Mapping[str, float] | None
 
 
 @dataclass(frozen=True)
@@ -81,10 +83,11 @@ class Dense:
         ]
         self.succeeded = {s for s, m in enumerate(markings) if m[found.success]}
         self.failed = {s for s, m in enumerate(markings) if m[found.failure]}
+        self.aborted = {s for s, m in enumerate(markings) if found.abort is not None and m[found.abort]}
+        self.ends = self.succeeded | self.failed | self.aborted
         self.edges: list[Edge] = []
         self.begin: dict[int, int] = {}
         self.out: dict[str, int] = {}
-        ends = self.succeeded | self.failed
         for source in range(graph.states):
             for label, target in graph.successors(source):
                 event = graph.net.transitions[label].event
@@ -93,7 +96,7 @@ class Dense:
                     self.begin[source] = target
                 elif source == 0 and event.what is What.OUT_OF_SERVICE:
                     self.out[event.element] = target
-                if event != START and source not in ends and self.runs[source]:
+                if event != START and source not in self.ends and self.runs[source]:
                     ended = frozenset(self.runs[source] - self.runs[target])
                     if event.what in (What.SUCCESS, What.FAILURE, What.TIMEOUT):
                         ended |= {event.element}
@@ -114,17 +117,21 @@ class Dense:
     def numbers(self) -> Numbers:
         """All numbers of the mission."""
         rates = {n: (h.failure_rate or 0.0, h.repair_rate or 0.0) for n, h in self.hardware.items()}
-        start = self.begin[0]
+        start, aborts = self.begin[0], self.found.abort is not None
         jumps = Jumps(self, rates)
-        success, failure = jumps.probability(self.succeeded, start), jumps.probability(self.failed, start)
-        importance = {}
+        success, failure, abort = (
+            jumps.probability(end, start) for end in (self.succeeded, self.failed, self.aborted)
+        )
+        importance, safely = dict[str, float](), dict[str, float]()
         for name in rates:
             frozen = Jumps(self, {**rates, name: (0.0, 0.0)})
             lost = self.begin[self.out[name]] if name in self.out else start
-            importance[name] = frozen.probability(self.succeeded, start) - frozen.probability(
-                self.succeeded, lost
-            )
-        return Numbers(success, failure, jumps.degraded_modes(start), importance)
+            for found, ends in ((importance, self.succeeded), (safely, self.succeeded | self.aborted)):
+                found[name] = frozen.probability(ends, start) - frozen.probability(ends, lost)
+        modes = jumps.degraded_modes(start)
+        if not aborts:
+            return Numbers(success, failure, modes, importance, None, None)
+        return Numbers(success, failure, modes, importance, abort, safely)
 
 
 class Jumps:
@@ -138,7 +145,7 @@ class Jumps:
         self.of = of
         possible = {name: self.possible(name, rates) for name in of.objectives}
         hasty = {s for s in range(of.states) for name in of.runs[s] if s not in possible[name]}
-        self.hasty = hasty - of.succeeded - of.failed
+        self.hasty = hasty - of.ends
         self.weights = [(edge, w) for edge in of.edges if (w := self.weight(edge, rates, possible)) > 0]
         total = np.zeros(of.states)
         for edge, w in self.weights:
@@ -199,8 +206,7 @@ class Jumps:
     def counts(self, state: int) -> bool:
         """Whether a state is a degraded mode that lasts."""
         first = {f"{a.name}.{a.alternatives[0].name}" for a in self.of.found.mission.activities}
-        ended = state in self.of.succeeded or state in self.of.failed
-        return bool(self.of.active[state] - first) and state not in self.hasty and not ended
+        return bool(self.of.active[state] - first) and state not in self.hasty | self.of.ends
 
     def solved(self, states: Collection[int], gained: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """What is expected to be gained before some states are left."""
@@ -304,15 +310,16 @@ def interrupted_missions(draw: st.DrawFn) -> Mission:
         chosen = draw(st.permutations(activities))[: draw(st.integers(1, 2))]
         names = [(f"o{next(numbers)}", a.name) for a in chosen]
         branches = (
-            Objective(name=n, activities=(a,), handlers=handlers(["succeed", "fail"])) for n, a in names
+            Objective(name=n, activities=(a,), handlers=handlers(["succeed", "fail", "abort"]))
+            for n, a in names
         )
         return Parallel(name=f"p{next(numbers)}", blocks=tuple(branches))
 
     row = [block() for _ in range(draw(st.integers(1, 3)))]
     siblings = [b.name for b in row]
-    routes = st.sampled_from([None, *siblings, "succeed"])
+    routes = st.sampled_from([None, *siblings, "succeed", "abort"])
     blocks = tuple(
-        replace(b, failure=draw(routes), handlers=handlers(["succeed", "fail", *siblings, b.name]))
+        replace(b, failure=draw(routes), handlers=handlers(["succeed", "fail", "abort", *siblings, b.name]))
         for b in row
     )
     of = robot(resources, *activities, events=events)
@@ -328,11 +335,14 @@ def any_missions(draw: st.DrawFn) -> Mission:
         draw: Given by hypothesis.
     """
     small = Shape(hardware=2, producers=1, alternatives=2, events=2, sections=5)
+    aborting = replace(small, aborts=3)
     chosen = draw(
         st.one_of(
             missions(small, sections=4),
             missions(small, own_hardware=True, shared_activities=False),
             missions(small, disjoint_branches=True),
+            missions(aborting),
+            missions(aborting, own_hardware=True, shared_activities=False),
         )
     )
     return draw(with_numbers(chosen))

@@ -8,7 +8,7 @@ from itertools import combinations
 
 from hypothesis import strategies as st
 
-from mcpn.mission.model import Block, Holder, Mission
+from mcpn.mission.model import Block, Holder, Mission, Objective
 from mcpn.net.compose import MissionNet
 from mcpn.net.petri import Marking
 from mcpn.testing import missions
@@ -139,6 +139,28 @@ def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
         return replace(mission, blocks=_unrouted(draw, mission.blocks))
 
     return drawn()
+
+
+@st.composite
+def coming_home(draw: st.DrawFn) -> Mission:
+    """Missions that need much to succeed, and come home, which aborts them, by most failures.
+
+    Args:
+        draw: Given by hypothesis.
+    """
+    mission = draw(fragile_missions(max_hardware=3, max_objectives=2, max_sections=4))
+    started = [a.name for a in mission.activities if not a.produces]
+    home = Objective(
+        name="home",
+        activities=(draw(st.sampled_from(started)),),
+        success="abort",
+        failure=draw(st.sampled_from(["fail", "abort"])),
+        retries=draw(st.sampled_from([0, 0, 1])),
+    )
+    leads = st.sampled_from(["home", "home", "abort", "fail"])
+    blocks = [replace(block, failure=draw(leads)) for block in mission.blocks]
+    blocks[-1] = replace(blocks[-1], success="succeed")
+    return replace(mission, blocks=(*blocks, home))
 
 
 def _unrouted(draw: st.DrawFn, blocks: tuple[Block, ...]) -> tuple[Block, ...]:

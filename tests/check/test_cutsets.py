@@ -427,7 +427,7 @@ def agree_on_all_causes(mission: Mission) -> None:
                 for g in goals
             ],
             [(s.section, s.cut_sets, s.always, s.at_most, s.run is None) for s in causes.survival],
-            [replace(row) for row in fmeca(causes.prospects)] if found.abort is None else [],
+            [replace(row) for row in fmeca(causes.prospects)],
         )
 
     first, *others = (told(Asked(found, engine).all) for engine in ENGINES)

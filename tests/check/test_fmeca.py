@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.check.causes.effects import Severity, changes
@@ -24,7 +24,7 @@ from mcpn.net.petri import Marking
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.check.asked import ENGINES, Asked
-from tests.check.oracle import Play, fragile_missions, minimal
+from tests.check.oracle import Play, coming_home, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
 
@@ -176,6 +176,10 @@ class Costs:
         self.mission_survives = cache(self.play.mission_survives)
         self.objective_survives = cache(self.play.objective_survives)
 
+    def ends_safely(self, marking: Marking, dead: frozenset[str]) -> bool:
+        """Whether the mission may still succeed or be aborted."""
+        return self.play.mission_survives(marking, dead, ("MISSION_success", "MISSION_abort"))
+
     def used(self, marking: Marking, section: ElementarySection) -> frozenset[tuple[str, str]]:
         return used_by(self.found, marking, section.activities)
 
@@ -183,6 +187,11 @@ class Costs:
         def crosses(survives: Callable[[Marking], bool]) -> bool:
             return survives(before) and not survives(after)
 
+        if self.found.abort is not None:
+            if crosses(lambda m: self.ends_safely(m, frozenset())):
+                return Severity.ROBOT_LOST
+            if crosses(lambda m: self.ends_safely(m, self.dead)):
+                return Severity.ROBOT_LOST_UNLESS_REPAIRED
         if crosses(lambda m: self.mission_survives(m, frozenset())):
             return Severity.MISSION_LOST
         if crosses(lambda m: self.mission_survives(m, self.dead)):
@@ -196,9 +205,9 @@ class Costs:
         """Every edge by which a resource fails while an objective runs."""
         runs = self.play.marks(f"OBJ_{section.name}")
         for before in self.play.reach([self.play.initial]):
-            for event, after in self.play.edges(before) if runs(before) else ():
-                if event.endswith("_EV_OOS"):
-                    yield event.removesuffix("_EV_OOS"), before, after
+            for happens, after in self.play.edges(before) if runs(before) else ():
+                if happens.endswith("_EV_OOS"):
+                    yield happens.removesuffix("_EV_OOS"), before, after
 
 
 def severities(found: MissionNet) -> dict[tuple[str, str], dict[Severity, set[frozenset[str]]]]:
@@ -215,7 +224,8 @@ def severities(found: MissionNet) -> dict[tuple[str, str], dict[Severity, set[fr
 @fewer(0.2)
 @given(
     fragile_missions(max_hardware=3, max_objectives=2, max_sections=5)
-    | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2),
+    | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2)
+    | coming_home(),
     st.sampled_from(ENGINES),
 )
 def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) -> None:
@@ -226,6 +236,7 @@ def test_severities_are_those_of_plain_search(mission: Mission, engine: Engine) 
     except (LimitError, ConfluenceError) as error:
         returns_early(type(error).__name__)
         return
+    event(max((row.worst for row in rows), default=Severity.NO_EFFECT).words)
     assert_severities(found, rows)
 
 
@@ -257,6 +268,31 @@ class Words:
     def mission_lost(self, marking: Marking) -> bool:
         return not self.costs.mission_survives(marking, self.costs.dead)
 
+    def unsafe(self, marking: Marking) -> bool:
+        """Whether only repairs may lead to a safe end, of a mission that can abort."""
+        return self.costs.found.abort is not None and not self.costs.ends_safely(marking, self.costs.dead)
+
+    def mission_effect(self, after: Marking) -> str:
+        """What a failure means for a mission that can abort."""
+        if not self.costs.ends_safely(after, frozenset()):
+            return "can neither succeed nor be aborted any more"
+        without_hope = not self.costs.mission_survives(after, frozenset())
+        if self.unsafe(after) and without_hope:
+            return "can be aborted only if repaired"
+        if self.unsafe(after):
+            return "can succeed or be aborted only if repaired"
+        if without_hope:
+            return "can only be aborted"
+        return (
+            "can succeed only if repaired, or be aborted" if self.mission_lost(after) else "can still succeed"
+        )
+
+    def regained(self, after: Marking, back: Marking) -> str:
+        """What the mission can do again when the resource is ready again."""
+        if self.mission_lost(after) and not self.mission_lost(back):
+            return "succeed"
+        return "be aborted" if self.unsafe(after) and not self.unsafe(back) else ""
+
     def of(self, hardware: str, before: Marking, after: Marking) -> dict[str, str]:
         """By column, for one failure."""
         back = next((m for e, m in self.play.edges(after) if e == f"{hardware}_EV_RD"), after)
@@ -282,7 +318,9 @@ class Words:
             if users
             else "by its event alone: not in use here",
         }
-        if not self.costs.mission_survives(after, frozenset()):
+        if self.costs.found.abort is not None:
+            told["mission_effect"] = self.mission_effect(after)
+        elif not self.costs.mission_survives(after, frozenset()):
             told["mission_effect"] = "cannot succeed any more"
         elif self.mission_lost(after):
             told["mission_effect"] = "can succeed only if repaired"
@@ -293,8 +331,8 @@ class Words:
             told["recovery"] = "none before the objective has failed"
             if not self.lost(back):
                 told["recovery"] = "the objective can succeed again"
-            if self.mission_lost(after) and not self.mission_lost(back):
-                told["recovery"] += ", then the mission can succeed"
+            if regained := self.regained(after, back):
+                told["recovery"] += f", then the mission can {regained}"
             return told
         same = self.costs.used(before, self.section) == self.costs.used(after, self.section)
         told["objective_effect"] = "none" if same else "goes on in another mode"
@@ -302,7 +340,8 @@ class Words:
         if not switched:
             told["compensation"] = "none" if self.mission_lost(after) else "none needed"
         if same and self.mission_lost(after):
-            told["recovery"] = "none" if self.mission_lost(back) else "the mission can succeed again"
+            regained = self.regained(after, back)
+            told["recovery"] = f"the mission can {regained} again" if regained else "none"
             return told
         told["recovery"] = {
             (True, True): "none needed",
@@ -317,7 +356,8 @@ class Words:
 @given(
     # The second kind contends: activities wait for what others hold, and stop where it fails.
     fragile_missions(max_hardware=3, max_objectives=2, max_sections=4)
-    | missions(max_hardware=2, max_objectives=2, max_sections=3, alternatives=2),
+    | missions(max_hardware=2, max_objectives=2, max_sections=3, alternatives=2)
+    | coming_home(),
     st.sampled_from(ENGINES),
 )
 def test_words_are_those_of_plain_search(mission: Mission, engine: Engine) -> None:

@@ -50,6 +50,8 @@ def assert_same(one: Risk, other: Risk) -> None:
     assert other.failure == pytest.approx(one.failure, rel=1e-9, abs=1e-12)
     assert other.degraded_modes == pytest.approx(one.degraded_modes, rel=1e-9, abs=1e-12)
     assert other.importance == pytest.approx(one.importance, rel=1e-9, abs=1e-12)
+    assert (other.abort is None) == (one.abort is None)
+    assert other.abort == pytest.approx(one.abort or 0.0, rel=1e-9, abs=1e-12) or other.abort is None
 
 
 def mission(hardware: list[Hardware], ways: dict[str, list[tuple[str, ...]]], *blocks: Block) -> MissionNet:

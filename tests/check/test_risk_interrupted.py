@@ -18,12 +18,12 @@ import pytest
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings
 from hypothesis import strategies as st
 
-from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.prospects import Prospects, refuse_reentry
 from mcpn.check.causes.risk import Risk, risk
 from mcpn.check.engines import Engine
 from mcpn.check.spaces import spaces_of
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError
-from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel
+from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
 from mcpn.mission.robot import DeclaredEvent, Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
@@ -43,6 +43,11 @@ def assert_same(found: Risk, numbers: Numbers) -> None:
     assert found.failure == pytest.approx(numbers.failure, rel=1e-9, abs=1e-11)
     assert found.degraded_modes == pytest.approx(numbers.degraded_modes, rel=1e-9, abs=1e-11)
     assert found.importance == pytest.approx(dict(numbers.importance), rel=1e-9, abs=1e-11)
+    assert (found.abort is None) == (numbers.abort is None)
+    if found.abort is not None and numbers.safety_importance is not None:
+        assert found.abort == pytest.approx(numbers.abort, rel=1e-9, abs=1e-11)
+        safely = dict(numbers.safety_importance)
+        assert found.safety_importance == pytest.approx(safely, rel=1e-9, abs=1e-11)
 
 
 def by(engine: Engine, mission: Mission) -> Risk:
@@ -153,6 +158,70 @@ INTERRUPTED: list[tuple[str, Mission, float]] = [
 ]
 
 
+ABORTED: list[tuple[str, Mission, float, float]] = [
+    # One objective, then a way home that may fail too.
+    (
+        "where it fails",
+        leaking(RHO, replace(leg(), failure="abort")),
+        END / (END + LAMBDA),
+        LAMBDA / (END + LAMBDA),
+    ),
+    ("by an event", leaking(RHO, leg(to("abort"))), END / STAGE, RHO / STAGE),
+    (
+        "and comes home or not",
+        leaking(
+            RHO,
+            replace(leg(to("home")), success="succeed"),
+            replace(other("home"), failure_probability=0.25, success="abort", failure="fail"),
+        ),
+        END / STAGE,
+        RHO / STAGE * 0.75,
+    ),
+    (
+        # The branch beside is stopped: it neither ends well nor badly.
+        "in a branch",
+        leaking(
+            RHO,
+            Parallel(
+                name="both",
+                blocks=(
+                    replace(other("beside", D), failure_probability=1.0),
+                    Recursive(name="r", blocks=(leg(to("abort")),)),
+                ),
+            ),
+        ),
+        0.0,
+        # It aborts while the leg runs; else all fails, be it by the leg or by what is beside.
+        RHO / STAGE,
+    ),
+]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    ("of", "success", "abort"), [row[1:] for row in ABORTED], ids=[row[0] for row in ABORTED]
+)
+def test_three_ends_against_closed_forms(of: Mission, success: float, abort: float, engine: Engine) -> None:
+    found = by(engine, of)
+    assert found.success == pytest.approx(success)
+    assert found.abort == pytest.approx(abort)
+    assert found.success + found.failure + abort == pytest.approx(1)
+
+
+def test_the_importance_of_what_brings_it_home() -> None:
+    """Two resources: one that the work needs, one that the way home needs; both are lost for good."""
+    hardware = (Hardware(name="h", failure_rate=LAMBDA), Hardware(name="motor", failure_rate=LAMBDA))
+    of = robot(hardware, activity("go", ("h",)), activity("free", ("motor",)))
+    home = replace(other("home"), success="abort", failure="fail")
+    for engine in ENGINES:
+        found = by(engine, mission(of, replace(leg(), success="succeed", failure="home"), home))
+        assert found.safety_importance is not None
+        # Without the motor a leg that fails ends badly; with it that never happens, as nothing else fails.
+        lost = LAMBDA / (END + LAMBDA)
+        assert found.importance == pytest.approx({"h": 1.0, "motor": 0.0})
+        assert found.safety_importance["motor"] == pytest.approx(lost)
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
     ("of", "success"), [row[1:] for row in INTERRUPTED], ids=[row[0] for row in INTERRUPTED]
@@ -177,6 +246,7 @@ def judge(mission: Mission) -> str:
     if len(found.net.transitions) > MOST_TRANSITIONS:
         return "too large"
     try:
+        refuse_reentry(found.graph)
         graph = direct(found.net, max_states=MOST_STATES)
     except (LimitError, ConfluenceError, DivergenceError) as error:
         return type(error).__name__
@@ -186,6 +256,8 @@ def judge(mission: Mission) -> str:
         assert_same(risk(Prospects(found, spaces_of(found).space(engine, "alternatives"))), numbers)
     handled = {i.event for section in found.graph.all_sections() for i in section.interruptions}
     rates = {event.name for event in mission.events if event.rate}
+    if found.abort is not None:
+        return "interruptions and abort" if handled & rates else "no interruption but abort"
     if not handled:
         return "no interruption"
     return "interruptions with rates" if handled & rates else "interruptions without rates"
@@ -219,3 +291,5 @@ def test_campaign() -> None:
     sys.stderr.write(f"\n{', '.join(f'{count} {what}' for what, count in found.most_common())}\n")
     assert found["interruptions with rates"] > number / 10
     assert found["interruptions without rates"] > number / 10
+    assert found["interruptions and abort"] > number / 20
+    assert found["no interruption but abort"] > number / 20

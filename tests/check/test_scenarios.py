@@ -43,7 +43,9 @@ def test_ulysse_runs_to_failure(ulysse_net: MissionNet, engine: Engine) -> None:
 def test_ulysse_survives_one_failure_at_most(ulysse_net: MissionNet, engine: Engine) -> None:
     asked = Asked(ulysse_net, engine)
     for section in (None, "coral_head.manual_moving", "transect.census", "transect.going_up"):
-        run = asked.prospects.most_failures(None if section is None else asked.sections[section])
+        run = asked.prospects.most_failures(
+            asked.prospects.mission, None if section is None else asked.sections[section]
+        )
         assert run is not None
         # The thruster is in use to the end; of the two sensors one may be lost.
         (failure,) = [e for e in events(run) if e.endswith("_EV_OOS")]
@@ -86,7 +88,7 @@ def test_runs_show_what_they_say(mission: Mission, engine: Engine) -> None:
     for name in asked.prospects.objectives:
         shown(name, f"OBJ_{name}_EV_FAIL")
     success = play.marks("MISSION_success")
-    robust = asked.prospects.most_failures()
+    robust = asked.prospects.most_failures(asked.prospects.mission)
     # The most failures before success, by plain search.
     ends = [m for m in play.forced(stop=success) if success(m)]
     if robust is None:

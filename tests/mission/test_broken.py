@@ -417,6 +417,59 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         9,
         "the event leak of o leads to q; expected one of succeed, fail, abort",
     ),
+    "abort that leads nowhere": (
+        body(f"\n<objective name='r' abort='surface'>{OK}</objective>"),
+        9,
+        "abort of r leads to surface; expected one of r, succeed, fail, abort",
+    ),
+    "abort that leads to a near name": (
+        body(f"<objective name='r' abort='homme'>{OK}</objective><objective name='home' activities='go'/>"),
+        8,
+        "did you mean home?",
+    ),
+    "abort that leads into a block": (
+        body(f"<objective name='r'>{OK}</objective>\n<objective name='s' abort='o' activities='go'/>"),
+        9,
+        "abort of s leads to o; expected one of r, s, succeed, fail, abort",
+    ),
+    "abort that leads out of an each": (
+        body(f"<each name='e' in='1'>\n<objective name='x' activities='go' abort='o'/></each>{OK}"),
+        9,
+        "abort of x leads to o; expected one of x, succeed, fail, abort",
+    ),
+    "abort of a branch that leads to its sibling": (
+        body(
+            "<parallel name='p'><objective name='o' activities='go'/>\n"
+            "<objective name='q' abort='o' activities='look'/></parallel>"
+        ),
+        9,
+        "abort of q leads to o; expected one of succeed, fail, abort",
+    ),
+    "abort of a use that leads into its protocol": (
+        body(PROTOCOLS.format(OK, OK) + "<use name='u' protocol='p' abort='o'/>"),
+        11,
+        "abort of u leads to o; expected one of u, succeed, fail, abort",
+    ),
+    "abort of no name": (
+        body(f"<objective name='r' abort='a b'>{OK}</objective>"),
+        8,
+        "abort of <objective> is 'a b'",
+    ),
+    "abort of a mission": (
+        body().replace("<mission ", "<mission abort='o' "),
+        1,
+        "found the attribute abort on <mission>",
+    ),
+    "abort of a handler": (
+        body("<on event='leak' goto='fail' abort='fail'/>" + OK, LEAK),
+        8,
+        "found the attribute abort on <on>",
+    ),
+    "block called abort": (
+        body("<objective name='abort' activities='go'/>"),
+        8,
+        "a block cannot be called abort, the name of a route",
+    ),
     "on without goto": (body("<on event='leak'/>" + OK, LEAK), 8, "<on> has no attribute goto"),
     "on without event": (body("<on goto='fail'/>" + OK, LEAK), 8, "<on> has no attribute event"),
     "on with a bad goto": (

@@ -24,7 +24,7 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Parameter, Robot
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import as_net, compose
-from mcpn.report.openpsa import open_psa
+from mcpn.report.failures.openpsa import open_psa
 from mcpn.testing import missions
 from tests.small import activity, hw, mission, robot
 

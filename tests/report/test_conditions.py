@@ -1,10 +1,136 @@
-"""Sentences of failure."""
+"""Sentences of failure, of missions that can abort at both levels."""
 
 from __future__ import annotations
 
-from mcpn.report.causes import condition
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from mcpn.check.causes.effects import Severity
+from mcpn.check.causes.find import Causes, find_causes
+from mcpn.check.causes.fmeca import fmeca
+from mcpn.check.engines import Engine
+from mcpn.check.verdicts.mission import check
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.report.failures.sentences import condition, headlines, survived
+from mcpn.report.findings import findings
+from mcpn.report.page import page
+from tests.check.asked import ENGINES
 
 
 def test_sentences() -> None:
     assert condition("x", [("A",), ("B", "C", "D")]) == "x fails if A, or if B, C and D"
     assert condition("x", [()]) == "x can never succeed"
+
+
+SURVEY = """<mission name="survey" xmlns="urn:mcpn:mission:1">
+  <robot name="boat">
+    <hardware name="sonar" failure_rate="0.1"/><hardware name="rudder" failure_rate="0.1"/>
+    <hardware name="motor" failure_rate="0.1"/>
+    <activity name="look"/>
+    <activity name="map" consumes="sonar motor"/>
+    <activity name="steer"><alternative name="by_rudder" consumes="rudder motor"/>
+      <alternative name="by_motor" consumes="motor"/></activity>
+  </robot>
+  <objective name="look" activities="look" duration="1" failure="home"/>
+  <objective name="lines" activities="map" duration="1" success="succeed" failure="home" retries="1"/>
+  <objective name="home" activities="steer" duration="1" success="abort"/>
+</mission>
+"""
+"""The sonar is needed for success, the motor for a safe end too, the rudder for neither."""
+
+
+@pytest.fixture(scope="module")
+def survey(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("survey") / "survey.xml"
+    path.write_text(SURVEY)
+    return path
+
+
+@pytest.fixture(scope="module", params=ENGINES)
+def causes(survey: Path, request: pytest.FixtureRequest) -> Causes:
+    engine: Engine = request.param
+    return find_causes(compose(read_mission(survey)), engine=engine)
+
+
+def test_both_levels_stand_in_the_headlines(causes: Causes) -> None:
+    assert list(headlines(causes)) == [
+        "survey cannot succeed if motor, or if sonar",
+        "survey cannot end safely, in success or abort, if motor",
+    ]
+    moments = {found.section: list(survived(found)) for found in causes.survival}
+    unsafe = (
+        "the loss of motor keeps it from a safe end, success or abort, which survives at most 2 losses, "
+        "and not every loss by itself"
+    )
+    assert moments[None] == [
+        "the loss of motor, or of sonar keeps it from success, which survives at most 1 loss, "
+        "and not every loss by itself",
+        unsafe,
+    ]
+    assert moments["home"] == ["the mission can no longer succeed", unsafe]
+    start = causes.survival[0]
+    assert start.safety is not None
+    assert start.safety.run is not None
+    assert str(start.safety.run.events[-1]) == "OBJ_home_EV_OK"
+
+
+def test_what_each_failure_costs(causes: Causes) -> None:
+    rows = {(row.hardware, row.objective): row for row in fmeca(causes.prospects)}
+    severities: Mapping[tuple[str, str], Severity] = {pair: row.severity for pair, row in rows.items()}
+    assert severities == {
+        ("sonar", "look"): Severity.MISSION_LOST_UNLESS_REPAIRED,
+        ("sonar", "lines_try1"): Severity.MISSION_LOST_UNLESS_REPAIRED,
+        ("sonar", "lines_try2"): Severity.MISSION_LOST,
+        ("sonar", "home"): Severity.NO_EFFECT,
+        ("rudder", "look"): Severity.NO_EFFECT,
+        ("rudder", "lines_try1"): Severity.NO_EFFECT,
+        ("rudder", "lines_try2"): Severity.NO_EFFECT,
+        ("rudder", "home"): Severity.DEGRADED,
+        ("motor", "look"): Severity.ROBOT_LOST_UNLESS_REPAIRED,
+        ("motor", "lines_try1"): Severity.ROBOT_LOST_UNLESS_REPAIRED,
+        ("motor", "lines_try2"): Severity.ROBOT_LOST_UNLESS_REPAIRED,
+        ("motor", "home"): Severity.ROBOT_LOST,
+    }
+    motor, sonar = rows["motor", "look"], rows["sonar", "lines_try2"]
+    assert motor.mission_effect == "can succeed or be aborted only if repaired"
+    assert motor.recovery == "the mission can succeed again"
+    assert (sonar.mission_effect, sonar.compensation) == ("can only be aborted", "its failure leads to home")
+    assert rows["motor", "lines_try2"].mission_effect == "can be aborted only if repaired"
+    regained = "none before the objective has failed, then the mission can be aborted"
+    assert rows["motor", "lines_try2"].recovery == regained
+    assert rows["motor", "home"].mission_effect == "can neither succeed nor be aborted any more"
+
+
+def test_the_page_does_not_count_an_abort_as_success(survey: Path) -> None:
+    html = page(findings(compose(read_mission(survey))))
+    for told in (
+        "It can succeed no more once this hardware is lost and not repaired: motor; sonar.",
+        "It can neither succeed nor be aborted once this hardware is lost and not repaired: motor.",
+        "It can succeed after the loss of any one of these alone: rudder.",
+        "After the loss of any one of these alone it can only be aborted: sonar.",
+        "probability of abort",
+        "robot lost unless repaired",
+    ):
+        assert told in html
+    assert "It survives" not in html
+
+
+def test_the_run_to_success_says_what_it_skips(tmp_path: Path) -> None:
+    """Nothing takes the picture: a mission that goes on without it says so."""
+    path = tmp_path / "m.xml"
+    path.write_text(
+        """<mission name="m" xmlns="urn:mcpn:mission:1"><robot name="r">
+        <hardware name="h"/><activity name="a" consumes="h"/></robot>
+        <objective name="go" activities="a"/>
+        <objective name="picture" activities="a" retries="1" success="picture" failure="back"/>
+        <objective name="back" activities="a"/></mission>"""
+    )
+    for engine in ENGINES:
+        verdict = check(compose(read_mission(path)), engine=engine).verdicts["success_reachable"]
+        assert (verdict.holds, verdict.skipped) == (True, ("picture",))
+    path.write_text(path.read_text().replace('success="picture"', ""))
+    for engine in ENGINES:
+        assert check(compose(read_mission(path)), engine=engine).verdicts["success_reachable"].skipped == ()

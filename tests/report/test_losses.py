@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from hypothesis import given
+from hypothesis import event, given
 
 from mcpn.check.causes.cutsets import CutSet, Moment
 from mcpn.errors import ConfluenceError, LimitError
@@ -17,10 +17,10 @@ from mcpn.mission.model import (
     Recursive,
 )
 from mcpn.net.compose import MissionNet, compose
-from mcpn.report.openpsa import Formula, Losses, structured
+from mcpn.report.failures.openpsa import Formula, Losses, structured
 from mcpn.space.stable.alternatives import direct
 from tests.check.asked import Asked
-from tests.check.oracle import Play, fragile_missions, minimal
+from tests.check.oracle import Play, coming_home, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
 from tests.small import activity, hw, mission, robot
@@ -31,7 +31,7 @@ def test_ulysse(ulysse_net: MissionNet) -> None:
 
 
 @fewer(0.75)
-@given(fragile_missions(max_hardware=4))
+@given(fragile_missions(max_hardware=4) | coming_home())
 def test_where_nothing_contends_the_text_says_what_the_graph_says(mission: Mission) -> None:
     agree(compose(mission))
 
@@ -57,6 +57,11 @@ def agree(found: MissionNet) -> None:
         returns_early("the text alone does not decide")
         return
     assert minimal(tree.cut_sets("mission-lost")) == asked.cut_sets(None, Moment.START)
+    safety = asked.cuts.safety
+    assert (safety is None) == ("robot-lost" not in tree.gates)
+    if safety is not None:
+        event("can be aborted")
+        assert minimal(tree.cut_sets("robot-lost")) == asked.cuts.found(safety).minimal[Moment.START]
     for section in found.graph.sections:
         if asked.prospects.entered(section):
             assert lost_from(section.name) == asked.cut_sets(None, Moment.ENTRY, section.name)

@@ -19,11 +19,11 @@ from mcpn.mission.model import Mission
 from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
-from mcpn.report.openpsa import open_psa
+from mcpn.report.failures.openpsa import open_psa
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import missions
 from tests.check.asked import Asked
-from tests.check.oracle import fragile_missions, minimal
+from tests.check.oracle import coming_home, fragile_missions, minimal
 from tests.draws import fewer
 from tests.shares import returns_early
 
@@ -64,6 +64,7 @@ GRAMMAR = """
 """
 
 Sets = set[frozenset[str]]
+NUMBERED = missions(max_objectives=2, max_sections=5, numbers=True)
 
 
 def solve(document: bytes) -> dict[str, list[CutSet]]:
@@ -96,18 +97,23 @@ def solve(document: bytes) -> dict[str, list[CutSet]]:
     return {str(name): minimal(expand(gate[-1])) for name, gate in gates.items()}
 
 
-def cut_sets(found: MissionNet, max_states: int) -> tuple[list[CutSet], dict[str, list[CutSet]]]:
+def cut_sets(
+    found: MissionNet, max_states: int
+) -> tuple[list[CutSet], dict[str, list[CutSet]], list[CutSet] | None]:
     direct(found.net, max_states=max_states)
     asked = Asked(found)
+    safety = asked.cuts.safety
+    safe = None if safety is None else asked.cuts.found(safety).minimal[Moment.START]
     objectives = {name: asked.cut_sets(name, Moment.ENTRY) for name in asked.prospects.objectives}
-    return asked.cut_sets(None, Moment.START), objectives
+    return asked.cut_sets(None, Moment.START), objectives, safe
 
 
 def check(found: MissionNet, max_states: int = 5000) -> bytes:
-    mission, objectives = cut_sets(found, max_states)
-    document = open_psa(found.usage, mission, objectives)
+    mission, objectives, safety = cut_sets(found, max_states)
+    document = open_psa(found.usage, mission, objectives, safety)
     solved = solve(document)
     assert solved["mission-lost"] == mission
+    assert solved.get("robot-lost") == safety
     for name, expected in objectives.items():
         assert solved[f"objective-{name.replace('.', '-')}"] == expected
     return document
@@ -123,7 +129,7 @@ def test_ulysse_follows_the_mission(ulysse_net: MissionNet) -> None:
 
 
 @fewer(0.3)
-@given(missions(max_objectives=2, max_sections=5, numbers=True) | fragile_missions(max_hardware=3))
+@given(NUMBERED | coming_home() | fragile_missions(max_hardware=3))
 def test_cut_sets_read_back_are_ours(mission: Mission) -> None:
     found = compose(mission)
     try:
@@ -210,20 +216,21 @@ def lost(cut_sets: list[CutSet], mission: Mission) -> float:
 
 def _without_mission(document: bytes) -> bytes:
     root = etree.fromstring(document)
-    (gate,) = root.findall(".//define-gate[@name='mission-lost']")
-    parent = gate.getparent()
-    assert parent is not None
-    parent.remove(gate)
+    for tree in root.iter("define-fault-tree"):
+        for gate in tree.findall("define-gate"):
+            if gate.get("name") in ("mission-lost", "robot-lost"):
+                tree.remove(gate)
     return etree.tostring(root)
 
 
 def compare_with_scram(mission: Mission, folder: Path) -> None:
     found = compose(mission)
-    ours, objectives = cut_sets(found, 1000)
-    document = open_psa(found.usage, ours, objectives)
+    ours, objectives, safety = cut_sets(found, 1000)
+    document = open_psa(found.usage, ours, objectives, safety)
     faulty = [h for h in mission.hardware if h.faulty]
     quantitative = any(h.failure_rate is not None for h in faulty)
     tops = {"mission-lost": ours} | {f"objective-{n.replace('.', '-')}": c for n, c in objectives.items()}
+    tops |= {} if safety is None else {"robot-lost": safety}
     # SCRAM solves top gates, those that no other gate uses: without the mission's, the objectives' are.
     read = scram(document, folder, probability=quantitative)
     read |= scram(_without_mission(document), folder, probability=quantitative)
@@ -243,7 +250,7 @@ def compare_with_scram(mission: Mission, folder: Path) -> None:
 
 @needs_scram
 @fewer(0.4)
-@given(mission=missions(max_objectives=2, max_sections=5, numbers=True) | fragile_missions(max_hardware=3))
+@given(mission=NUMBERED | coming_home() | fragile_missions(max_hardware=3))
 def test_scram_reads_every_export_as_it_is_meant(
     tmp_path_factory: pytest.TempPathFactory, mission: Mission
 ) -> None:

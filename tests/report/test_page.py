@@ -18,7 +18,7 @@ from mcpn.mission.model import Handler, Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
-from mcpn.report.causes import fmeca_rows
+from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.runtime import Controller

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mcpn.check.verdicts.modes import Situation
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 
 
 class Severity(IntEnum):
-    """What a failure costs, the worst last. *Lost* means that no run leads to success any more."""
+    """What a failure costs, the worst last.
+
+    *Lost* means that no run leads to success any more. The robot is lost where none leads to abort either;
+    of a mission that cannot abort nothing is said of the robot.
+    """
 
     NO_EFFECT = 0
     """Nothing changes: what was in use goes on, whatever could succeed still can."""
@@ -26,11 +30,47 @@ class Severity(IntEnum):
     """The mission can succeed only if hardware is repaired."""
     MISSION_LOST = 4
     """The mission can no longer succeed, whatever is repaired."""
+    ROBOT_LOST_UNLESS_REPAIRED = 5
+    """The mission can end in success or abort only if hardware is repaired."""
+    ROBOT_LOST = 6
+    """The mission can no longer end in success or abort, whatever is repaired."""
 
     @property
     def words(self) -> str:
         """The class in words."""
         return self.name.lower().replace("_", " ")
+
+
+class Loss(NamedTuple):
+    """What can no longer be reached.
+
+    Args:
+        unrepaired: Whether the mission can succeed only by repairs.
+        for_ever: Whether it can no longer succeed.
+        unsafe_unrepaired: Whether it can succeed or be aborted only by repairs; ``None`` of a mission that
+            cannot abort.
+        unsafe_for_ever: Whether it can no longer succeed nor be aborted; ``None`` there too.
+    """
+
+    unrepaired: bool
+    for_ever: bool
+    unsafe_unrepaired: bool | None = None
+    unsafe_for_ever: bool | None = None
+
+    @property
+    def words(self) -> str:
+        """What it means for the mission."""
+        if self.unsafe_unrepaired is None:
+            if self.for_ever:
+                return "cannot succeed any more"
+            return "can succeed only if repaired" if self.unrepaired else "can still succeed"
+        if self.unsafe_for_ever:
+            return "can neither succeed nor be aborted any more"
+        if self.unsafe_unrepaired:
+            return f"can {'' if self.for_ever else 'succeed or '}be aborted only if repaired"
+        if self.for_ever:
+            return "can only be aborted"
+        return "can succeed only if repaired, or be aborted" if self.unrepaired else "can still succeed"
 
 
 @dataclass(frozen=True)
@@ -44,10 +84,10 @@ class Case:
         back: What they do when the resource is ready again.
         already_lost: Whether the objective could not succeed any more before it.
         objective_lost: Whether the objective can no longer succeed after it.
-        mission_lost: Whether the mission can succeed only by repairs.
-        lost_for_ever: Whether the mission can no longer succeed.
+        loss: What the mission can no longer reach.
         objective_regained: Whether the objective can succeed again when the resource is ready again.
         mission_regained: Whether the mission can.
+        safety_regained: Whether the mission can be aborted again, or succeed.
         elsewhere: By objective in other branches of the same block, what it does there, in words.
     """
 
@@ -57,10 +97,10 @@ class Case:
     back: Situation
     already_lost: bool
     objective_lost: bool
-    mission_lost: bool
-    lost_for_ever: bool
+    loss: Loss
     objective_regained: bool = False
     mission_regained: bool = False
+    safety_regained: bool = False
     elsewhere: tuple[tuple[str, str], ...] = ()
 
     def objective_effect(self) -> str:
@@ -71,9 +111,7 @@ class Case:
 
     def mission_effect(self) -> str:
         """What it means for the mission."""
-        if self.lost_for_ever:
-            return "cannot succeed any more"
-        return "can succeed only if repaired" if self.mission_lost else "can still succeed"
+        return self.loss.words
 
     def detection(self, usage: Usage, hardware: str) -> str:
         """How the failure of some hardware is noticed."""
@@ -95,22 +133,30 @@ class Case:
         taken = [after[a] for a, was in self.before.mode.items() if after.get(a, was) != was]
         if taken:
             return f"{', '.join(taken)} instead"
-        return "none" if self.mission_lost else "none needed"
+        return "none" if self.loss.unrepaired else "none needed"
 
     def recovery(self) -> str:
         """What happens when the resource is ready again while the objective still runs."""
         if self.objective_lost:
-            again = ", then the mission can succeed" if self.mission_regained else ""
+            regained = self._regained()
+            again = f", then the mission can {regained}" if regained else ""
             if self.objective_regained:
                 return f"the objective can succeed again{again}"
             return f"none before the objective has failed{again}"
-        if self.mission_lost and self.before == self.after:
-            return "the mission can succeed again" if self.mission_regained else "none"
+        if self.loss.unrepaired and self.before == self.after:
+            regained = self._regained()
+            return f"the mission can {regained} again" if regained else "none"
         if self.back.mode == self.after.mode:
             return (
                 "none needed" if self.back.mode == self.before.mode else "at the next start of the activity"
             )
         return "the former mode" if self.back.mode == self.before.mode else "another mode"
+
+    def _regained(self) -> str:
+        """What the mission can do again when the resource is ready again."""
+        if self.mission_regained:
+            return "succeed"
+        return "be aborted" if self.safety_regained else ""
 
 
 Around: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
@@ -119,14 +165,19 @@ Around: TypeAlias = Sequence[tuple[ParallelSection, Branch]]
 
 def route(section: ElementarySection, around: Around) -> str:
     """Where the failure of an objective leads."""
-    if section.failure not in (SUCCEED, FAIL):
+    if section.failure not in _ENDS:
         return f"its failure leads to {section.failure}"
     if not around:
-        return f"its failure ends the mission in {'success' if section.failure == SUCCEED else 'failure'}"
+        return f"its failure ends the mission in {_ENDS[section.failure]}"
     block, branch = around[-1]
+    if section.failure == ABORT:
+        return f"its failure aborts {block.name}"
     if section.failure == SUCCEED:
         return f"its failure is a success of {branch.name}"
     return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
+
+
+_ENDS = {SUCCEED: "success", FAIL: "failure", ABORT: "abort"}
 
 
 def joined(told: Iterable[str]) -> str:

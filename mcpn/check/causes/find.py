@@ -75,6 +75,7 @@ class Survival:
         always: So many resources may be lost whichever they are; ``None`` where success is out of reach.
         at_most: So many may be lost at most; ``None`` where success is out of reach.
         find_run: Looks for a run through that moment to success with the most failures on the way.
+        safety: The same of a safe end, success or abort; ``None`` of a mission that cannot abort.
     """
 
     section: str | None
@@ -82,6 +83,7 @@ class Survival:
     always: int | None
     at_most: int | None
     find_run: Callable[[], Run | None]
+    safety: Survival | None = None
 
     @cached_property
     def run(self) -> Run | None:
@@ -112,8 +114,14 @@ class Causes(Told):
     safety: GoalCauses | None = None
 
     def __repr__(self) -> str:
-        lost = "; ".join(" and ".join(cut_set) for cut_set in self.mission.cut_sets) or "no hardware"
-        return f"<causes of the mission {self.mission.name}: fails without {lost}>"
+        def lost(goal: GoalCauses) -> str:
+            return "; ".join(" and ".join(cut_set) for cut_set in goal.cut_sets) or "no hardware"
+
+        name, safety = self.mission.name, self.safety
+        if safety is None:
+            return f"<causes of the mission {name}: fails without {lost(self.mission)}>"
+        unsafe = f"no safe end without {lost(safety)}"
+        return f"<causes of the mission {name}: no success without {lost(self.mission)}, {unsafe}>"
 
     def of(self, objectives: Iterable[str]) -> Causes:
         """The causes of some elementary objectives only; an unknown one is an InputError."""
@@ -141,10 +149,6 @@ def find_causes(
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit: on states, memory or minimal cut sets.
-
-    See Also:
-        :mod:`mcpn.check.causes.fmeca`: what each single loss does, objective by objective.
-        :mod:`mcpn.check.causes.chain`: how probable it all is.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
     refuse_reentry(mission_net.graph)
@@ -175,13 +179,20 @@ def find_causes(
     def survival(section: Section | None) -> Survival:
         name = None if section is None else section.name
         step(Doing.FINDING_SURVIVAL_FROM if name else Doing.FINDING_SURVIVAL, section=name)
-        lost = cuts.defeating(cuts.mission, Moment.ENTRY if section else Moment.START, section)
-        cut_sets, survived = cuts.minimal(lost), cuts.images.everything - lost
-        always = at_most = None
-        if survived:
-            always = len(cut_sets[0]) - 1 if cut_sets else len(cuts.hardware)
-            at_most = cuts.images.sized(survived)
-        return Survival(name, cut_sets, always, at_most, partial(prospects.most_failures, section))
+
+        def survives(goal: Goal[Any], dying: Goal[Any], safety: Survival | None = None) -> Survival:
+            lost = cuts.defeating(dying, Moment.ENTRY if section else Moment.START, section)
+            cut_sets, survived = cuts.minimal(lost), cuts.images.everything - lost
+            always = at_most = None
+            if survived:
+                always = len(cut_sets[0]) - 1 if cut_sets else len(cuts.hardware)
+                at_most = cuts.images.sized(survived)
+            run = partial(prospects.most_failures, goal, section)
+            return Survival(name, cut_sets, always, at_most, run, safety)
+
+        living, dying = prospects.safety, cuts.safety
+        safety = None if living is None or dying is None else survives(living, dying)
+        return survives(prospects.mission, cuts.mission, safety)
 
     return Causes(
         mission_net,

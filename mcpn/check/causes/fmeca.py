@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 from itertools import compress
 from typing import Generic, NamedTuple, TypeAlias
 
-from mcpn.check.causes.effects import Case, Severity, changes, joined, local_effect, worth_telling
-from mcpn.check.causes.prospects import Goal, Prospects, refuse_abort
+from mcpn.check.causes.effects import Case, Loss, Severity, changes, joined, local_effect, worth_telling
+from mcpn.check.causes.prospects import Goal, Prospects, refuse_reentry
 from mcpn.check.verdicts.modes import Situation, said_by
 from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.events import What
@@ -75,8 +75,11 @@ def fmeca(prospects: Prospects[S], objectives: Collection[str] | None = None) ->
     Returns:
         A row for each resource that may fail and each objective that may run, in the mission's order of
         hardware, then of objectives; also where the failure has no effect, so that no pair is missing.
+
+    Raises:
+        LimitError: What aborts may lead back into what it stops.
     """
-    refuse_abort(prospects.mission_net, "the tables of FMECA")
+    refuse_reentry(prospects.mission_net.graph)
     return list(_Table(prospects).rows(objectives))
 
 
@@ -109,8 +112,9 @@ class _Table(Generic[S]):
         self.prospects = prospects
         self.space: Space[S] = prospects.space
         self.net = prospects.mission_net
-        self.lost = prospects.losing(prospects.mission, repairs=True)
-        self.lost_unrepaired = prospects.losing(prospects.mission, repairs=False)
+        goals = [goal for goal in (prospects.mission, prospects.safety) if goal is not None]
+        # As the fields of Loss: of success, then of safety where the mission can abort.
+        self.lost = [prospects.losing(g, repairs=r) for g in goals for r in (False, True)]
         self.oos = prospects.places("oos", prospects.hardware)
         self.some_out = self.space.marked(self.oos)
         self.images = ImageStore(len(self.oos))
@@ -123,8 +127,7 @@ class _Table(Generic[S]):
         self._modes: dict[str, dict[int, S]] = {}
         self._facts: Alike[_Facts | None] = Alike()
         self._lost_by_section = [
-            {piece.names: piece.kind for piece in self.space.pieces(region)}
-            for region in (self.lost, self.lost_unrepaired)
+            {piece.names: piece.kind for piece in self.space.pieces(region)} for region in self.lost
         ]
 
     def rows(self, objectives: Collection[str] | None) -> Iterator[Row]:
@@ -183,11 +186,9 @@ class _Table(Generic[S]):
         """The states before an edge by the worst threshold that it crosses."""
         found: dict[Severity, S] = {}
         left = self.space.enabling([transition]) & goal.running
-        for severity, region in (
-            (Severity.MISSION_LOST, self.lost),
-            (Severity.MISSION_LOST_UNLESS_REPAIRED, self.lost_unrepaired),
-            (Severity.OBJECTIVE_LOST, self.prospects.losing(goal, repairs=False)),
-        ):
+        regions = [self.prospects.losing(goal, repairs=False), *self.lost]
+        for number, region in reversed(list(enumerate(regions))):
+            severity = Severity(Severity.OBJECTIVE_LOST + number)
             if left and region:
                 found[severity] = (self.leading(region, [transition]) & left) - region
                 left = left - found[severity]
@@ -272,8 +273,8 @@ class _Table(Generic[S]):
         """That nothing changes, told of the states with the best prospects."""
         idle, hopeful = Situation(), states - self.prospects.losing(goal, repairs=False)
         best = hopeful or states
-        lost = not hopeful, not hopeful, not best - self.lost_unrepaired, not best - self.lost
-        return Case(Severity.NO_EFFECT, idle, idle, idle, *lost)
+        loss = Loss(*(not best - region for region in self.lost))
+        return Case(Severity.NO_EFFECT, idle, idle, idle, not hopeful, not hopeful, loss)
 
     def distinct(
         self, severity: Severity, states: S, transition: int, hardware: str, goal: Goal[S]
@@ -285,20 +286,22 @@ class _Table(Generic[S]):
         ways: tuple[tuple[Collection[int], ...], ...] = (), (fails,), (fails, repairs)
         asked = [
             lost,
-            *(self.leading(region, fails) for region in (lost, self.lost_unrepaired, self.lost)),
-            *(self.leading(region, fails, repairs) for region in (lost, self.lost_unrepaired)),
+            *(self.leading(region, fails) for region in (lost, *self.lost)),
+            *(self.leading(region, fails, repairs) for region in (lost, *self.lost[::2])),
             *(self.leading(modes[p], *steps) for steps in ways for p in changed),
         ]
-        n = len(changed)
+        n, m = len(changed), len(self.lost)
         for answers, those in _atoms(states, asked):
-            already, gone, unrepaired, ever, still_gone, still_unrepaired, *marked = answers
+            already, gone, *rest = answers
+            loss, still_gone = Loss(*rest[:m]), rest[m]
+            still, marked = rest[m + 1 : m + 1 + m // 2], rest[m + 1 + m // 2 :]
             before, after, back = (
                 said_by(self.net, compress(changed, marked[i * n : (i + 1) * n])) for i in range(3)
             )
-            regained = gone and not still_gone, unrepaired and not still_unrepaired
+            mission, *safety = (bool(was) and not now for was, now in zip(loss[::2], still, strict=False))
+            regained = gone and not still_gone, mission, any(safety)
             elsewhere = self.elsewhere(those, transition, goal.name) if before == after else ()
-            lost_after = already, gone, unrepaired, ever
-            yield Case(severity, before, after, back, *lost_after, *regained, elsewhere)
+            yield Case(severity, before, after, back, already, gone, loss, *regained, elsewhere)
 
     def elsewhere(self, states: S, transition: int, name: str) -> tuple[tuple[str, str], ...]:
         """By objective in another branch of the blocks around, what a failure does to its mode, in words."""

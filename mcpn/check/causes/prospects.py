@@ -28,21 +28,6 @@ from mcpn.space.memoized import memoized
 from mcpn.space.run import Run, transitions_of
 
 
-def refuse_abort(mission_net: MissionNet, what: str) -> None:
-    """Refuses a question that does not know of a third end, of a mission that can abort.
-
-    Args:
-        mission_net: The mission's net.
-        what: What is asked for, in words.
-
-    Raises:
-        LimitError: It can, or what aborts may lead back into what it stops.
-    """
-    if mission_net.abort is not None:
-        raise LimitError(f"the mission can be aborted (a route says abort): {what} know no third end yet")
-    refuse_reentry(mission_net.graph)
-
-
 def refuse_reentry(graph: ObjectivesGraph, around: tuple[ParallelSection, ...] = ()) -> None:
     """Refuses missions in which one event may abort a block and enter it again.
 
@@ -353,17 +338,18 @@ class Prospects(Generic[S]):
                 return self._run(run)
         return None
 
-    def most_failures(self, section: Section | None = None) -> Run | None:
-        """A shortest run to success among those in which the most resources fail.
+    def most_failures(self, goal: Goal[S], section: Section | None = None) -> Run | None:
+        """A shortest run to an end of the mission among those in which the most resources fail.
 
         Args:
+            goal: Of the mission: its success, or its safe ends.
             section: Counts failures from the entry of this section on, with all hardware in service there; by
                 default from the start of the mission.
 
         Returns:
-            The run; ``None`` where none succeeds.
+            The run; ``None`` where none ends so.
         """
-        space, goal, oos = self.space, self.mission, self.places("oos", self.hardware)
+        space, oos = self.space, self.places("oos", self.hardware)
         begin, prefix = space.initial.pick(), list[Edge]()
         if section is not None:
             found = space.run(begin, space.restricted(self.entered(section), (), oos))

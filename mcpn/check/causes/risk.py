@@ -26,11 +26,11 @@ from functools import cache
 from typing import Any
 
 from mcpn.check.causes.chain import ListedChain
-from mcpn.check.causes.prospects import Prospects, refuse_abort
+from mcpn.check.causes.prospects import Prospects, refuse_reentry
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.errors import InputError
 from mcpn.mission.facts.warnings import of_objectives
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
@@ -46,13 +46,15 @@ class Risk:
 
     Args:
         success: Probability of mission success.
-        failure: Probability of mission failure; with the former less than 1 where the mission need not end.
+        failure: Probability of mission failure; the ends make less than 1 where the mission need not end.
         degraded_modes: Expected number of times that the robot comes into a degraded functioning mode: one in
             which some activity runs in another alternative than its first. Infinite where it may go on so for
             ever.
         importance: Birnbaum importance by hardware: how much more probable success is if the resource never
             fails than if it is out of service from the start and never repaired.
         unrated: Declared events that interrupt something and have no rate: in the numbers they never happen.
+        abort: Probability of mission abort; ``None`` of a mission that cannot abort.
+        safety_importance: The same importance for success or abort; ``None`` of a mission that cannot abort.
     """
 
     success: float
@@ -60,6 +62,8 @@ class Risk:
     degraded_modes: float
     importance: Mapping[str, float]
     unrated: tuple[str, ...] = ()
+    abort: float | None = None
+    safety_importance: Mapping[str, float] | None = None
 
 
 def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
@@ -71,13 +75,14 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         max_states: Limit on states that are listed one by one.
 
     Returns:
-        Success, failure, degraded modes and importance.
+        The ends, degraded modes and importance.
 
     Raises:
         InputError: An objective that may run has no duration.
-        LimitError: There are too many states to be listed, or too much hardware to be remembered.
+        LimitError: There are too many states to be listed, or too much hardware to be remembered; or what
+            aborts may lead back into what it stops.
     """
-    refuse_abort(prospects.mission_net, "numbers of risk")
+    refuse_reentry(prospects.mission_net.graph)
     _refuse_unknown(prospects)
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)
@@ -87,12 +92,21 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         for h in prospects.hardware
     }
     expected = Outlook(model, rates)
-    importance = {}
+    found, aborts = expected.ends(), prospects.mission_net.abort is not None
+    importance, safely = dict[str, float](), dict[str, float]()
     for resource in rates:
         frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, expected)
-        importance[resource[1]] = frozen.ends()[0] - frozen.ends(resource)[0]
+        best, worst = frozen.ends(), frozen.ends(resource)
+        importance[resource[1]] = best[SUCCEED] - worst[SUCCEED]
+        safely[resource[1]] = importance[resource[1]] + best[ABORT] - worst[ABORT]
     return Risk(
-        *expected.ends(), expected.degraded_modes(), importance, tuple(_unrated(prospects.mission_net))
+        found[SUCCEED],
+        found[FAIL],
+        expected.degraded_modes(),
+        importance,
+        tuple(_unrated(prospects.mission_net)),
+        found[ABORT] if aborts else None,
+        safely if aborts else None,
     )
 
 
@@ -119,7 +133,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     if not isinstance(space, CompositeSpace):
         if not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
-        routes = {"success": SUCCEED, "failure": FAIL}
+        routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
         whole = ChainSection(
             ListedChain(prospects, hardware), hardware, tuple(prospects.sections.values()), routes
         )

@@ -28,9 +28,12 @@ from mcpn.check.causes.chain import CHUNK, Chain, Floats, ListedChain, totals
 from mcpn.check.causes.linear import LinearOperator, gmres, lu_factor, lu_solve
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
-from mcpn.mission.model import FAIL, SUCCEED
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.sections import Element
 from mcpn.space.markings.graph import Ints, Mask
+
+ENDS = (SUCCEED, FAIL, ABORT)
+"""The ends of a mission, in the order of their numbers."""
 
 MOST_HARDWARE = 16
 """Hardware resources whose status is remembered from one section to the next, at most."""
@@ -63,7 +66,7 @@ class Sections:
     """The sections of a mission, whose entries are numbered.
 
     An *entry* is a section with a status of the hardware that it and later ones use, its own in the lowest
-    bits; the two ends of the mission are numbered first.
+    bits; the ends of the mission are numbered first.
 
     Args:
         sections: The sections by name, in the mission's order.
@@ -89,9 +92,9 @@ class Sections:
         graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
         order = {name: number for number, name in enumerate(sections)}
         condensed = nx.condensation(graph)
-        self.used: dict[str, tuple[Element, ...]] = {SUCCEED: (), FAIL: ()}
-        self.first = {SUCCEED: 0, FAIL: 1}
-        self.entries = 2
+        self.used: dict[str, tuple[Element, ...]] = dict.fromkeys(ENDS, ())
+        self.first = {end: number for number, end in enumerate(ENDS)}
+        self.entries = len(ENDS)
         self.loops: list[tuple[list[str], Ints]] = []
         for number in reversed(list(nx.topological_sort(condensed))):
             members = sorted(condensed.nodes[number]["members"], key=order.__getitem__, reverse=True)
@@ -178,16 +181,16 @@ class Outlook:
         """The way through a section: one for all that are alike under the rates."""
         return self._passages[name]
 
-    def ends(self, lost: Element | None = None) -> tuple[float, float]:
-        """Probabilities of success and failure, if one resource is out of service at the start."""
+    def ends(self, lost: Element | None = None) -> Mapping[str, float]:
+        """Probabilities of the mission's ends, if one resource is out of service at the start."""
         entry = self.model.entry
-        success, failure = self._ends[self.model.first[entry] + _bit(lost, self.model.used[entry])].tolist()
-        return success, failure
+        found = self._ends[self.model.first[entry] + _bit(lost, self.model.used[entry])].tolist()
+        return dict(zip(ENDS, found, strict=True))
 
     @cached_property
     def _ends(self) -> Floats:
-        ends = np.eye(self.model.entries, 2)
-        return self._solved(self._reaching(ends[:, 0] + ends[:, 1] > 0), ends)
+        ends = np.eye(self.model.entries, len(ENDS))
+        return self._solved(self._reaching(np.asarray(ends.any(axis=1), np.bool_)), ends)
 
     def degraded_modes(self) -> float:
         """The expected number of jumps into another, degraded mode; infinite where it may go on for ever."""
@@ -203,7 +206,7 @@ class Outlook:
     def _by_entry(self, said: Callable[[Chain], Floats | Mask]) -> Floats:
         """What is said of the chains by status of a section's own hardware, by entry; 0 at the ends."""
         parts = [np.tile(said(p.chain), 1 << len(p.beside)) for p in self._passages.values()]
-        return np.concatenate([np.zeros(2), *parts])
+        return np.concatenate([np.zeros(len(ENDS)), *parts])
 
     def _reaching(self, goal: Mask) -> Mask:
         """The entries and ends from which some of given ones are reached with some probability."""
@@ -221,7 +224,7 @@ class Outlook:
         """What is gained at entries and ends, and then expected; 0 at entries outside ``inner``."""
         gained = gained.reshape(len(gained), -1)
         values = np.zeros(gained.shape)
-        values[:2] = gained[:2]
+        values[: len(ENDS)] = gained[: len(ENDS)]
         systems: dict[Hashable, Callable[[Floats], Floats]] = {}
         for members, heads in self.model.loops:
             self._sweep(members, inner, values, gained)

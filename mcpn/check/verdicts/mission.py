@@ -15,13 +15,11 @@ from typing import TYPE_CHECKING, Any
 from mcpn.check.engines import SMALL, Asked, Choice, answered
 from mcpn.check.spaces import Spaces, spaces_of
 from mcpn.check.verdicts.modes import Mode, functioning_modes
+from mcpn.check.verdicts.success import no_way_to_success, skipped, without_skipping
 from mcpn.check.verdicts.unselectable import Never, never_happens
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
 from mcpn.mission.facts.warnings import static_warnings
-from mcpn.mission.flatten import ObjectivesGraph
-from mcpn.mission.model import SUCCEED
 from mcpn.net.compose import MissionNet
-from mcpn.net.events import What
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space
 from mcpn.space.markings.explicit import Progress
@@ -48,9 +46,6 @@ UNDECIDED = {
 }
 """Why nothing else is known where one of these verdicts fails and there is no space to be asked."""
 
-
-MOST_READ = 200
-"""Objectives of a mission up to which the run that shows success leaves none out that need not fail."""
 
 RUNS = {
     "deadlock_free": (
@@ -84,12 +79,14 @@ class Verdict:
         holds: The answer, or ``None`` where it is not known.
         explanation: One sentence on what was found.
         runs: Witness or counterexample runs, the shortest first; two where two are needed.
+        skipped: Objectives that begin on the run that shows success, and never succeed on it.
     """
 
     name: str
     holds: bool | None
     explanation: str = ""
     runs: tuple[Run, ...] = ()
+    skipped: tuple[str, ...] = ()
 
     @property
     def runs_of_events(self) -> tuple[Run, ...]:
@@ -364,32 +361,27 @@ def _reachability(mission_net: MissionNet, space: Space[S], *, settles: bool) ->
     for name, goal in goals.items():
         step(Doing.DECIDING, question=name)
         good, found, nothing = RUNS[name]
+        if goal is success:
+            yield _success(mission_net, space, goal, settles=settles)
+            continue
         run = None
-        if goal is success and settles and sum(1 for _ in mission_net.graph.walk()) <= MOST_READ:
-            run = space.run(space.initial.pick(), goal, transitions=_nominal(mission_net))
-            found = found if run is None else f"a run without failures or interruptions {found[6:]}"
-        if goal and run is None:
+        if goal:
             run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
-        elif goal is success and run is None:
-            nothing += _no_way_to_success(mission_net.graph)
         if run is None:
             yield Verdict(name, not good, nothing)
         else:
             yield Verdict(name, good, found, (Run(space.net, transitions_of(run), settles=settles),))
 
 
-def _nominal(mission_net: MissionNet) -> list[int]:
-    """What happens where nothing fails and nothing interrupts the mission."""
-    good = (None, What.START, What.SUCCESS)
-    events = ((t, of.event) for t, of in enumerate(mission_net.net.transitions))
-    return [t for t, event in events if (event.what if event else None) in good]
-
-
-def _no_way_to_success(graph: ObjectivesGraph) -> str:
-    """Why no run succeeds, where the text alone says so."""
-    if any(SUCCEED in section.routes for section in graph.sections):
-        return ""
-    return (
-        ': no route of the mission leads to succeed; a block after which all is done says success="succeed", '
-        "by default success leads to the next block"
-    )
+def _success(mission_net: MissionNet, space: Space[S], goal: S, *, settles: bool) -> Verdict:
+    """Whether the mission can succeed; the run that shows it skips no objective if it need not."""
+    good, found, nothing = RUNS["success_reachable"]
+    run = without_skipping(mission_net, space, goal) if settles else None
+    if run is not None:
+        found = f"a run without failures or interruptions {found.removeprefix('a run ')}"
+    elif goal:
+        run = space.run(space.initial.pick(), goal) if settles else run_of_fewest_events(space, goal)
+    if run is None:
+        return Verdict("success_reachable", not good, nothing + no_way_to_success(mission_net.graph))
+    shown = Run(space.net, transitions_of(run), settles=settles)
+    return Verdict("success_reachable", good, found, (shown,), skipped(mission_net, shown))

@@ -62,7 +62,7 @@
 
   // --- the controller, as mcpn/controller/targets/json.py describes it ------------------------------------
   const machine = data.controller;
-  const START = "MISSION_EV_START", ENDS = new Map([["succeed", "success"], ["fail", "failure"]]);
+  const START = "MISSION_EV_START", ENDS = new Map([["succeed", "success"], ["fail", "failure"], ["abort", "abort"]]);
   const sections = new Map(machine.sections.map((section) => [section.name, section]));
   for (const type of machine.types) {
     type.moves = type.states.map(() => new Map());

@@ -15,7 +15,7 @@ Source: Epstein, Rauzy, *Open-PSA Model Exchange Format*, version 2.0d, sections
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property, reduce
+from functools import reduce
 from operator import and_, or_
 from typing import Literal, TypeAlias
 
@@ -30,31 +30,40 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware
 from mcpn.report.terminal import plain
 from mcpn.space.images import ImageStore
+from mcpn.space.memoized import memoized
 
 Reference: TypeAlias = tuple[Literal["gate", "basic-event"], str]
 Formula: TypeAlias = Reference | tuple[Literal["and", "or"], Sequence["Formula"]]
 """A reference, or a connective of formulas."""
 
 NEVER: Formula = ("or", ())
-MISSION = "mission-lost"
+MISSION, ROBOT = "mission-lost", "robot-lost"
+"""Top gates: no success any more; neither success nor abort any more."""
 
 MAX_OBJECTIVES = 500
 """Objectives of a mission whose tree follows its text; that of a longer one is flat."""
 
 
-def open_psa(usage: Usage, mission: Sequence[CutSet], objectives: Mapping[str, Sequence[CutSet]]) -> bytes:
+def open_psa(
+    usage: Usage,
+    mission: Sequence[CutSet],
+    objectives: Mapping[str, Sequence[CutSet]],
+    safety: Sequence[CutSet] | None = None,
+) -> bytes:
     """A fault tree whose top gates are the losses of the mission and of its objectives.
 
     Args:
         usage: The mission's static facts.
         mission: Minimal cut sets of the mission.
         objectives: Those of each elementary objective, by its name.
+        safety: Those of the mission's safe ends, success and abort, of a mission that can abort.
 
     Returns:
-        UTF-8 XML: gates ``mission-lost`` and ``objective-NAME``, a basic event for each faulty hardware
-        resource.
+        UTF-8 XML: gates ``mission-lost``, of missions that can abort ``robot-lost``, and ``objective-NAME``,
+        a basic event for each faulty hardware resource.
     """
     tops = {MISSION: mission} | {_objective(name): cut_sets for name, cut_sets in objectives.items()}
+    tops |= {} if safety is None else {ROBOT: safety}
     flat = _flat(usage, tops)
     if len(objectives) > MAX_OBJECTIVES:
         return flat.document()
@@ -107,6 +116,7 @@ class FaultTree:
         root = etree.Element("opsa-mef")
         tree = etree.SubElement(root, "define-fault-tree", name=_identifier(self.usage.mission.name))
         labels = {MISSION: f"mission {self.usage.mission.name} cannot succeed"}
+        labels[ROBOT] = f"mission {self.usage.mission.name} can neither succeed nor be aborted"
         labels |= {_objective(o.name): f"{o.name} cannot succeed" for o in self.usage.graph.walk()}
         labels |= {_activity(name): f"{name} has no possible alternative" for name in self.usage.started}
         for name in filter(self.gates.__contains__, labels):
@@ -136,8 +146,11 @@ def structured(usage: Usage) -> FaultTree:
         tree.gates[_activity(name)] = lost if tree.function(lost) else NEVER
     for section in usage.graph.walk():
         tree.gates[_objective(section.name)] = "or", [("gate", _activity(a)) for a in section.activities]
-    minimal = Losses(usage.graph).mission_from(usage.graph.entry)
-    tree.gates[MISSION] = _sum([("gate", _objective(name)) for name in names] for names in minimal)
+    losses = Losses(usage.graph)
+    tops = {MISSION: (SUCCEED,), **({ROBOT: (SUCCEED, ABORT)} if usage.graph.aborts else {})}
+    for top, ends in tops.items():
+        minimal = losses.mission_from(usage.graph.entry, *ends)
+        tree.gates[top] = _sum([("gate", _objective(name)) for name in names] for names in minimal)
     return tree
 
 
@@ -158,18 +171,23 @@ class Losses:
         single = map(images.store.singleton, ([number] for number in range(images.levels)))
         self._lost = dict(zip(self.objectives, map(images.upward, single), strict=True))
 
-    def mission_from(self, entry: str) -> list[tuple[str, ...]]:
-        """The minimal losses after which no run from the entry of a section of the graph succeeds.
+    def mission_from(self, entry: str, *ends: str) -> list[tuple[str, ...]]:
+        """The minimal losses after which no run from the entry of a section of the graph ends as wanted.
+
+        Args:
+            entry: The section.
+            ends: Ends of the mission that are wanted; success by default.
 
         Raises:
             LimitError: There are too many.
         """
-        minimal = sorted(self.images.minimal(self._mission[entry]), key=lambda lost: (len(lost), lost))
-        return [tuple(self.objectives[number] for number in lost) for lost in minimal]
+        lost = self._mission(*(ends or (SUCCEED,)))[entry]
+        minimal = sorted(self.images.minimal(lost), key=lambda names: (len(names), names))
+        return [tuple(self.objectives[number] for number in names) for names in minimal]
 
-    @cached_property
-    def _mission(self) -> Mapping[str, Zdd]:
-        return self._sections(self.graph, SUCCEED)
+    @memoized
+    def _mission(self, *ends: str) -> Mapping[str, Zdd]:
+        return self._sections(self.graph, *ends)
 
     def _sections(self, graph: ObjectivesGraph, *wanted: str) -> Mapping[str, Zdd]:
         """When no run from the entry of each section of a graph leads to an exit that is wanted.

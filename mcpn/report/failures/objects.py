@@ -1,0 +1,107 @@
+"""Failure causes as what JSON holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.find import Causes, GoalCauses, Survival
+from mcpn.check.causes.prospects import CriticalEvent
+from mcpn.net.events import Event
+from mcpn.report.failures.sentences import accomplished, condition, safe
+from mcpn.space.run import Run
+
+if TYPE_CHECKING:
+    from mcpn.check.causes.risk import Risk
+
+
+def causes_object(causes: Causes, *, runs: bool = True) -> dict[str, Any]:
+    """Failure causes as what JSON holds.
+
+    Args:
+        causes: Failure causes of a mission.
+        runs: Whether runs are looked for and told; without them their keys are left out.
+
+    Returns:
+        ``objectives``, by qualified name, and ``mission``, each with ``cut_sets`` (sorted lists of hardware
+        names), ``critical_events`` (names of events that cross into the losing region without repairs) and
+        what stands behind them; ``survival``, the start first, then each section.
+    """
+    of = condition if causes.safety is None else accomplished
+    return {
+        "mission": _goal(causes.mission, runs, of=of),
+        **({} if causes.safety is None else {"safety": _goal(causes.safety, runs, of=safe)}),
+        "objectives": {name: _goal(goal, runs) for name, goal in causes.objectives.items()},
+        "survival": [_survival(found, runs) for found in causes.survival],
+    }
+
+
+def _survival(found: Survival, runs: bool) -> dict[str, Any]:
+    safety = found.safety
+    return {
+        "section": found.section,
+        **_level(found, runs),
+        **({} if safety is None else {"safety": _level(safety, runs)}),
+    }
+
+
+def _level(found: Survival, runs: bool) -> dict[str, Any]:
+    return {
+        "cut_sets": _lists(found.cut_sets),
+        "always": found.always,
+        "at_most": found.at_most,
+        **({"run": _events(found.run)} if runs else {}),
+    }
+
+
+def _events(run: Run | None) -> list[str] | None:
+    return None if run is None else [str(event) for event in run.events]
+
+
+def _goal(
+    goal: GoalCauses, runs: bool, of: Callable[[str, Sequence[CutSet]], str] = condition
+) -> dict[str, Any]:
+    return {
+        "cut_sets": _lists(goal.cut_sets),
+        "critical_events": _texts(goal.critical_events),
+        "condition": of(goal.name, goal.cut_sets),
+        "moments": {moment: _lists(cut_sets) for moment, cut_sets in goal.moments.items()},
+        "critical": {
+            "without_repairs": _all_critical(goal.critical),
+            "with_repairs": _all_critical(goal.critical_with_repairs),
+        },
+        **({"runs": _runs(goal)} if runs else {}),
+        "monotone": goal.nonmonotone is None,
+    }
+
+
+def _runs(goal: GoalCauses) -> list[dict[str, Any]]:
+    return [{"cut_set": list(names), "events": _events(run)} for names, run in goal.runs.items()]
+
+
+def _texts(events: Sequence[Event]) -> list[str]:
+    return [str(event) for event in events]
+
+
+def _all_critical(found: Sequence[CriticalEvent]) -> list[dict[str, Any]]:
+    return [_critical(critical) for critical in found]
+
+
+def _critical(critical: CriticalEvent) -> dict[str, Any]:
+    return {
+        "event": str(critical.event),
+        "objectives": list(critical.objectives),
+        "mode": critical.mode,
+        "edges": critical.edges,
+    }
+
+
+def _lists(cut_sets: Sequence[CutSet]) -> list[list[str]]:
+    return [list(names) for names in cut_sets]
+
+
+def risk_object(numbers: Risk) -> dict[str, Any]:
+    """Numbers of risk as what JSON holds; what is of missions that can abort alone is left out of others."""
+    return {name: value for name, value in asdict(numbers).items() if value is not None}

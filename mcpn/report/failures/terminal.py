@@ -1,0 +1,157 @@
+"""Failure causes on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.check.causes.effects import Severity
+from mcpn.check.causes.find import Causes, GoalCauses, Survival
+from mcpn.check.causes.fmeca import Row
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event
+from mcpn.report.failures.sentences import condition, headlines, risk_counts, survived, without_a_rate
+from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
+from mcpn.report.terminal import Terminal
+from mcpn.report.text import print_counts, print_steps
+from mcpn.report.words import in_words, what_happens
+from mcpn.sentences import enumeration
+from mcpn.space.run import Run
+
+if TYPE_CHECKING:
+    from mcpn.check.causes.risk import Risk
+
+
+AFTER = "critical events: after them nothing but repair can help"
+
+
+def print_causes(causes: Causes) -> None:
+    """Prints conditions of failure, what is survived, runs to failure, and critical events."""
+    terminal = Terminal()
+    for told in headlines(causes):
+        terminal.print(told, style="bold")
+    shared: dict[tuple[CutSet, ...], list[str]] = {}
+    for name, goal in causes.objectives.items():
+        shared.setdefault(tuple(goal.cut_sets), []).append(name)
+    for cut_sets, names in shared.items():
+        told = condition(", ".join(names), cut_sets)
+        if len(names) > 1:
+            told = told.replace(" fails if ", " fail if ")
+        terminal.print(told, indent=2)
+    terminal.print()
+    _print_survival(terminal, causes.survival)
+    safety, mission_net = causes.safety, causes.mission_net
+    ends = [("failure" if safety is None else "no success", causes.mission)]
+    ends += [] if safety is None else [("no safe end", safety)]
+    for end, goal in ends:
+        for lost, run in goal.runs.items():
+            _print_run(terminal, mission_net, f"{end} {_by(lost)}", run)
+    start = causes.survival[0]
+    _print_run(terminal, mission_net, "success in spite of the most failures", start.run)
+    if start.safety is not None and start.safety.run != start.run:
+        _print_run(terminal, mission_net, "a safe end in spite of the most failures", start.safety.run)
+    if safety is not None:
+        leads = "critical events for {0}: after them nothing but repair can lead to {0}"
+        _print_critical(terminal, causes, causes.mission, leads.format("success"))
+        _print_critical(terminal, causes, safety, leads.format("a safe end"))
+    else:
+        _print_critical(terminal, causes, causes.mission, AFTER)
+    for goal in (causes.mission, *causes.objectives.values()):
+        if goal.nonmonotone is not None:
+            fewer = enumeration(goal.nonmonotone.lost or ("nothing",))
+            more = enumeration(goal.nonmonotone.larger)
+            told = f"{goal.name} may be lost with {fewer}, but not with {more}"
+            terminal.print(f"not monotone: {told}", style="yellow")
+
+
+def _print_survival(terminal: Terminal, survival: Sequence[Survival]) -> None:
+    """Moments that survive the same stand together."""
+    shared: dict[tuple[str, ...], list[str | None]] = {}
+    for found in survival:
+        shared.setdefault(tuple(survived(found)), []).append(found.section)
+    terminal.print("what the mission survives", style="bold")
+    for told, sections in shared.items():
+        if len(shared) == 1:
+            moments = "at any moment"
+        else:
+            named = ", ".join(name for name in sections if name)
+            moments = " and ".join(
+                [*(["from its start"] if None in sections else []), *([f"from {named} on"] if named else [])]
+            )
+        terminal.print(f"{moments}: {told[0]}", indent=2)
+        for further in told[1:]:
+            terminal.print(further, indent=6)
+
+
+def _by(lost: CutSet) -> str:
+    return f"by {enumeration(lost)}" if lost else "without any loss"
+
+
+def _print_run(terminal: Terminal, mission_net: MissionNet, what: str, run: Run | None) -> None:
+    if run is None:
+        return
+    terminal.print()
+    terminal.print(f"{what}:", style="bold")
+    print_steps(terminal, in_words(mission_net, run), indent=2)
+
+
+def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, heading: str) -> None:
+    """Events that decide, those that do so at the same moments together, with their identifiers."""
+    during: dict[Event, dict[str, None]] = {}
+    for critical in goal.critical or ():
+        during.setdefault(critical.event, {}).update(dict.fromkeys(critical.objectives or ("",)))
+    if not during:
+        return
+    shared: dict[frozenset[str], list[Event]] = {}
+    for event, objectives in during.items():
+        shared.setdefault(frozenset(objectives), []).append(event)
+    terminal.print()
+    terminal.print(heading, style="bold")
+    everything = frozenset((*causes.objectives, ""))
+    for moments, events in shared.items():
+        for event in events:
+            terminal.print(f"{what_happens(event, causes.mission.name)}  [{event}]", indent=2)
+        names = sorted(moments - {""})
+        if moments == everything:
+            told = "at any moment"
+        elif not names:
+            told = "while no objective runs"
+        else:
+            running = f"{names[0]} runs" if len(names) == 1 else f"one of these runs: {', '.join(names)}"
+            told = f"while {running}{', or none' if '' in moments else ''}"
+        terminal.print(told, indent=6)
+
+
+def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
+    """Prints the table in short: what fails while what runs, what happens, how bad it is.
+
+    Objectives on which a resource has the same effect stand together.
+    """
+    terminal = Terminal()
+    shared: dict[str, dict[tuple[str, str, str], list[str]]] = {}
+    for row, told in zip(rows, fmeca_rows(rows, classes), strict=True):
+        leads = [t for t in row.compensation.split("; or ") if t.startswith("its failure")]
+        effects = [t for t in (row.local_effect, *leads) if t != "none"]
+        key = told["severity"], told["with_others"], "; ".join(effects)
+        shared.setdefault(row.hardware, {}).setdefault(key, []).append(row.objective)
+    for hardware, effects_of in shared.items():
+        terminal.print()
+        terminal.print(f"if {hardware} fails", style="bold")
+        nothing = classes[Severity.NO_EFFECT], "", ""
+        for (severity, with_others, effect), objectives in effects_of.items():
+            if (severity, with_others, effect) == nothing and len(effects_of) > 1:
+                continue
+            terminal.print(f"during {', '.join(objectives)}", indent=2)
+            terminal.print(severity + (f"; {with_others}" if with_others else ""), indent=6)
+            if effect:
+                terminal.print(effect, indent=6)
+        if nothing in effects_of and len(effects_of) > 1:
+            terminal.print(f"during all others: {nothing[0]}", indent=2)
+
+
+def print_risk(numbers: Risk) -> None:
+    """Prints probabilities, degraded modes and importances, and which events do not count in them."""
+    print_counts({name: f"{value:.6g}" for name, value in risk_counts(numbers)})
+    if numbers.unrated:
+        Terminal().print(without_a_rate(numbers))
