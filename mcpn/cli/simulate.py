@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("file", type=FILE)
-@click.option("--events", type=FILE, help="Replay a file: what check and causes print as a run, or JSON.")
+@click.option(
+    "--events",
+    type=FILE,
+    help="Replay a file: what check and causes print as a run, JSON, or a journal of the runtime.",
+)
 @click.option("--tokens", is_flag=True, help="Fire the transitions of the net one by one, internal ones too.")
 @click.option("--random", "steps", type=click.IntRange(min=0), help="Take this number of steps at random.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the steps at random.")

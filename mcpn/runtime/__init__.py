@@ -14,13 +14,19 @@ What it promises:
 - A full queue is an error of the thread that puts an event (:class:`QueueFull`), never a lost event.
 - A snapshot that is truncated, changed or of another controller is an error, and changes nothing.
 - A hook that fails stops neither the controller nor the other hooks: all are called, then the errors are
-  raised together, the state being the new one.
+  raised together (:class:`HookErrors`), the state being the new one. A queue logs them and goes on, unless
+  it was told otherwise.
+- A file that is damaged is refused when it is loaded (:class:`ControllerFileError`), not while the robot
+  runs.
 """
 
-from mcpn.runtime.controller import Controller, Step
-from mcpn.runtime.machines import ControllerFileError
-from mcpn.runtime.queue import AsyncController, EventQueue, QueueFull
-from mcpn.runtime.tables import Action, ParameterValue, Refused, SnapshotError
+from mcpn.runtime.controller import Controller, Step, Where
+from mcpn.runtime.hooks import HookError, HookErrors
+from mcpn.runtime.journal import Journal, Watchdog
+from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
+from mcpn.runtime.shape import ControllerFileError
+from mcpn.runtime.snapshots import SnapshotError
+from mcpn.runtime.tables import Action, ParameterValue, Refused
 
 __all__ = [
     "Action",
@@ -28,9 +34,15 @@ __all__ = [
     "Controller",
     "ControllerFileError",
     "EventQueue",
+    "HookError",
+    "HookErrors",
+    "Journal",
     "ParameterValue",
+    "QueueClosed",
     "QueueFull",
     "Refused",
     "SnapshotError",
     "Step",
+    "Watchdog",
+    "Where",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import threading
 from collections import deque
@@ -12,26 +11,30 @@ from pathlib import Path
 from time import monotonic, perf_counter
 from typing import Any
 
-from mcpn.runtime.machines import ControllerFileError
-from mcpn.runtime.tables import (
-    ENDS,
-    START,
-    Action,
-    Inside,
-    Refused,
-    SnapshotError,
-    Tables,
-    TableSection,
-    read,
-)
+from mcpn.runtime.hooks import Hook, HookError, Hooks
+from mcpn.runtime.shape import ENDS, ControllerFileError
+from mcpn.runtime.snapshots import BEFORE, RUNNING, Saved, actions_to, read_snapshot
+from mcpn.runtime.tables import START, Action, Inside, Refused, Tables, TableSection, read
 from mcpn.runtime.timers import Timers
 
-SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 1
-BEFORE, RUNNING = "before", "running"
-
-Hook = Callable[[Action], object]
-
 _log = logging.getLogger("mcpn.runtime")
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """Where a controller is.
+
+    Args:
+        phase: ``before``, ``running``, or the outcome with which the mission has ended.
+        section: The section that runs.
+        state: The number of its state.
+        inside: What runs in it.
+    """
+
+    phase: str
+    section: str | None
+    state: int
+    inside: Inside
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +47,8 @@ class Step:
         taken: Whether the controller could take it.
         actions: What was ordered.
         seconds: How long the controller took, hooks aside.
+        before: Where the controller was.
+        after: Where it is then.
     """
 
     number: int
@@ -51,6 +56,8 @@ class Step:
     taken: bool
     actions: tuple[Action, ...]
     seconds: float
+    before: Where
+    after: Where
 
 
 class Controller:
@@ -74,7 +81,9 @@ class Controller:
         self._tables = tables
         self._on_refused = on_refused
         self._lock = threading.RLock()
-        self._hooks: dict[str | None, list[Hook]] = {}
+        self._timers = Timers(clock)
+        self.hooks = Hooks()
+        self._observers: list[Callable[[Step], object]] = []
         self.log: deque[Step] = deque(maxlen=log)
         self.count = 0
         self.refusals = 0
@@ -85,7 +94,6 @@ class Controller:
         self._state = 0
         self._out_of_service: set[str] = set()
         self._happened: set[str] = set()
-        self._timers = Timers(clock)
 
     @classmethod
     def load(cls, path: str | Path, **options: Any) -> Controller:
@@ -165,10 +173,24 @@ class Controller:
             return tuple(sorted(events))
 
     @property
+    def where(self) -> Where:
+        """All of this that changes with an event, but for the hardware."""
+        with self._lock:
+            name = self._section.name if self._section else None
+            return Where(self._phase, name, self._state, self.state)
+
+    @property
     def timers(self) -> Mapping[str, float]:
         """By objective that ends when its time is over, the seconds that it has left, the fewest first."""
         with self._lock:
             return self._timers.left
+
+    @property
+    def overdue(self) -> str | None:
+        """The event of the timer that was over first, to be handled now."""
+        with self._lock:
+            over = next((name for name, left in self._timers.left.items() if not left), None)
+            return None if over is None else f"OBJ_{over}_EV_TIMEOUT"
 
     # --- events ---
 
@@ -179,15 +201,14 @@ class Controller:
             Each event with its actions, as of :meth:`handle`.
 
         Raises:
-            ExceptionGroup: As of :meth:`handle`; later timers are left for the next time.
+            HookErrors: As of :meth:`handle`; later timers are left for the next time.
         """
         with self._lock:
             taken = []
             for _ in range(len(self._timers.left)):  # what follows has all its time
-                name = next((name for name, left in self._timers.left.items() if not left), None)
-                if name is None:
+                event = self.overdue
+                if event is None:
                     break
-                event = f"OBJ_{name}_EV_TIMEOUT"
                 taken.append((event, self.handle(event)))
             return tuple(taken)
 
@@ -202,24 +223,51 @@ class Controller:
 
         Raises:
             Refused: It cannot be taken now, and no ``on_refused`` was given.
-            ExceptionGroup: Hooks have failed; the event has been taken all the same.
+            HookErrors: Hooks have failed; the event has been taken all the same.
         """
         with self._lock:
-            started = perf_counter()
+            actions, failed = self.react(event)
+            self.hooks.call(event, actions, failed)
+            return actions
+
+    def react(self, event: str) -> tuple[tuple[Action, ...], list[HookError]]:
+        """The same without hooks, for those who carry out the actions themselves.
+
+        Returns:
+            The actions, and the failures of observers.
+
+        Raises:
+            Refused: As :meth:`handle`.
+        """
+        with self._lock:
+            before, started = self.where, perf_counter()
             actions = self._take(event)
             seconds = perf_counter() - started
             self.count += 1
             self.seconds += seconds
             self.slowest = max(self.slowest, seconds)
-            self.log.append(Step(self.count, str(event), actions is not None, actions or (), seconds))
+            taken = actions is not None
+            after = self.where if taken else before
+            step = Step(self.count, str(event), taken, actions or (), seconds, before, after)
+            self.log.append(step)
+            failed = self._tell(step)
             if actions is None:
-                return self._refuse(event)
+                for each in failed:
+                    _log.error("an observer has failed %s", each, exc_info=each.error)
+                return self._refuse(event), []
             self._timers.follow(actions)
             if _log.isEnabledFor(logging.INFO):
                 _log.info("%s: %s", event, "; ".join(map(str, actions)) or "nothing to do")
-            if self._hooks:
-                self._call_hooks(actions)
-            return actions
+            return actions, failed
+
+    def _tell(self, step: Step) -> list[HookError]:
+        failed: list[HookError] = []
+        for observer in self._observers:
+            try:
+                observer(step)
+            except Exception as error:
+                failed.append(HookError(step.event, None, error))
+        return failed
 
     def _refuse(self, event: object) -> tuple[Action, ...]:
         self.refusals += 1
@@ -287,88 +335,53 @@ class Controller:
             hook: What to call. Hooks are called in the order of the actions, then of their coming.
         """
         with self._lock:
-            self._hooks.setdefault(activity, []).append(hook)
+            self.hooks.add(activity, hook)
 
-    def _call_hooks(self, actions: tuple[Action, ...]) -> None:
-        errors: list[Exception] = []
-        for action in actions:
-            own = self._hooks.get(action.activity, []) if action.activity is not None else []
-            for hook in (*own, *self._hooks.get(None, ())):
-                try:
-                    hook(action)
-                except Exception as error:
-                    errors.append(error)
-        if errors:
-            raise ExceptionGroup("hooks have failed; the event has been taken", errors)
+    def observe(self, observer: Callable[[Step], object]) -> None:
+        """Has a function called with each step, refused ones too, before any hook: a log, a monitor.
+
+        What it raises does not keep the hooks from being called, and is raised with what they raise; at a
+        refused event it is logged.
+        """
+        with self._lock:
+            self._observers.append(observer)
 
     # --- snapshots ---
 
     def snapshot(self) -> str:
         """Where the controller is, as a text to be given to :meth:`restore`."""
         with self._lock:
-            left = self._timers.left
-            return json.dumps(
-                {
-                    "format": SNAPSHOT,
-                    "version": SNAPSHOT_VERSION,
-                    "controller": self._tables.digest,
-                    "phase": self._phase,
-                    "section": self._section.name if self._section else None,
-                    "state": self._state,
-                    "out_of_service": sorted(self._out_of_service),
-                    "happened": sorted(self._happened),
-                    "count": self.count,
-                    **({"timers": left} if left else {}),
-                }
+            saved = Saved(
+                self._phase,
+                self._section,
+                self._state,
+                self._out_of_service,
+                self._happened,
+                self.count,
+                self._timers.left,
             )
+            return saved.text(self._tables.digest)
 
-    def restore(self, snapshot: str) -> None:
-        """Goes back to where a snapshot was taken; the log and the times stay.
+    def restore(self, snapshot: str) -> tuple[Action, ...]:
+        """Goes back to where a snapshot was taken; the log and the times stay. No hook is called.
 
         Args:
             snapshot: What :meth:`snapshot` gave, of this very controller.
 
+        Returns:
+            The actions that bring the robot there, whatever it does now: every activity is stopped, all
+            hardware released, and what runs selected and started.
+
         Raises:
             SnapshotError: It is truncated, changed, or of another controller; nothing has changed.
         """
-        try:
-            said = json.loads(snapshot)
-            if said["format"] != SNAPSHOT or said["version"] != SNAPSHOT_VERSION:
-                raise SnapshotError("no snapshot of a version that is known here")
-            if said["controller"] != self._tables.digest:
-                raise SnapshotError("the snapshot is of another controller")
-            phase, name, state = said["phase"], said["section"], said["state"]
-            gone, count = set(said["out_of_service"]), said["count"]
-            happened = set(said.get("happened", ()))
-            left = {name: float(seconds) for name, seconds in said.get("timers", {}).items()}
-            section = None if name is None else self._tables.sections[name]
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-            if isinstance(error, SnapshotError):
-                raise
-            raise SnapshotError(f"the snapshot is not whole: {error!r}") from error
-        whole = (
-            phase in (BEFORE, RUNNING, *ENDS.values())
-            and (section is not None) == (phase == RUNNING)
-            and type(state) is int
-            and (section is not None or state == 0)
-            and gone <= set(self._tables.hardware)
-            and happened <= self._tables.once
-            and type(count) is int
-            and count >= 0
-        )
-        timeouts = self._tables.laws.timeouts
-        running = set[str]()
-        if whole and section:
-            whole = section.whole(state, gone, happened)
-            running = timeouts.keys() & section.state(state).objectives if whole else running
-        whole = whole and left.keys() == running
-        whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
-        if not whole:
-            raise SnapshotError("the snapshot says what cannot be")
+        saved = read_snapshot(snapshot, self._tables)
         with self._lock:
-            self._phase, self._section, self._state = phase, section, state
-            self._out_of_service, self._happened, self.count = gone, happened, count
-            self._timers.restore(left)
+            self._phase, self._section, self._state = saved.phase, saved.section, saved.state
+            self._out_of_service, self._happened = saved.out_of_service, saved.happened
+            self.count = saved.count
+            self._timers.restore(saved.timers)
+            return tuple(actions_to(self.state, self._tables.laws))
 
 
-__all__ = ["Controller", "ControllerFileError", "Hook", "Step"]
+__all__ = ["Controller", "ControllerFileError", "Hook", "Step", "Where"]

@@ -7,14 +7,11 @@ their numbers in the type; actions are lists, by number.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Set
+from collections.abc import Collection, Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-
-class ControllerFileError(ValueError):
-    """A file is no controller that this runtime can run."""
-
+from mcpn.runtime.shape import LISTS, MODES
 
 Step = tuple[int | str, int, Set[int]]
 """The state after an event, or the outcome with which the section is left; the actions; what has happened."""
@@ -26,7 +23,6 @@ class MachineProtocol(Protocol):
     hardware: list[str]
     once: list[str]
     lists: list[list[dict[str, str]]]
-    outcomes: set[str]
 
     def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
@@ -90,21 +86,13 @@ class TypeTables:
         self.states: list[Mapping[str, Any]] = row["states"]
         lists = _Lists()
         self.lists = lists.lists
-        self.entries = [e and (int(e["to"]), lists.number(e["actions"])) for e in row["entries"]]
+        self.entries = [e and (e["to"], lists.number(e["actions"])) for e in row["entries"]]
         self.moves: list[dict[int, list[TableMove]]] = [{} for _ in self.states]
         bit = {handler: number for number, handler in enumerate(self.once)}
-        targets: list[int | str] = [e[0] for e in self.entries if e]
         for edge in row["edges"]:
             guard = (frozenset(bit[h] for h in edge.get(key, ())) for key in ("open", "happened"))
             move = TableMove(edge["to"], lists.number(edge["actions"]), *guard)
             self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
-            targets.append(move.target)
-        inside = range(len(self.states))
-        if any(to not in inside for to in targets if isinstance(to, int)):
-            raise ControllerFileError("an edge leads to a state that is not there")
-        self.outcomes = {to for to in targets if isinstance(to, str)}
-        if len(self.entries) != 1 << len(self.hardware):
-            raise ControllerFileError("a type has not one entry for each state of its hardware")
 
     def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
@@ -143,14 +131,9 @@ class Bits:
     value: int
 
     @classmethod
-    def of(cls, literals: Collection[int], bits: int) -> Bits:
+    def of(cls, literals: Collection[int]) -> Bits:
         """That of literals: 2 i, that bit i is not set; 2 i + 1, that it is."""
-        if any(type(told) is not int or not 0 <= told < 2 * bits for told in literals):
-            raise ControllerFileError("a literal is of no bit")
-        asked = {told >> 1 for told in literals}
-        if len(asked) < len(literals):
-            raise ControllerFileError("a rule asks for one bit twice")
-        return cls(_mask(asked, bits), _mask([told >> 1 for told in literals if told & 1], bits))
+        return cls(_mask(told >> 1 for told in literals), _mask(told >> 1 for told in literals if told & 1))
 
     def hold(self, state: int) -> bool:
         """Whether they do in a state."""
@@ -168,26 +151,19 @@ class RuleTables:
         self.hardware: list[str] = row["hardware"]
         self.once: list[str] = row.get("once", [])
         self.bits: int = row["bits"]
-        bits, lists = self.bits, _Lists()
+        lists = _Lists()
         self.lists = lists.lists
-        self.idle = _mask(row["idle"], bits)
-        status = [(_mask(s["changes"], bits), Bits.of([s["when"]], bits)) for s in row["status"]]
-        if len(status) != len(self.hardware) + len(self.once):
-            raise ControllerFileError("a type has not one status for each of its hardware and handlers")
+        self.idle = _mask(row["idle"])
+        status = [(_mask(s["changes"]), Bits.of([s["when"]])) for s in row["status"]]
         self.of_hardware, self.of_once = status[: len(self.hardware)], status[len(self.hardware) :]
-        self.show = [(s["kind"], s["name"], Bits.of([s["when"]], bits)) for s in row["shown"]]
-        if not {kind for kind, _, _ in self.show} <= {*_LISTS, *_MODES}:
-            raise ControllerFileError("a type shows something that is unknown here")
-        self.effects = [_effect(e, bits, lists) for e in row["effects"]]
-        self.outcomes = {to for _, _, to in self.effects if to is not None}
-        numbers = [(rule["do"], self.effects) for rule in (*row["entries"], *row["rules"])]
-        numbers += [(rule["event"], row["events"]) for rule in row["rules"]]
-        if any(number not in range(len(of)) for number, of in numbers):
-            raise ControllerFileError("a rule is of an event, or does an effect, that is not there")
-        self.entries = [(Bits.of(rule["if"], bits), self.effects[rule["do"]]) for rule in row["entries"]]
+        self.show = [(s["kind"], s["name"], Bits.of([s["when"]])) for s in row["shown"]]
+        self.effects: list[_Effect] = [
+            (_mask(e["changes"]), lists.number(e["actions"]), e.get("to")) for e in row["effects"]
+        ]
+        self.entries = [(Bits.of(rule["if"]), self.effects[rule["do"]]) for rule in row["entries"]]
         self.rules: list[list[tuple[Bits, _Effect]]] = [[] for _ in row["events"]]
         for rule in row["rules"]:
-            self.rules[rule["event"]].append((Bits.of(rule["if"], bits), self.effects[rule["do"]]))
+            self.rules[rule["event"]].append((Bits.of(rule["if"]), self.effects[rule["do"]]))
 
     def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
@@ -217,8 +193,8 @@ class RuleTables:
 
     def shown(self, state: int) -> Mapping[str, Any]:
         """What a state is."""
-        lists: dict[str, list[str]] = {kind: [] for kind in _LISTS}
-        modes: dict[str, dict[str, str]] = {kind: {} for kind in _MODES}
+        lists: dict[str, list[str]] = {kind: [] for kind in LISTS}
+        modes: dict[str, dict[str, str]] = {kind: {} for kind in MODES}
         for kind, name, when in self.show:
             if when.hold(state):
                 if kind in modes:
@@ -230,24 +206,16 @@ class RuleTables:
 
     def whole(self, state: int, gone: Set[int], happened: Set[int]) -> bool:
         """Whether a number may be a state: what its bits say of hardware and handlers is so."""
-        return 0 <= state < 1 << self.bits and all(
-            when.hold(state) == (i in true)
-            for of, true in ((self.of_hardware, gone), (self.of_once, happened))
-            for i, (_, when) in enumerate(of)
+        return (
+            state >= 0
+            and state.bit_length() <= self.bits
+            and all(
+                when.hold(state) == (i in true)
+                for of, true in ((self.of_hardware, gone), (self.of_once, happened))
+                for i, (_, when) in enumerate(of)
+            )
         )
 
 
-_LISTS, _MODES = ("objectives", "pending", "done", "refused"), ("mode", "waiting")
-
-
-def _effect(row: Mapping[str, Any], bits: int, lists: _Lists) -> _Effect:
-    actions = row["actions"]
-    if type(actions) is not list or any(type(action["do"]) is not str for action in actions):
-        raise ControllerFileError("an effect orders what is no list of actions")
-    return _mask(row["changes"], bits), lists.number(actions), row.get("to")
-
-
-def _mask(numbers: Collection[int], bits: int) -> int:
-    if any(type(number) is not int or not 0 <= number < bits for number in numbers):
-        raise ControllerFileError("a bit has a number that is none of a state's")
+def _mask(numbers: Iterable[int]) -> int:
     return sum(1 << number for number in set(numbers))

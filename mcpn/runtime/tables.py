@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mcpn.runtime.machines import ControllerFileError, MachineProtocol, RuleTables, TypeTables
-
-FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4), 4
-ENDS = {"succeed": "success", "fail": "failure", "abort": "abort"}
-
-
-class SnapshotError(ValueError):
-    """A snapshot is truncated, changed, or of another controller."""
+from mcpn.runtime.machines import MachineProtocol, RuleTables, TypeTables
+from mcpn.runtime.shape import MODULAR, ControllerFileError, check_shape, digest_of
 
 
 class Refused(Exception):
@@ -236,41 +229,28 @@ class Tables:
         document: The JSON object.
 
     Raises:
-        ControllerFileError: It is no controller of a version that is known here.
+        ControllerFileError: It is no controller of a version that is known here, or not the one that was
+            written.
     """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
-        if not isinstance(document, dict) or document.get("format") != FORMAT:
-            raise ControllerFileError(f"expected an object whose format is {FORMAT}")
-        if document.get("version") not in VERSIONS:
-            expected = " or ".join(map(str, VERSIONS))
-            raise ControllerFileError(f"version {document.get('version')!r} found, {expected} expected")
+        check_shape(document)
+        self.digest = digest_of(document)
+        if document["digest"] != self.digest:
+            raise ControllerFileError("its digest is of another text: the controller has been changed")
         make = RuleTables if document["version"] == MODULAR else TypeTables
-        try:
-            self.mission: str = document["mission"]
-            self.hardware: list[str] = document["hardware"]
-            self.laws = laws = Laws(document)
-            types = [make(row) for row in document["types"]]
-            sections = [TableSection(row, types[row["type"]], laws) for row in document["sections"]]
-            self.sections = {section.name: section for section in sections}
-            self.once = {handler for section in sections for handler in section.once}
-            self.initial = self.sections[document["initial"]]
-            for section in sections:
-                for outcome in section.machine.outcomes:
-                    section.routes[outcome]
-                for target in section.routes.values():
-                    if target not in ENDS:
-                        self.sections[target]
-        except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
-            if isinstance(error, ControllerFileError):
-                raise
-            raise ControllerFileError(f"the controller is not whole: {error!r}") from error
+        self.mission: str = document["mission"]
+        self.hardware: list[str] = document["hardware"]
+        self.laws = Laws(document)
+        types = [make(row) for row in document["types"]]
+        sections = [TableSection(row, types[row["type"]], self.laws) for row in document["sections"]]
+        self.sections = {section.name: section for section in sections}
+        self.once = {handler for section in sections for handler in section.once}
+        self.initial = self.sections[document["initial"]]
         # OOS and RD of all hardware that can fail, by text: what is free of sections reacts to them too.
         self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
         self.repairs = {f"{name}_EV_RD": name for name in self.hardware}
         self.known = {START, *self.failures, *self.repairs, *(e for s in sections for e in s.events)}
-        text = json.dumps(document, sort_keys=True, ensure_ascii=False)
-        self.digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 START = "MISSION_EV_START"
@@ -286,4 +266,7 @@ def read(path: Path) -> Tables:
         document = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         raise ControllerFileError(f"{path}: {error}") from error
-    return Tables(document)
+    try:
+        return Tables(document)
+    except ControllerFileError as error:
+        raise ControllerFileError(f"{path}: {error}") from error

@@ -25,6 +25,7 @@ from tests.controller.test_lockstep import walk
 from tests.controller.test_python import Generated
 from tests.controller.test_scxml import check
 from tests.controller.traces import Traced, random_events, tour
+from tests.runtime.damage import signed
 from tests.small import activity, hw, mission, robot
 
 WATCH = Path(__file__).with_name("watch.xml")
@@ -172,8 +173,8 @@ def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
 def test_an_exit_without_a_route_is_no_controller(watch: MissionNet, both: list[TableController]) -> None:
     said: dict[str, Any] = document(both[1], watch)
     del said["sections"][0]["routes"]["on storm"]
-    with pytest.raises(ControllerFileError):
-        Runtime.from_document(said)
+    with pytest.raises(ControllerFileError, match="routes"):
+        Runtime.from_document(signed(said))
 
 
 def test_names_that_the_generated_python_uses_itself() -> None:

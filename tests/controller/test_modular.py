@@ -21,6 +21,7 @@ from mcpn.runtime.machines import RuleTables
 from mcpn.testing import missions
 from tests.draws import composed, fewer
 from tests.judge import drawn
+from tests.runtime.damage import signed
 from tests.small import activity, hw, mission, robot
 
 MOST = 3_000
@@ -169,10 +170,10 @@ def test_a_file_that_is_damaged_is_refused(
         at = at[key]
     at[last] = wrong
     if path == ("bits",) and wrong == 10_000:  # a state may have more bits than are spoken of
-        Runtime.from_document(said)
+        Runtime.from_document(signed(said))
         return
     with pytest.raises(ControllerFileError):
-        Runtime.from_document(said)
+        Runtime.from_document(signed(said))
 
 
 def test_a_snapshot_holds_what_its_bits_say(of_ulysse: dict[str, Any]) -> None:

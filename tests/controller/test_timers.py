@@ -19,6 +19,7 @@ from mcpn.mission.model import Objective, Parallel, Recursive
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import AsyncController, Controller, EventQueue, Refused, SnapshotError
 from tests.controller.test_c import SANITIZE, build
+from tests.runtime.damage import signed
 from tests.small import activity, hw, mission, robot
 
 FORMS: tuple[Form, ...] = get_args(Form)
@@ -132,7 +133,7 @@ def short(net: MissionNet) -> Controller:
     for of in made["objectives"].values():
         if "timeout" in of:
             of["timeout"] /= 100
-    return Controller.from_document(made)
+    return Controller.from_document(signed(made))
 
 
 def test_the_asyncio_adapter_keeps_the_timers(net: MissionNet) -> None:

@@ -7,8 +7,10 @@ import random
 import re
 import shutil
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from html.parser import HTMLParser
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,7 @@ from mcpn.net.compose import compose
 from mcpn.report.failures.tables import fmeca_rows
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
-from mcpn.runtime import Controller
+from mcpn.runtime import Controller, Journal, Refused
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
 from tests.report.test_pictures import HOSTILE, hostile
@@ -104,6 +106,37 @@ def click(tab: Any, event: str) -> None:
 def boxes_of(tab: Any) -> dict[str, int]:
     data: dict[str, int] = json.loads(tab.locator("#data").text_content())["boxes"]
     return data
+
+
+def test_a_journal_of_the_runtime_is_replayed(
+    browser: Any, ulysse_findings: Findings, tmp_path: Path
+) -> None:
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    assert ulysse_findings.controller is not None
+    runtime, journal = Controller.from_document(ulysse_findings.controller), StringIO()
+    runtime.observe(Journal(journal))
+    for event in ("MISSION_EV_START", "no_such_EV", "GPS_sensor_EV_OOS", "MISSION_EV_START"):
+        with suppress(Refused):
+            runtime.handle(event)
+    lines = journal.getvalue().splitlines()
+    for text, said in (
+        (lines, "2 events replayed."),
+        ([*lines, lines[2]], "Line 5: GPS_sensor_EV_OOS is not possible here."),
+        (
+            [lines[0].replace('"refused": false', '"refused": true')],
+            "Line 1: MISSION_EV_START is possible here.",
+        ),
+        (["{"], "Line 1 is no line of a journal."),
+        (["[]"], "Line 1 holds no event."),
+    ):
+        file = {"name": "log.jsonl", "mimeType": "application/json", "buffer": "\n".join(text).encode()}
+        tab.locator("#replayed").evaluate("part => { part.textContent = ''; }")
+        tab.locator("#journal").set_input_files(file)
+        tab.locator("#replayed:not(:empty)").wait_for()
+        assert tab.locator("#replayed").text_content().startswith(said)
+        if text == lines:
+            compare(tab, runtime, boxes_of(tab))
+    assert wrong == []
 
 
 def test_a_failure_and_a_recovery(browser: Any, ulysse_findings: Findings, tmp_path: Path) -> None:

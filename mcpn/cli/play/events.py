@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -85,12 +82,19 @@ class EventSession(Prompt):
         """Takes the events of a file.
 
         Raises:
-            InputError: A line holds no event, or one that is not possible there.
+            InputError: A line holds no event, one that is not possible there, or one that was refused by a
+                controller and is possible.
         """
-        for line, event in _events_of(path):
+        from mcpn.cli.play.event_files import events_of_file
+
+        for line, event, refused in events_of_file(path):
             if event is None:
                 self.simulation.restart()
                 self.taken.clear()
+            elif refused:
+                if event in self.simulation.possible:
+                    message = f"found {event} refused by the controller, which is possible here"
+                    raise InputError.at(Source(str(path), line), message)
             elif not self.take(event):
                 possible = ", ".join(map(str, self.simulation.possible)) or "none"
                 message = f"found {event}, which is not possible here; expected one of: {possible}"
@@ -188,45 +192,3 @@ class EventSession(Prompt):
             self.say(f"> {event}")
             self.take(event)
         self.show()
-
-
-def _events_of(path: Path) -> Iterator[tuple[int, Event | None]]:
-    """The events of a file with their lines; ``None`` where a heading begins another run."""
-    from mcpn.files import read_bounded
-    from mcpn.net.events import Event, What
-
-    try:
-        text = read_bounded(path).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError.at(Source(str(path)), f"expected text in UTF-8: {error.reason}") from error
-    if text.lstrip().startswith("["):
-        try:
-            listed = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise InputError.at(
-                Source(str(path), getattr(error, "lineno", None)), f"no JSON: {error}"
-            ) from error
-        if not all(isinstance(item, str) for item in listed):
-            raise InputError.at(Source(str(path)), "expected a JSON list of events")
-        yield from ((1, Event.parse(item)) for item in listed)
-        return
-    within_step = False
-    for number, line in enumerate(text.splitlines(), 1):
-        words = line.split()
-        if not words or words[0].startswith("#"):
-            continue
-        # A step as other commands print it, perhaps on several lines: "1. GPS fails  [GPS_EV_OOS]".
-        identifier = re.fullmatch(r".*\[(\S+)\]\s*", line)
-        if identifier is not None:
-            yield number, Event.parse(identifier[1])
-        within_step = identifier is None and (within_step or re.fullmatch(r"\d+\.", words[0]) is not None)
-        if identifier is not None or within_step:
-            continue
-        event = Event.parse(words[0])
-        if event.what is not What.NAMED:
-            yield number, event
-        elif line.rstrip().endswith(":") or words[0] == "run":
-            yield number, None
-        else:
-            expected = "expected an event, or a heading that ends in a colon"
-            raise InputError.at(Source(str(path), number), f"found {words[0][:80]!r}, {expected}")

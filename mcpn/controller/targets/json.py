@@ -36,7 +36,9 @@ One object with these keys:
   - ``entries`` and ``rules``: where the literals ``if`` are true, ``do`` an effect (an index); the latter on
     an ``event`` (an index); those of one event that fit a state do the same;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
-  ends when its time is over has ``timeout``, in seconds.
+  ends when its time is over has ``timeout``, in seconds;
+- ``digest``: SHA-256, in hexadecimal digits, of the object without it as JSON in UTF-8 with sorted keys, no
+  spaces, and no escapes but those that JSON demands. A file with another digest has been changed since.
 
 How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``, ``X_EV_RD`` takes it away,
 before the start, in every section and after the end alike. ``MISSION_EV_START`` enters the initial section. A
@@ -62,9 +64,10 @@ from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
 from mcpn.mission.robot import Parameter
 from mcpn.net.compose import MissionNet
+from mcpn.runtime.shape import FORMAT, digest_of
 
 FILE_NAME = "controller.json"
-FORMAT, VERSION, WITH_ONCE, OF_RULES = "mcpn-controller", 2, 3, 4
+VERSION, WITH_ONCE, OF_RULES = 2, 3, 4
 
 
 def write_json(controller: AnyController, mission_net: MissionNet) -> str:
@@ -82,7 +85,7 @@ def write_json(controller: AnyController, mission_net: MissionNet) -> str:
 
 def document(controller: AnyController, mission_net: MissionNet) -> dict[str, Any]:
     """The controller as a JSON object."""
-    return {
+    found = {
         "format": FORMAT,
         "version": _version(controller),
         "mission": controller.mission,
@@ -107,6 +110,7 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
         "types": [_type(type_) for type_ in controller.types],
         **laws(mission_net),
     }
+    return found | {"digest": digest_of(found)}
 
 
 def _version(controller: AnyController) -> int:

@@ -271,5 +271,31 @@
       byId("controller").scrollIntoView({ block: "nearest" });
     });
   }
+  byId("journal").addEventListener("change", async (change) => {
+    const [file] = change.target.files;
+    if (!file) return;
+    const lines = (await file.text()).split("\n");
+    past.length = 0;
+    state = first;
+    byId("replayed").textContent = replay(lines) || `${past.length} events replayed.`;
+    show();
+  });
+  // What the runtime has written, a JSON object a line; says what is wrong with it.
+  function replay(lines) {
+    for (const [index, line] of lines.entries()) {
+      if (!line.trim()) continue;
+      let event, refused;
+      try {
+        ({ event, refused } = JSON.parse(line));
+      } catch {
+        return `Line ${index + 1} is no line of a journal.`;
+      }
+      if (typeof event !== "string" || typeof refused !== "boolean") return `Line ${index + 1} holds no event.`;
+      if (refused ? take(state, event) : !move(event)) {
+        return `Line ${index + 1}: ${event} is ${refused ? "" : "not "}possible here.`;
+      }
+    }
+    return "";
+  }
   show();
 })();

@@ -1,0 +1,124 @@
+"""What is called with actions, and what becomes of its errors."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from mcpn.runtime.tables import Action
+
+Hook = Callable[[Action], object]
+"""Called with an action; :class:`mcpn.runtime.AsyncController` awaits what it returns, if it can be."""
+
+_log = logging.getLogger("mcpn.runtime")
+
+
+@dataclass(frozen=True, slots=True)
+class HookError:
+    """One call of a hook, or of a function that is told of events, that failed.
+
+    Args:
+        event: The event that was handled.
+        action: The action that the hook was called with; ``None`` for a function told of events.
+        error: What it raised.
+    """
+
+    event: str
+    action: Action | None
+    error: Exception
+
+    def __str__(self) -> str:
+        return f"on {self.event}, at {self.action or 'no action'}: {self.error!r}"
+
+
+class HookErrors(ExceptionGroup):
+    """Hooks have failed; the event has been taken, and all other hooks were called.
+
+    Attributes:
+        failed: Each failure with its event and action.
+    """
+
+    failed: tuple[HookError, ...]
+
+    def __new__(cls, failed: tuple[HookError, ...]) -> HookErrors:
+        """An exception that holds those of the hooks."""
+        made = super().__new__(
+            cls, "hooks have failed; the event has been taken", [each.error for each in failed]
+        )
+        made.failed = failed
+        return made
+
+
+OnError = Literal["log", "stop"] | Callable[[HookError], object]
+"""What becomes of failures where nobody calls ``handle``: each is logged and the next event handled, the
+loop is stopped by :class:`HookErrors`, or a function is called with each."""
+
+
+def settle(failed: HookErrors, on_error: OnError) -> None:
+    """Does with failures what was chosen.
+
+    Raises:
+        HookErrors: It was ``stop``.
+    """
+    for each in failed.failed:
+        _log.error("a hook has failed %s", each, exc_info=each.error)
+        if callable(on_error):
+            on_error(each)
+    if on_error == "stop":
+        raise failed
+
+
+class Hooks:
+    """Functions that are called with actions."""
+
+    def __init__(self) -> None:
+        self._of: dict[str | None, list[Hook]] = {}
+
+    def add(self, activity: str | None, hook: Hook) -> None:
+        """Adds a hook of one activity, or of all actions."""
+        self._of.setdefault(activity, []).append(hook)
+
+    def of(self, action: Action) -> Iterator[Hook]:
+        """The hooks of an action: its activity's in the order of their coming, then those of all actions."""
+        if action.activity is not None:
+            yield from self._of.get(action.activity, ())
+        yield from self._of.get(None, ())
+
+    def call(self, event: str, actions: tuple[Action, ...], failed: list[HookError]) -> None:
+        """Calls each hook of each action, whether others fail or not.
+
+        Args:
+            event: The event that was handled.
+            actions: The actions.
+            failed: Failures so far, to which those of hooks are added.
+
+        Raises:
+            HookErrors: Some have failed.
+        """
+        for action in actions if self._of else ():
+            for hook in self.of(action):
+                try:
+                    result = hook(action)
+                    if inspect.iscoroutine(result):
+                        result.close()
+                        raise TypeError("the hook is a coroutine, which AsyncController alone awaits")
+                except Exception as error:
+                    failed.append(HookError(event, action, error))
+        if failed:
+            raise HookErrors(tuple(failed))
+
+    async def await_each(self, event: str, actions: tuple[Action, ...], failed: list[HookError]) -> None:
+        """The same, awaiting what a hook returns before the next one is called."""
+        for action in actions if self._of else ():
+            for hook in self.of(action):
+                try:
+                    result = hook(action)
+                    if inspect.isawaitable(result):
+                        await result
+                except Exception as error:
+                    failed.append(HookError(event, action, error))
+        if failed:
+            raise HookErrors(tuple(failed))

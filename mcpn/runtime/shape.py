@@ -1,0 +1,334 @@
+"""The schema of a controller's file: what each value must be, before any of it is run.
+
+A file that passes runs without an error of Python, whatever events come. That it is the file which was
+generated is what its digest says (:func:`digest_of`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping
+from math import inf
+from typing import Any
+
+
+class ControllerFileError(ValueError):
+    """A file is no controller that this runtime can run."""
+
+
+FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4), 4
+ENDS = {"succeed": "success", "fail": "failure", "abort": "abort"}
+VERBS = {
+    "stop": {"activity"},
+    "release": {"hardware"},
+    "select": {"activity", "alternative"},
+    "start": {"activity"},
+    "arm": {"objective"},
+    "disarm": {"objective"},
+}
+"""By verb of an action, what it must name."""
+LISTS, MODES = ("objectives", "pending", "done", "refused"), ("mode", "waiting")
+"""What a state shows: names, and alternatives by activity."""
+KINDS = ("objectives", "activities", "alternatives", "hardware", "once")
+"""Of names that a section has of its own."""
+
+MOST_BITS = 1_000_000
+"""Of a state of rules: what a file says must not fill the memory."""
+
+Check = Callable[[Any, str], None]
+"""Raises :class:`ControllerFileError` where a value, at a place of the file, is not what is expected."""
+
+
+def digest_of(document: Mapping[str, Any]) -> str:
+    """The digest of a controller: SHA-256 of its JSON text without ``digest``, keys sorted, no spaces."""
+    found = hashlib.sha256()
+    for piece in _pieces({key: value for key, value in document.items() if key != "digest"}, 3):
+        found.update(piece.encode("utf-8", "surrogatepass"))
+    return found.hexdigest()
+
+
+def _pieces(value: Any, depth: int) -> Iterator[str]:
+    """The text piece by piece: that of a large controller need not stand in memory at once."""
+    if not depth or not isinstance(value, dict | list):
+        yield json.dumps(value, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+        return
+    keyed = isinstance(value, dict)
+    yield "{" if keyed else "["
+    for number, item in enumerate(sorted(value) if keyed else value):
+        yield "," if number else ""
+        if keyed:
+            yield json.dumps(item, ensure_ascii=False) + ":"
+        yield from _pieces(value[item] if keyed else item, depth - 1)
+    yield "}" if keyed else "]"
+
+
+def check_shape(document: Any) -> None:
+    """Holds a controller's file against the schema.
+
+    Args:
+        document: The JSON value.
+
+    Raises:
+        ControllerFileError: Something in it is not what is expected; the message says where.
+    """
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise ControllerFileError(f"expected an object whose format is {FORMAT}")
+    version = document.get("version")
+    if type(version) is not int or version not in VERSIONS:
+        raise ControllerFileError(f"version {version!r} found, {' or '.join(map(str, VERSIONS))} expected")
+    _CONTROLLER(document, "the controller")
+    rules = version == MODULAR
+    exits = []
+    for number, row in enumerate(document["types"]):
+        where = f"types[{number}]"
+        (_RULES if rules else _MACHINE)(row, where)
+        (_check_rules if rules else _check_machine)(row, where)
+        left = {of.get("to") for of in row["effects" if rules else "edges"]}
+        exits.append({outcome for outcome in left if type(outcome) is str})
+    for number, row in enumerate(document["sections"]):
+        where = f"sections[{number}]"
+        _below(row["type"], len(exits), f"{where}.type")
+        _check_section(row, document, where)
+        for outcome in exits[row["type"]]:
+            _member(outcome, row["routes"], f"{where}.routes")
+    known = {section["name"] for section in document["sections"]}
+    if len(known) < len(document["sections"]):
+        raise ControllerFileError("sections: two have one name")
+    _member(document["initial"], known, "initial")
+    for number, row in enumerate(document["sections"]):
+        for route in row["routes"].values():
+            _member(route, known | ENDS.keys(), f"sections[{number}].routes")
+
+
+# --- what values are ---
+
+
+def _wrong(value: Any, where: str, expected: str) -> ControllerFileError:
+    return ControllerFileError(f"{where}: found {repr(value)[:80]}, expected {expected}")
+
+
+def _text(value: Any, where: str) -> None:
+    if type(value) is not str:
+        raise _wrong(value, where, "a text")
+
+
+def _truth(value: Any, where: str) -> None:
+    if type(value) is not bool:
+        raise _wrong(value, where, "true or false")
+
+
+def _number(value: Any, where: str) -> None:
+    if type(value) is not int or value < 0:
+        raise _wrong(value, where, "a number from 0")
+
+
+def _seconds(value: Any, where: str) -> None:
+    if type(value) not in (int, float) or not 0 < value < inf:
+        raise _wrong(value, where, "seconds, more than 0")
+
+
+def _object(value: Any, where: str) -> None:
+    if type(value) is not dict:
+        raise _wrong(value, where, "an object")
+
+
+def _below(value: Any, limit: int, where: str) -> None:
+    if type(value) is not int or not 0 <= value < limit:
+        raise _wrong(value, where, f"a number from 0, less than {limit}")
+
+
+def _member(value: Any, known: Collection[str], where: str) -> None:
+    if value not in known:
+        raise _wrong(value, where, "a name that is there")
+
+
+def _list(of: Check) -> Check:
+    def check(value: Any, where: str) -> None:
+        if type(value) is not list:
+            raise _wrong(value, where, "a list")
+        for number, item in enumerate(value):
+            of(item, f"{where}[{number}]")
+
+    return check
+
+
+def _names(value: Any, where: str) -> None:
+    _TEXTS(value, where)
+    if len(set(value)) < len(value):
+        raise _wrong(value, where, "names that differ")
+
+
+def _map(of: Check) -> Check:
+    def check(value: Any, where: str) -> None:
+        _object(value, where)
+        for key, item in value.items():
+            of(item, f"{where}.{key}")
+
+    return check
+
+
+def _record(required: Mapping[str, Check], optional: Mapping[str, Check] | None = None) -> Check:
+    every = {**required, **(optional or {})}
+
+    def check(value: Any, where: str) -> None:
+        _object(value, where)
+        for key in required.keys() - value.keys():
+            raise ControllerFileError(f"{where}: expected the key {key}")
+        for key, item in value.items():
+            if key not in every:
+                raise _wrong(key, where, f"one of the keys {', '.join(every)}")
+            every[key](item, f"{where}.{key}")
+
+    return check
+
+
+def _perhaps(of: Check) -> Check:
+    def check(value: Any, where: str) -> None:
+        if value is not None:
+            of(value, where)
+
+    return check
+
+
+_TEXTS, _NUMBERS = _list(_text), _list(_number)
+
+
+def _action(value: Any, where: str) -> None:
+    _map(_text)(value, where)
+    named = VERBS.get(value.get("do", ""))
+    if named is None:
+        raise _wrong(value.get("do"), f"{where}.do", "one of " + ", ".join(VERBS))
+    if not named <= value.keys() <= named | {"do", "objective"}:
+        raise _wrong(value, where, f"an action that names {', '.join(sorted(named))}")
+
+
+def _target(value: Any, where: str) -> None:
+    if type(value) is not str:
+        _number(value, where)
+
+
+_ACTIONS = _list(_action)
+_PARAMETERS = _map(_record({"value": _text, "unit": _perhaps(_text)}))
+_SECTION = _record(
+    {
+        "name": _text,
+        "type": _number,
+        "routes": _map(_text),
+        "events": _names,
+        "names": _record({}, dict.fromkeys(KINDS, _map(_text))),
+    }
+)
+_CONTROLLER = _record(
+    {
+        "format": _text,
+        "version": _number,
+        "mission": _text,
+        "form": _text,
+        "minimised": _truth,
+        "hardware": _names,
+        "initial": _text,
+        "sections": _list(_SECTION),
+        "types": _list(_object),
+        "objectives": _map(_record({"activities": _TEXTS, "parameters": _PARAMETERS}, {"timeout": _seconds})),
+        "activities": _map(
+            _record(
+                {
+                    "produces": _TEXTS,
+                    "parameters": _PARAMETERS,
+                    "alternatives": _map(_record({"consumes": _TEXTS, "parameters": _PARAMETERS})),
+                }
+            )
+        ),
+        "digest": _text,
+    }
+)
+_STATE = _record(
+    {**dict.fromkeys(LISTS, _TEXTS), **dict.fromkeys(MODES, _map(_text)), "out_of_service": _TEXTS}
+)
+_MACHINE = _record(
+    {
+        "hardware": _names,
+        "events": _names,
+        "states": _list(_STATE),
+        "entries": _list(_perhaps(_record({"to": _number, "actions": _ACTIONS}))),
+        "edges": _list(_object),
+    },
+    {"once": _names},
+)
+_RULES = _record(
+    {
+        "hardware": _names,
+        "events": _names,
+        "bits": _number,
+        "idle": _NUMBERS,
+        "status": _list(_record({"changes": _NUMBERS, "when": _number})),
+        "shown": _list(_record({"kind": _text, "name": _text, "when": _number})),
+        "effects": _list(_record({"changes": _NUMBERS, "actions": _ACTIONS}, {"to": _text})),
+        "entries": _list(_record({"if": _NUMBERS, "do": _number})),
+        "rules": _list(_record({"event": _number, "if": _NUMBERS, "do": _number})),
+    },
+    {"once": _names},
+)
+_EDGE = _record(
+    {"from": _number, "event": _number, "to": _target, "actions": _ACTIONS},
+    {"open": _names, "happened": _names},
+)
+
+
+# --- what they say of each other ---
+
+
+def _check_machine(row: Mapping[str, Any], where: str) -> None:
+    states, events, once = len(row["states"]), len(row["events"]), set(row.get("once", ()))
+    if len(row["entries"]) != 1 << len(row["hardware"]):
+        raise _wrong(len(row["entries"]), f"{where}.entries", "one for each state of the hardware")
+    for number, entry in enumerate(row["entries"]):
+        if entry is not None:
+            _below(entry["to"], states, f"{where}.entries[{number}].to")
+    for number, edge in enumerate(row["edges"]):
+        at = f"{where}.edges[{number}]"
+        _EDGE(edge, at)
+        _below(edge["from"], states, f"{at}.from")
+        _below(edge["event"], events, f"{at}.event")
+        if type(edge["to"]) is not str:
+            _below(edge["to"], states, f"{at}.to")
+        for key in ("open", "happened"):
+            for handler in edge.get(key, ()):
+                _member(handler, once, f"{at}.{key}")
+
+
+def _check_rules(row: Mapping[str, Any], where: str) -> None:
+    bits, effects, events = row["bits"], len(row["effects"]), len(row["events"])
+    _below(bits, MOST_BITS + 1, f"{where}.bits")
+    spoken = [*row["idle"], *(bit for of in (*row["status"], *row["effects"]) for bit in of["changes"])]
+    literals = [of["when"] for of in (*row["status"], *row["shown"])]
+    literals += [told for rule in (*row["entries"], *row["rules"]) for told in rule["if"]]
+    for bit in spoken:
+        _below(bit, bits, f"{where}: a bit")
+    for literal in literals:
+        _below(literal, 2 * bits, f"{where}: a literal")
+    if len(row["status"]) != len(row["hardware"]) + len(row.get("once", ())):
+        raise _wrong(len(row["status"]), f"{where}.status", "one for each of the hardware and handlers")
+    for number, rule in enumerate((*row["entries"], *row["rules"])):
+        at = f"{where}.entries and rules[{number}]"
+        _below(rule["do"], effects, f"{at}.do")
+        _below(rule.get("event", 0), max(events, 1), f"{at}.event")
+        if len({told >> 1 for told in rule["if"]}) < len(rule["if"]):
+            raise _wrong(rule["if"], f"{at}.if", "no bit twice")
+    for number, shown in enumerate(row["shown"]):
+        _member(shown["kind"], (*LISTS, *MODES), f"{where}.shown[{number}].kind")
+        if shown["kind"] in MODES and "." not in shown["name"]:
+            raise _wrong(shown["name"], f"{where}.shown[{number}].name", "activity.alternative")
+
+
+def _check_section(row: Mapping[str, Any], document: Mapping[str, Any], where: str) -> None:
+    type_ = document["types"][row["type"]]
+    if len(row["events"]) != len(type_["events"]):
+        raise _wrong(len(row["events"]), f"{where}.events", f"{len(type_['events'])} events, as its type has")
+    for old, new in row["names"].get("alternatives", {}).items():
+        if "." not in new or "." not in old:
+            raise _wrong(new, f"{where}.names.alternatives", "activity.alternative")
+    own = row["names"].get("hardware", {})
+    for name in type_["hardware"]:
+        _member(own.get(name, name), document["hardware"], f"{where}: hardware")

@@ -1,0 +1,151 @@
+"""Where a controller is, as a text; and the actions that bring a robot there."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from mcpn.runtime.shape import ENDS
+from mcpn.runtime.tables import Action, Inside, Laws, Tables, TableSection
+
+SNAPSHOT, SNAPSHOT_VERSION = "mcpn-controller-snapshot", 1
+BEFORE, RUNNING = "before", "running"
+
+
+class SnapshotError(ValueError):
+    """A snapshot is truncated, changed, or of another controller."""
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What a snapshot says."""
+
+    phase: str
+    section: TableSection | None
+    state: int
+    out_of_service: set[str]
+    happened: set[str]
+    count: int
+    timers: Mapping[str, float]
+
+    def text(self, digest: str) -> str:
+        """The snapshot.
+
+        Args:
+            digest: The controller's.
+        """
+        return json.dumps(
+            {
+                "format": SNAPSHOT,
+                "version": SNAPSHOT_VERSION,
+                "controller": digest,
+                "phase": self.phase,
+                "section": self.section.name if self.section else None,
+                "state": self.state,
+                "out_of_service": sorted(self.out_of_service),
+                "happened": sorted(self.happened),
+                "count": self.count,
+                **({"timers": dict(self.timers)} if self.timers else {}),
+            }
+        )
+
+
+def read_snapshot(text: str, tables: Tables) -> Saved:
+    """Reads a snapshot of a controller.
+
+    Raises:
+        SnapshotError: It is truncated, changed, or of another controller.
+    """
+    try:
+        said = json.loads(text)
+        if said["format"] != SNAPSHOT or said["version"] != SNAPSHOT_VERSION:
+            raise SnapshotError("no snapshot of a version that is known here")
+        if said["controller"] != tables.digest:
+            raise SnapshotError("the snapshot is of another controller")
+        phase, name, state = said["phase"], said["section"], said["state"]
+        gone, count = set(said["out_of_service"]), said["count"]
+        happened = set(said.get("happened", ()))
+        left = {name: float(seconds) for name, seconds in said.get("timers", {}).items()}
+        section = None if name is None else tables.sections[name]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        if isinstance(error, SnapshotError):
+            raise
+        raise SnapshotError(f"the snapshot is not whole: {error!r}") from error
+    whole = (
+        phase in (BEFORE, RUNNING, *ENDS.values())
+        and (section is not None) == (phase == RUNNING)
+        and type(state) is int
+        and (section is not None or state == 0)
+        and gone <= set(tables.hardware)
+        and happened <= tables.once
+        and type(count) is int
+        and count >= 0
+    )
+    timeouts = tables.laws.timeouts
+    running = set[str]()
+    if whole and section:
+        whole = section.whole(state, gone, happened)
+        running = timeouts.keys() & section.state(state).objectives if whole else running
+    whole = whole and left.keys() == running
+    whole = whole and all(0 <= seconds <= timeouts[name] for name, seconds in left.items())
+    if not whole:
+        raise SnapshotError("the snapshot says what cannot be")
+    return Saved(phase, section, state, gone, happened, count, left)
+
+
+def actions_to(inside: Inside, laws: Laws) -> Iterator[Action]:
+    """The actions that bring a robot of which nothing is known to where a controller is.
+
+    Every activity is stopped, consumers before what they consume; all hardware is released; then the
+    alternatives of the functioning mode are selected and their activities started, what is consumed before
+    its consumer. Timers are the controller's own: a snapshot holds what they have left.
+
+    Args:
+        inside: What the controller runs.
+        laws: What the controller's file says of activities and objectives.
+    """
+    every = {name: _consumed(row["alternatives"].values()) for name, row in laws.activities.items()}
+    producers: dict[str, list[str]] = {}
+    for name, row in laws.activities.items():
+        for software in row["produces"]:
+            producers.setdefault(software, []).append(name)
+    for name in reversed(_producers_first(every, producers)):
+        yield Action("stop", name)
+    hardware = [what for consumed in every.values() for what in consumed if what not in producers]
+    for name in dict.fromkeys(hardware):
+        yield Action("release", hardware=name)
+    running = {
+        name: _consumed([laws.activities[name]["alternatives"][way]]) for name, way in inside.mode.items()
+    }
+    named = {a: name for name in inside.objectives for a in laws.objectives[name]["activities"]}
+    order = _producers_first(running, producers)
+    for name in order:
+        way, objective = inside.mode[name], named.get(name)
+        yield Action("select", name, way, None, objective, laws.of(name, way, objective))
+    for name in order:
+        yield Action("start", name, objective=named.get(name))
+
+
+def _consumed(alternatives: Iterable[Mapping[str, list[str]]]) -> list[str]:
+    return list(dict.fromkeys(what for way in alternatives for what in way["consumes"]))
+
+
+def _producers_first(consumed: Mapping[str, list[str]], producers: Mapping[str, list[str]]) -> list[str]:
+    """Activities, each after those that produce what it consumes.
+
+    A circle, which only alternatives that do not run together can make, is left in some order.
+    """
+    order: dict[str, None] = {}
+    entered = set[str]()
+    stack = [(name, False) for name in reversed(list(consumed))]
+    while stack:
+        name, done = stack.pop()
+        if done:
+            order[name] = None
+        elif name not in entered:
+            entered.add(name)
+            stack.append((name, True))
+            below = (p for what in consumed[name] for p in producers.get(what, ()) if p in consumed)
+            stack += [(p, False) for p in below]
+    return list(order)

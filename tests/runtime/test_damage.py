@@ -1,0 +1,95 @@
+"""A controller's file is what was generated, or it is refused when it is loaded."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import random
+from pathlib import Path
+from typing import Any, Literal
+
+import pytest
+
+from mcpn.controller.generate import generate
+from mcpn.controller.targets.json import document, write_json
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller, ControllerFileError
+from tests.runtime.damage import bytes_changed, runs, signed, text_of, value_changed
+
+WATCH = Path(__file__).parents[1] / "controller" / "watch.xml"
+FORMS: tuple[Literal["hierarchical", "modular"], ...] = ("hierarchical", "modular")
+
+
+@pytest.fixture(scope="module")
+def watch() -> MissionNet:
+    return compose(read_mission(WATCH))
+
+
+@pytest.fixture(scope="module", params=FORMS)
+def found(request: pytest.FixtureRequest, watch: MissionNet) -> dict[str, Any]:
+    return document(generate(watch, request.param), watch)
+
+
+def damaged(found: dict[str, Any], path: Path, times: int) -> None:
+    """Damages a file in many ways; refused, or it says the same as before."""
+    rng = random.Random(7)
+    whole = json.dumps(found).encode()
+    same = 0
+    for number in range(times):
+        text = bytes_changed(whole, rng) if number % 2 else json.dumps(value_changed(found, rng)).encode()
+        path.write_bytes(text)
+        try:
+            Controller.load(path)
+        except ControllerFileError:
+            continue
+        assert text_of(json.loads(text)) == text_of(found)
+        same += 1
+    assert same < times / 10
+
+
+def test_a_damaged_file_is_refused(found: dict[str, Any], tmp_path: Path) -> None:
+    damaged(found, tmp_path / "controller.json", 100)
+
+
+def test_one_that_is_signed_again_is_refused_or_runs(found: dict[str, Any]) -> None:
+    rng = random.Random(8)
+    loaded = sum(runs(signed(value_changed(found, rng)), rng, 20) for _ in range(100))
+    assert 0 < loaded < 50  # a name that is another, a state that is another: no schema knows
+
+
+@pytest.mark.slow
+def test_ten_thousand_damaged_files(found: dict[str, Any], tmp_path: Path) -> None:
+    damaged(found, tmp_path / "controller.json", 10_000)
+
+
+@pytest.mark.slow
+def test_ten_thousand_that_are_signed_again(found: dict[str, Any]) -> None:
+    rng = random.Random(9)
+    loaded = sum(runs(signed(value_changed(found, rng)), rng, 100) for _ in range(10_000))
+    print(f"{found['form']}: {loaded} of 10000 loaded")  # noqa: T201
+
+
+def test_the_digest_is_that_of_the_plain_text(watch: MissionNet) -> None:
+    said = json.loads(write_json(generate(watch), watch))
+    digest = said.pop("digest")
+    text = json.dumps(said, sort_keys=True, ensure_ascii=False, separators=(",", ":"))
+    assert digest == hashlib.sha256(text.encode()).hexdigest()
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda said: said["types"][0]["edges"][3].update(to=10**6), r"types\[0\]\.edges\[3\]\.to: found 1"),
+        (lambda said: said.pop("hardware"), "expected the key hardware"),
+        (lambda said: said["sections"][1].update(type="0"), r"sections\[1\]\.type: found '0'"),
+        (lambda said: said.update(initial="nowhere"), "initial: found 'nowhere'"),
+        (lambda said: said["sections"][0]["routes"].update(success="nowhere"), r"sections\[0\]\.routes"),
+        (lambda said: said.update(version=True), "version True found"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_said_with_its_place(change: Any, where: str, watch: MissionNet) -> None:
+    said = json.loads(write_json(generate(watch), watch))
+    change(said)
+    with pytest.raises(ControllerFileError, match=where):
+        Controller.from_document(signed(said))
