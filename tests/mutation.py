@@ -52,8 +52,9 @@ def complaint(arguments: Sequence[object]) -> str | None:
         return f"a traceback: {told}"
     if found.returncode == 2 and not found.stderr.strip():
         return f"no sentence: {told}"
-    subject = next((a for a in arguments if isinstance(a, Path)), None)
-    if subject is not None and "warning: " in found.stdout and f"warning: {subject}" not in found.stdout:
+    files = tuple(f"warning: {a.parent}" for a in arguments if isinstance(a, Path))  # or what these import
+    warned = [line for line in (found.stdout + found.stderr).splitlines() if line.startswith("warning: ")]
+    if files and not all(line.startswith(files) for line in warned):
         return f"a warning that names no file: {told}"
     if "--json" in map(str, arguments) and "--" not in arguments and found.returncode != 2:
         try:

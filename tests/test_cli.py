@@ -30,6 +30,7 @@ def test_check_passes_on_ulysse() -> None:
         "alternatives",
         "verdicts",
         "undecided",
+        "warnings",
         "witnesses",
         "engine",
         "why",
@@ -75,7 +76,7 @@ def test_a_verdict_that_fails_exits_with_1(tmp_path: Path) -> None:
     assert found["alternatives"] == {"states": None, "edges": None}
     run = mcpn("check", path)
     assert run.returncode == 1
-    assert "m.xml:3: a and b, both in parallel block p, both need H" in run.stdout
+    assert "m.xml:3: a and b, both in parallel block p, both need H" in run.stderr
     assert "both in parallel block p, ask for H at the same moment" in run.stdout
     assert "internal" not in run.stdout
     assert mcpn("alternatives", path).returncode == 1
@@ -269,6 +270,7 @@ def test_wrong_usage_exits_with_2(tmp_path: Path) -> None:
         ["fly", ULYSSE],
         ["states", tmp_path / "no.xml"],
         ["convert", ULYSSE, "x.txt"],
+        ["check", ULYSSE, "--jobs", 2**31],
     ):
         run = mcpn(*arguments)
         assert run.returncode == 2

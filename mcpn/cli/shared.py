@@ -53,8 +53,14 @@ import_option = click.option(
 )
 
 
+MOST_JOBS = 1024
+"""No machine has more processes for this, and the queue between them has room for few more."""
 jobs_option = click.option(
-    "--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes for local graphs."
+    "--jobs",
+    type=click.IntRange(1, MOST_JOBS),
+    default=1,
+    show_default=True,
+    help="Processes for local graphs.",
 )
 scheduler_option = click.option(
     "--scheduler", metavar="ADDRESS", help="Make local graphs on a dask cluster (needs mcpn[distributed])."
@@ -141,7 +147,7 @@ def tell_warnings(mission_net: MissionNet) -> list[str]:
     """Says on standard error, before anything is explored, what is suspicious in a mission.
 
     Returns:
-        The warnings that a report need not repeat: those that whoever reads it has just seen.
+        These warnings: a report need not repeat them.
     """
     from mcpn.mission.facts.warnings import static_warnings
     from mcpn.report.terminal import plain
@@ -151,4 +157,4 @@ def tell_warnings(mission_net: MissionNet) -> list[str]:
     warnings = list(map(str, static_warnings(mission_net.usage)))
     for warning in warnings:
         click.echo(plain(f"warning: {warning}"), err=True)
-    return warnings if sys.stderr.isatty() and sys.stdout is not None and sys.stdout.isatty() else []
+    return warnings
