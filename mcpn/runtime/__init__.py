@@ -20,13 +20,19 @@ What it promises:
   runs.
 """
 
-from mcpn.runtime.controller import Controller, Step, Where
-from mcpn.runtime.hooks import HookError, HookErrors
-from mcpn.runtime.journal import Journal, Watchdog
-from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
-from mcpn.runtime.shape import ControllerFileError
-from mcpn.runtime.snapshots import SnapshotError
-from mcpn.runtime.tables import Action, ParameterValue, Refused
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mcpn.runtime.controller import Controller, Step, Where
+    from mcpn.runtime.hooks import HookError, HookErrors
+    from mcpn.runtime.journal import Journal, Watchdog
+    from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
+    from mcpn.runtime.shape import ControllerFileError
+    from mcpn.runtime.snapshots import SnapshotError
+    from mcpn.runtime.tables import Action, ParameterValue, Refused
 
 __all__ = [
     "Action",
@@ -46,3 +52,34 @@ __all__ = [
     "Watchdog",
     "Where",
 ]
+
+# What writes a controller's file takes its digest from this package, and need not load all of it.
+_HOMES = {
+    "Action": "tables",
+    "AsyncController": "queue",
+    "Controller": "controller",
+    "ControllerFileError": "shape",
+    "EventQueue": "queue",
+    "HookError": "hooks",
+    "HookErrors": "hooks",
+    "Journal": "journal",
+    "ParameterValue": "tables",
+    "QueueClosed": "queue",
+    "QueueFull": "queue",
+    "Refused": "tables",
+    "SnapshotError": "snapshots",
+    "Step": "controller",
+    "Watchdog": "journal",
+    "Where": "controller",
+}
+"""By name, the module that has it."""
+
+
+def __getattr__(name: str) -> object:
+    if name in _HOMES:
+        return getattr(import_module(f"mcpn.runtime.{_HOMES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
