@@ -24,14 +24,25 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mcpn.check import Check
     from mcpn.controller import Generate
-    from mcpn.face import causes, ctl, picture, read_mission, states
+    from mcpn.face import causes, ctl, graph, picture, read_mission, states
     from mcpn.study import Study
     from mcpn.study import open_study as open
 
     check: Check
     controller: Generate
 
-__all__ = ["Study", "causes", "check", "controller", "ctl", "open", "picture", "read_mission", "states"]
+__all__ = [
+    "Study",
+    "causes",
+    "check",
+    "controller",
+    "ctl",
+    "graph",
+    "open",
+    "picture",
+    "read_mission",
+    "states",
+]
 __version__ = "0.1.0"
 
 _ROOMS = ("check", "controller")

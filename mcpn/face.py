@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from mcpn.check.sizes import Counting
     from mcpn.net.compose import MissionNet
     from mcpn.report.pictures.drawing import Drawing
+    from mcpn.space.markings.graph import StateGraph
     from mcpn.space.summary import SpaceSummary
 
 
@@ -72,6 +73,47 @@ def states(
         (44299, 260)
     """
     return Study(of).states(engine=engine, on=on)
+
+
+def graph(
+    of: Mission | MissionNet | PetriNet | Study,
+    on: On = "alternatives",
+    *,
+    max_states: int | None = None,
+) -> StateGraph:
+    """Lists the states of a mission or a net one by one, with the edges between them.
+
+    Args:
+        of: The mission, the net, or a study of one.
+        on: ``alternatives`` for stable states and events, of a mission; ``markings`` for all markings.
+        max_states: The most states that it may have.
+
+    Returns:
+        The graph in arrays; :meth:`mcpn.space.markings.graph.StateGraph.to_networkx` makes one of networkx.
+
+    Raises:
+        SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
+        LimitError: There are more states than allowed.
+
+    Examples:
+        >>> import networkx
+        >>> stable = graph(read_mission("experiments/ulysse/mission.xml")).to_networkx()
+        >>> stable.number_of_nodes(), stable.number_of_edges()
+        (260, 1332)
+        >>> ends = [state for state, marked in stable.nodes(data="marking") if "MISSION_success" in marked]
+        >>> len(ends), networkx.has_path(stable, 0, ends[0])
+        (8, True)
+    """
+    from mcpn.check.engines import Choice
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.stable.listing import written_out
+
+    study = of if isinstance(of, Study) else Study(of)
+    if on == "markings":
+        space = study.spaces.space(Choice("explicit", max_states=max_states), "markings")
+    else:
+        space = study.alternatives(max_states=max_states)
+    return space.graph if isinstance(space, ArraySpace) else written_out(space, "listed", max_states)
 
 
 def ctl(

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, assert_type
 
+import networkx
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
@@ -21,12 +22,15 @@ from mcpn.check.verdicts.mission import MissionCheck
 from mcpn.check.verdicts.nets import NetCheck
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.modular import AnyController
+from mcpn.errors import LimitError
 from mcpn.mission.model import Mission
+from mcpn.net.petri import PetriNet
 from mcpn.report.pictures.drawing import Drawing
+from mcpn.space.markings.graph import StateGraph
 from mcpn.space.summary import SpaceSummary
 from mcpn.testing import missions
 from tests.conftest import ROOT, ULYSSE
-from tests.net.nets import pt_nets
+from tests.net.nets import graph_of, pt_nets
 
 
 @pytest.mark.parametrize("name", ["mcpn", "mcpn.face", "mcpn.study", "mcpn.check", "mcpn.controller"])
@@ -107,3 +111,39 @@ def test_a_failing_property_shows_its_example_whole(
         assert f"{part}=" in told
         assert all(f"name={each.name!r}" in told for each in getattr(seen[-1], part))
     assert repr(seen[-1]) not in told
+
+
+def test_a_graph_of_states_goes_to_networkx(ulysse_markings: StateGraph) -> None:
+    drawn = ulysse_markings.to_networkx()
+    assert (drawn.number_of_nodes(), drawn.number_of_edges()) == (44299, 124078)
+    net = ulysse_markings.net
+    for state in (0, 17, 44298):
+        assert drawn.nodes[state]["marking"].keys() == net.marked(ulysse_markings.marking(state))
+        found = {(edge["transition"], target) for _, target, edge in drawn.out_edges(state, data=True)}
+        assert found == {(net.transitions[t].name, to) for t, to in ulysse_markings.successors(state)}
+
+
+@given(pt_nets())
+def test_the_graph_of_a_net_is_that_of_its_rule(net: PetriNet) -> None:
+    expected = graph_of(net, 200)
+    if expected is None or (net.priorities and any(max(marking) > 1 for marking in expected)):
+        return
+    drawn = mcpn.graph(net, "markings").to_networkx()
+    names = [place.name for place in net.places]
+    at = {
+        state: tuple(marked.get(name, 0) for name in names) for state, marked in drawn.nodes(data="marking")
+    }
+    assert sorted(at.values()) == sorted(expected)
+    edges = sorted((at[s], net.transition_index[name], at[t]) for s, t, name in drawn.edges(keys=True))
+    assert edges == sorted((s, t, after) for s, fired in expected.items() for t, after in fired)
+    assert {edge["event"] for *_, edge in drawn.edges(data=True)} <= {
+        None if t.event is None else str(t.event) for t in net.transitions
+    }
+
+
+def test_the_graph_of_stable_states_has_events(ulysse: Mission) -> None:
+    drawn = mcpn.graph(mcpn.Study(ulysse)).to_networkx()
+    assert (drawn.number_of_nodes(), drawn.number_of_edges()) == (260, 1332)
+    assert all(edge["event"] for *_, edge in drawn.edges(data=True))
+    with pytest.raises(LimitError):
+        mcpn.graph(ulysse, max_states=100)

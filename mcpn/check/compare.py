@@ -18,6 +18,8 @@ from mcpn.space.summary import ENGINES
 
 SIZES = ("states", "edges", "stable_states", "dead_states", "max_tokens")
 """What engines must agree on, as far as each counts it."""
+DIAGRAM = ("nodes", "peak_nodes")
+"""Sizes of a diagram: in the end, and the most at once."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +28,12 @@ class Measurement:
 
     Args:
         engine: One of :data:`mcpn.space.summary.ENGINES`, or ``local``.
-        sizes: By the names of :data:`SIZES`, and ``nodes`` of a diagram; what is ``None`` it does not count.
-            Itself ``None`` where the engine gave up.
+        sizes: By the names of :data:`SIZES` and :data:`DIAGRAM`; what is ``None`` it does not count. Itself
+            ``None`` where the engine gave up.
         seconds: Wall-clock time of the engine.
         megabytes: Peak memory of its process, the interpreter included.
         reason: Why it gave up.
+        order: Name of the diagram's order of places; ``None`` where there is none.
     """
 
     engine: str
@@ -38,6 +41,7 @@ class Measurement:
     seconds: float
     megabytes: int
     reason: str = ""
+    order: str | None = None
 
 
 def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> list[Measurement]:
@@ -53,6 +57,9 @@ def measure(subject: Mission | PetriNet, *, max_states: int | None = None) -> li
     Raises:
         UnsafeError: The net is not 1-safe.
         SemanticsError: The mission breaks what composition rests on.
+
+    See Also:
+        :func:`mcpn.check.sizes.sizes`: the counts by one engine.
     """
     found = []
     net = compose(subject).net if isinstance(subject, Mission) else subject
@@ -72,24 +79,25 @@ def _run(subject: Mission | PetriNet, engine: str, max_states: int | None) -> Me
     import resource
 
     sizes: dict[str, int | None] | None = None
-    seconds, reason = 0.0, ""
+    seconds, reason, order = 0.0, "", None
     try:
         if isinstance(subject, Mission):
             sizes, seconds = _local(subject)
         else:
             summary = summarise(subject, engine, max_states=max_states)
-            sizes, seconds = {name: getattr(summary, name) for name in (*SIZES, "nodes")}, summary.seconds
+            sizes = {name: getattr(summary, name) for name in (*SIZES, *DIAGRAM)}
+            seconds, order = summary.seconds, summary.order
     except LimitError as error:
         reason = str(error)
     megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss >> 10
-    return Measurement(engine, sizes, seconds, megabytes, reason)
+    return Measurement(engine, sizes, seconds, megabytes, reason, order)
 
 
 def _local(mission: Mission) -> tuple[dict[str, int | None], float]:
     spaces = Spaces(compose(mission))
     started = time.perf_counter()
     stable = spaces.composite().everything.count()
-    return {**dict.fromkeys((*SIZES, "nodes")), "stable_states": stable}, time.perf_counter() - started
+    return {**dict.fromkeys((*SIZES, *DIAGRAM)), "stable_states": stable}, time.perf_counter() - started
 
 
 class Disagreement(SemanticsError):

@@ -183,7 +183,9 @@ def alternatives(
 @click.command()
 @click.argument("file", type=FILE)
 @click.option(
-    "--plot", type=FILE, help="Write a plot of seconds and memory: .svg or .png (needs mcpn[experiments])."
+    "--plot",
+    type=FILE,
+    help="Write a plot of seconds, memory and nodes: .svg or .png (needs mcpn[experiments]).",
 )
 @limit_option
 @import_option
@@ -205,12 +207,9 @@ def compare(
         ready(plot)
     found = measure(subject, max_states=max_states)
     if plot is not None:
-        from mcpn.report.pictures.plots import Bars, save_plot
+        from mcpn.report.pictures.plots import save_engines
 
-        ran = [m for m in found if m.sizes is not None]
-        seconds = Bars("seconds", {m.engine: m.seconds for m in ran})
-        memory = Bars("megabytes", {m.engine: m.megabytes for m in ran})
-        save_plot(plot, [seconds, memory], f"Engines on {subject.name}")
+        save_engines(plot, found, f"Engines on {subject.name}")
     error = disagreement(found)
     if as_json:
         emit_json(

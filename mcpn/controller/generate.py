@@ -79,6 +79,10 @@ def generate(
     Raises:
         SemanticsError: The mission is not safe or not confluent, or a section hands on more than hardware.
         LimitError: A machine would have more states than allowed; the message says how many.
+
+    See Also:
+        :func:`mcpn.controller.minimise.minimise`: fewer states that do the same.
+        :mod:`mcpn.controller.targets`: the files that robots read.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
     if form == "flat":

@@ -65,6 +65,10 @@ def siphons(net: PetriNet, *, max_steps: int = MAX_STEPS) -> tuple[Places, ...]:
 
     Raises:
         LimitError: The limit was hit.
+
+    See Also:
+        :func:`commoner`: whether each contains a marked trap.
+        :func:`traps`: places that keep tokens.
     """
     return _closed(surroundings(net), len(net.places), max_steps, "siphons")
 
@@ -199,6 +203,10 @@ def p_semiflows(net: PetriNet, *, max_rows: int = MAX_ROWS) -> tuple[Sparse, ...
 
     Raises:
         LimitError: The limit was hit.
+
+    See Also:
+        :func:`mcpn.net.structure.invariants`: a basis, in polynomial time.
+        :func:`state_machine_components`: those of weight one that carry one token.
     """
     return _semiflows([dict(row) for row in incidence(net)], max_rows, "P-semiflows")
 

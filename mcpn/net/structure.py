@@ -71,6 +71,10 @@ def invariants(net: PetriNet) -> tuple[Sparse, ...]:
     Returns:
         As many independent vectors as there are places less the rank of the incidence matrix. At worst cubic
         in the size of the net (and weights may grow); near linear on nets of loosely coupled components.
+
+    See Also:
+        :func:`mcpn.net.siphons.p_semiflows`: all of minimal support, none negative.
+        :func:`state_machine_units`: the places of which one is marked at a time.
     """
     rows = [dict(row) for row in incidence(net)]
     sums: list[Sparse] = [{place: 1} for place in range(len(rows))]

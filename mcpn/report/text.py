@@ -98,12 +98,25 @@ def print_comparison(found: Sequence[Measurement]) -> None:
     ran = [m for m in found if m.sizes is not None]
     slowest = max((m.seconds for m in ran), default=0.0)
     counted = ("states", "edges", "stable_states", "dead_states")
-    heads = ("engine", "states", "edges", "stable", "dead", "seconds", "speed", "MB", "nodes")
+    heads = (
+        "engine",
+        "states",
+        "edges",
+        "stable",
+        "dead",
+        "seconds",
+        "speed",
+        "MB",
+        "nodes",
+        "peak",
+        "order",
+    )
     rows: list[tuple[str, ...]] = [heads]
     for m in ran:
-        sizes = ["" if (size := (m.sizes or {})[name]) is None else str(size) for name in (*counted, "nodes")]
+        sizes = {name: "" if size is None else str(size) for name, size in (m.sizes or {}).items()}
         took = (f"{m.seconds:.3f}", f"{slowest / m.seconds:.1f} x", str(m.megabytes))
-        rows.append((m.engine, *sizes[:-1], *took, sizes[-1]))
+        diagram = (sizes["nodes"], sizes["peak_nodes"], m.order or "")
+        rows.append((m.engine, *(sizes[name] for name in counted), *took, *diagram))
     terminal.columns(rows)
     for m in found:
         if m.sizes is None:

@@ -38,6 +38,7 @@ class SpaceSummary:
         engine: One of :data:`ENGINES`, or ``local``.
         seconds: Wall-clock time of the engine.
         order: Name of the diagram's order of places; ``None`` where there is none.
+        peak_nodes: Most nodes at once while the diagram was made; ``None`` where there is none.
     """
 
     places: int
@@ -52,6 +53,7 @@ class SpaceSummary:
     engine: str
     seconds: float
     order: str | None = None
+    peak_nodes: int | None = None
 
 
 def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
@@ -76,6 +78,7 @@ def summary_of(space: SymbolicSpace, started: float) -> SpaceSummary:
         "symbolic",
         time.perf_counter() - started,
         space.order,
+        None if space.nodes is None else space.peak_nodes,
     )
 
 

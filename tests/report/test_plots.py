@@ -9,8 +9,9 @@ import pytest
 from lxml import etree
 
 from mcpn.cli.line import run
+from mcpn.check.compare import Measurement
 from mcpn.errors import InputError, LimitError
-from mcpn.report.pictures.plots import Bars, Curves, plotted, save_plot
+from mcpn.report.pictures.plots import Bars, Curves, plotted, save_engines, save_plot
 from tests.commands import mcpn
 
 NET = "net n\npl p (1)\ntr t p -> q\ntr u q -> p\n"
@@ -52,6 +53,17 @@ def test_engines_are_plotted(suffix: str, tmp_path: Path) -> None:
         return
     told = texts(etree.parse(plot).getroot())
     assert {"explicit", "symbolic", "pyeda", "seconds", "megabytes", "Engines on n"} <= {*told}
+
+
+def test_nodes_are_plotted_with_their_order(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib", reason="needs matplotlib: the extra experiments")
+    sizes = {"states": 7, "nodes": 41, "peak_nodes": 1234}
+    ran = Measurement("symbolic", sizes, 1.0, 20, order="force")
+    gave_up = Measurement("pyeda", None, 0.0, 20, "too large")
+    save_engines(tmp_path / "p.svg", [ran, gave_up], "title")
+    told = texts(etree.parse(tmp_path / "p.svg").getroot())
+    assert {"nodes, symbolic, order force", "in the end", "41", "at the peak", "1,234"} <= {*told}
+    assert "pyeda" not in told
 
 
 def test_without_matplotlib_nothing_is_measured(

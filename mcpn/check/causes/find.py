@@ -149,6 +149,10 @@ def find_causes(
     Raises:
         SemanticsError: The mission is not 1-safe or not confluent.
         LimitError: A limit was hit: on states, memory or minimal cut sets.
+
+    See Also:
+        :mod:`mcpn.check.causes.fmeca`: what each single loss does, objective by objective.
+        :mod:`mcpn.check.causes.chain`: how probable it all is.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
     refuse_reentry(mission_net.graph)

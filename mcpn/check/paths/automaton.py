@@ -89,6 +89,10 @@ def translated(formula: Formula) -> Automaton:
 
     Raises:
         LimitError: The automaton is too large.
+
+    See Also:
+        :func:`mcpn.check.paths.formulas.normal`: what is translated.
+        :mod:`mcpn.check.paths.product`: where the automaton is run.
     """
     start = _conjuncts(formula)
     numbers, queue = {start: 0}, [start]

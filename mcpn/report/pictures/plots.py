@@ -11,12 +11,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.errors import InputError, Source
 from mcpn.files import write_atomically
 from mcpn.report.pictures.drawing import KNOWN, needed
 from mcpn.report.terminal import plain
+
+if TYPE_CHECKING:
+    from mcpn.check.compare import Measurement
 
 FAR_APART = 20
 """Ratio of the largest to the smallest number from which on a scale is logarithmic."""
@@ -85,6 +88,30 @@ def save_plot(path: Path, plots: Sequence[Curves | Bars], title: str = "") -> No
     """
     ready(path)
     write_atomically(path, plotted(plots, title, path.suffix.lower().removeprefix(".")))
+
+
+def save_engines(path: Path, found: Sequence[Measurement], title: str) -> None:
+    """Plots engines side by side: seconds, memory, and the nodes of diagrams with their order of places.
+
+    Args:
+        path: Where, ``.svg`` or ``.png``.
+        found: What each engine took; those that gave up are left out.
+        title: Stands above the plots.
+
+    Raises:
+        InputError: The suffix is another, or the file cannot be written.
+        LimitError: matplotlib is not installed.
+    """
+    ran = {m.engine: m for m in found if m.sizes is not None}
+    bars = [
+        Bars("seconds", {engine: m.seconds for engine, m in ran.items()}),
+        Bars("megabytes", {engine: m.megabytes for engine, m in ran.items()}),
+    ]
+    for engine, m in ran.items():
+        nodes, peak = ((m.sizes or {}).get(name) for name in ("nodes", "peak_nodes"))
+        if nodes is not None and peak is not None:
+            bars.append(Bars(f"nodes, {engine}, order {m.order}", {"in the end": nodes, "at the peak": peak}))
+    save_plot(path, bars, title)
 
 
 def plotted(plots: Sequence[Curves | Bars], title: str = "", form: str = "svg") -> bytes:

@@ -209,6 +209,11 @@ def reach(
     Raises:
         UnsafeError: The net is not 1-safe; the run to the unsafe firing is a shortest one.
         LimitError: The memory limit was hit.
+
+    See Also:
+        :func:`mcpn.space.markings.explicit.explore`: the same markings, listed.
+        :func:`reach_briefly`: where few steps reach all.
+        :mod:`mcpn.space.diagrams.order`: the orders of places that decide the size of diagrams.
     """
     if error := unsafe_at_start(net):
         raise error

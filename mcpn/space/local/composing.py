@@ -66,6 +66,10 @@ def composite_space(
         DivergenceError: After an event that the mission comes to internal evolution need not end.
         UnsafeError: A local net is not 1-safe.
         LimitError: A limit was hit.
+
+    See Also:
+        :func:`mcpn.space.stable.alternatives.direct_with_proof`: the graph of the whole mission, listed.
+        :mod:`mcpn.net.sections`: the nets that are explored instead.
     """
     usage = mission_net.usage
     if usage.contentions and not may_die:

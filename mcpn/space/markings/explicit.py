@@ -133,6 +133,10 @@ def explore(
     Raises:
         UnsafeError: The net is not 1-safe; a shortest run to the unsafe firing is given.
         LimitError: A limit was hit.
+
+    See Also:
+        :func:`mcpn.space.diagrams.symbolic.reach`: the same markings as a diagram.
+        :func:`mcpn.space.stable.alternatives.direct`: stable states alone, without the markings between.
     """
     prepared = KernelNet(net)
     return prepared.graph(_explored(prepared, True, max_states, max_memory, progress))

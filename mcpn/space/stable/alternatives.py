@@ -69,6 +69,10 @@ def by_reduction(graph: StateGraph) -> AlternativesGraph:
     Raises:
         ConfluenceError: A transient marking has two stable ends; the two runs are given.
         DivergenceError: An internal run need not end; a run into the cycle is given.
+
+    See Also:
+        :func:`direct`: the same graph without the markings between stable ones.
+        :func:`mcpn.space.stable.confluence.prove_confluent`: the proof without a list.
     """
     ends = _stable_ends(graph)
     is_event = np.array([not t.internal for t in graph.net.transitions], np.bool_)
@@ -152,6 +156,10 @@ def direct(
         DivergenceError: An internal run need not end.
         UnsafeError: A firing would put a second token in a place.
         LimitError: More stable states, or more markings to explore, than allowed, or too little memory.
+
+    See Also:
+        :func:`by_reduction`: the same graph from all markings, as the paper makes it.
+        :func:`direct_with_proof`: with the proof that no other order of firing ends elsewhere.
     """
     prepared = KernelNet(net)
     if proof:

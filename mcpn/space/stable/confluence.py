@@ -63,6 +63,10 @@ def prove_confluent(
         DivergenceError: It need not end.
         UnsafeError: The net is not 1-safe.
         LimitError: A limit was hit.
+
+    See Also:
+        :func:`mcpn.space.stable.alternatives.direct_with_proof`: the proof along the list of stable states.
+        :func:`proof_of_conflicts`: what it says of a set of markings.
     """
     space = space or reach(net)
     if not space.endless and next(open_conflicts(space.encoding, space.reachable), None) is None:
