@@ -10,7 +10,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, assert_type
 
-import networkx
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st

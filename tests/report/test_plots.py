@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from mcpn.cli.line import run
 from mcpn.check.compare import Measurement
+from mcpn.cli.line import run
 from mcpn.errors import InputError, LimitError
 from mcpn.report.pictures.plots import Bars, Curves, plotted, save_engines, save_plot
 from tests.commands import mcpn
