@@ -236,6 +236,8 @@ class _Flattening:
                     block.description,
                     scope.interruptions,
                     leads.abort if any(branch.graph.aborts for branch in branches) else None,
+                    None if block.success_when == "all" else int(block.success_when.replace("any", "1")),
+                    block.failure_when == "any",
                 )
             )
         elif isinstance(block, Recursive | Use):

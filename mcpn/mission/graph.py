@@ -152,6 +152,9 @@ class ParallelSection(_Routes):
         interruptions: Of each event the innermost first, as of an objective; in effect where no branch
             handles the event itself.
         abort: Where it leads that a branch aborts; ``None`` where none can.
+        needed: How many branches must succeed, mandatory or not, and no more are awaited; ``None`` where all
+            are awaited, and every mandatory one must.
+        hasty: Whether it fails as soon as a mandatory branch has failed.
     """
 
     name: str
@@ -162,6 +165,32 @@ class ParallelSection(_Routes):
     description: str | None = None
     interruptions: tuple[Interruption, ...] = ()
     abort: str | None = None
+    needed: int | None = None
+    hasty: bool = False
+
+    @property
+    def deciding(self) -> Iterator[tuple[str, Branch]]:
+        """Outcomes that may be decided while branches still run, each with the branches that may do so.
+
+        Of branches whose success counts together it is the last of them, in document order.
+        """
+        yield from (("abort", branch) for branch in self.branches if branch.graph.aborts)
+        if self.needed is not None and self.needed < len(self.branches):
+            yield from (("success", branch) for branch in self.branches[self.needed - 1 :])
+        if self.hasty and len(self.branches) > 1:
+            yield from (("failure", branch) for branch in self.branches if branch.mandatory)
+
+    @property
+    def early(self) -> bool:
+        """Whether its end may stop branches that still run."""
+        return any(True for _ in self.deciding)
+
+    def succeeds(self, well: Iterable[Branch]) -> bool:
+        """Whether it succeeds when all have ended, some of them well."""
+        names = {branch.name for branch in well}
+        if self.needed is not None:
+            return len(names) >= self.needed
+        return all(branch.name in names for branch in self.branches if branch.mandatory)
 
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:

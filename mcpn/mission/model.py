@@ -22,7 +22,9 @@ from typing import Annotated, TypeAlias
 
 from mcpn.mission.language.datatypes import (
     NAME,
+    QUORUM,
     ROUTE,
+    WHOLE,
     Activities,
     Called,
     Children,
@@ -144,6 +146,17 @@ class Parallel(BlockElement):
     """Blocks that run at the same time. When all have ended it succeeds if every mandatory one did."""  # 4.2
 
     TAG = "parallel"
+    success_when: Annotated[
+        str,
+        QUORUM,
+        "any, or how many: as soon as so many children, mandatory or not, have succeeded it succeeds, and "
+        "those that still run are stopped. all: as above.",
+    ] = "all"
+    failure_when: Annotated[
+        str,
+        WHOLE,
+        "any: as soon as a mandatory child has failed the block fails, and those that still run are stopped.",
+    ] = "all"
     blocks: Annotated[tuple[Block, ...], Children(without=("parallel",))]
 
 

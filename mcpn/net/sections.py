@@ -168,7 +168,8 @@ class LocalPart:
             if isinstance(section, ElementarySection):
                 inside = tuple(task[a] for a in section.activities)
             else:
-                inside = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
+                branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
+                inside = (branches, section.needed, section.hasty)
             routes = (places.get(route, route) for _, route in section.outcomes)
             events = tuple(
                 (i.event, places.get(i.target, i.target), i.once and self.once.index(i.once))

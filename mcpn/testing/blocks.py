@@ -160,7 +160,11 @@ class MissionDrawing(RobotDrawing):
             return Recursive(name=self.name("rec"), blocks=blocks, parameters=self.parameters()), size
         if kind == "parallel":
             blocks, size = self.children(depth - 1, islands, budget)
-            return Parallel(name=self.name("par"), blocks=blocks), size
+            counts = ["any", *map(str, range(1, len(blocks) + 1))]
+            needed = self.draw(st.sampled_from(counts)) if self.rarely(self.shape.early) else "all"
+            hasty = "any" if self.rarely(self.shape.early) else "all"
+            block = Parallel(name=self.name("par"), blocks=blocks, success_when=needed, failure_when=hasty)
+            return block, size
         return self.objective(islands), 1
 
     def usable(self, islands: list[Island], budget: int) -> list[tuple[Protocol, int]]:

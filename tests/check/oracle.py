@@ -135,7 +135,7 @@ def fragile_missions(**bounds: int) -> st.SearchStrategy[Mission]:
 
     @st.composite
     def drawn(draw: st.DrawFn) -> Mission:
-        mission = draw(missions(None, disjoint_branches=True, protocols=False, timeouts=2, **bounds))
+        mission = draw(missions(None, disjoint_branches=True, protocols=False, timeouts=2, early=1, **bounds))
         return replace(mission, blocks=_unrouted(draw, mission.blocks))
 
     return drawn()

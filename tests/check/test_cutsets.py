@@ -348,7 +348,7 @@ def test_cut_sets_are_those_of_brute_force(mission: Mission, engine: Engine) -> 
         confirm(Asked(found, engine))
 
 
-ABORTING = missions(max_sections=5, max_hardware=2, max_producers=1, aborts=6)
+ABORTING = missions(max_sections=5, max_hardware=2, max_producers=1, aborts=6, early=2)
 
 
 @fewer(0.6)
@@ -371,6 +371,7 @@ def test_engines_agree_on_causes_of_missions_that_abort(mission: Mission) -> Non
     | missions(max_hardware=3, max_sections=5, events=2)
     | fragile_missions(max_hardware=3)
     | fragile_missions(max_hardware=3, max_sections=5, events=2)
+    | missions(max_hardware=3, max_sections=5, events=1, early=6)
 )
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
     agree_on_all_causes(mission)

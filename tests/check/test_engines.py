@@ -164,7 +164,7 @@ def test_stable_states_alone_tell_what_all_markings_tell(mission: Mission) -> No
 
 
 @fewer(0.25)
-@given(missions(aborts=4, timeouts=3, max_events=1, max_sections=8))
+@given(missions(aborts=4, timeouts=3, early=3, max_events=1, max_sections=8))
 def test_engines_on_missions_that_abort(mission: Mission) -> None:
     try:
         compare(compose(mission))

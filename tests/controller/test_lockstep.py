@@ -184,7 +184,7 @@ def test_missions_without_contention(mission: Mission, seed: int) -> None:
 
 
 @fewer(0.25)
-@given(missions(max_objectives=3, max_depth=2, events=2, awkward_names=True), st.integers(0, 2**32))
+@given(missions(max_objectives=3, max_depth=2, events=2, early=3, awkward_names=True), st.integers(0, 2**32))
 def test_missions_with_declared_events(mission: Mission, seed: int) -> None:
     """An interruption is an event like any other; of a section's machine it is an exit."""
     mission_net = composed(mission)

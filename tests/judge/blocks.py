@@ -43,6 +43,8 @@ class Node:
         parent: The node that it stands in; ``None`` for the mission.
         parallel: Whether its children run at the same time; else one runs after the other.
         mandatory: Whether a parallel block needs its success.
+        needed: How many children of a parallel block must succeed, if so many decide that it does.
+        hasty: Whether a parallel block fails as soon as a mandatory child does.
         success: Where success leads: the written name of a sibling, ``succeed`` or ``fail``.
         failure: Where failure leads.
         abort: Where it leads that something in it aborts.
@@ -58,6 +60,8 @@ class Node:
     parent: Node | None = None
     parallel: bool = False
     mandatory: bool = True
+    needed: int | None = None
+    hasty: bool = False
     success: str = SUCCEED
     failure: str = FAIL
     abort: str = ABORT
@@ -171,7 +175,9 @@ class _Writing:
             node.activities, node.timeout = block.activities, block.timeout
             node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
         elif isinstance(block, Parallel):
-            node.parallel = True
+            node.parallel, node.hasty = True, block.failure_when == "any"
+            if block.success_when != "all":
+                node.needed = 1 if block.success_when == "any" else int(block.success_when)
             self.series(node, block.blocks, scope.inside(block))
         elif isinstance(block, Recursive):
             self.series(node, block.blocks, scope.inside(block, block.parameters))

@@ -13,6 +13,9 @@ ANY = missions(sections=6)
 INTERRUPTED = missions(sections=5, hardware=2, producers=2, events=2)
 ABORTED = missions(sections=6, hardware=2, producers=2, branches=3, events=2, aborts=4)
 """Blocks that abort, and blocks that route what aborts in them."""
+EARLY = missions(sections=7, hardware=2, producers=2, branches=3, events=2, aborts=1, early=6)
+"""Parallel blocks that do not await all of their branches."""
+EARLY_WIDE = missions(sections=8, branches=8, hardware=1, producers=1, objectives=2, events=1, early=8)
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
 IN_ROUNDS = missions(
@@ -30,6 +33,18 @@ SAYING = missions(sections=5, hardware=1, producers=1, alternatives=2, text=True
 """With parameters on blocks, uses and values."""
 
 MISSIONS: st.SearchStrategy[Mission] = st.one_of(
-    ANY, INTERRUPTED, ABORTED, TIMED, IN_ROUNDS, APART, SHARING, DISJOINT, WIDE, CHAINS, SAYING
+    ANY,
+    INTERRUPTED,
+    ABORTED,
+    EARLY,
+    EARLY_WIDE,
+    TIMED,
+    IN_ROUNDS,
+    APART,
+    SHARING,
+    DISJOINT,
+    WIDE,
+    CHAINS,
+    SAYING,
 )
 """All of them."""

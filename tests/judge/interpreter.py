@@ -173,6 +173,7 @@ class Interpreter:
         for node, route in routes:
             if not any(node.within(block) for block in aborted):
                 led = self.follow(led, node, route, aborted)
+        led = self.decided(led, aborted)
         for block in aborted:
             state = self.left(state, block)
         return self.reaction(replace(led, activities=self.at_rest(state)))
@@ -212,8 +213,31 @@ class Interpreter:
         if any(sibling.name not in ended for sibling in siblings):
             return replace(state, ended=frozenset(ended.items()))
         well = all(ended[sibling.name] or not sibling.mandatory for sibling in siblings)
+        if (needed := branch.parent.needed) is not None:
+            well = sum(ended[sibling.name] for sibling in siblings) >= needed
         others = frozenset(e for e in ended.items() if self.branches[e[0]].parent is not branch.parent)
         return self.end(replace(state, ended=others), branch.parent, SUCCEED if well else FAIL, aborted)
+
+    def decided(self, state: State, stopped: list[Node]) -> State:
+        """Parallel blocks whose end is decided are left, the outermost first, and noted."""
+        while (found := self.decision(dict(state.ended), [self.root])) is not None:
+            block, by = found
+            stopped.append(block)
+            state = self.end(self.left(state, block), block, by, stopped)
+        return state
+
+    def decision(self, ended: dict[str, bool], level: list[Node]) -> tuple[Node, str] | None:
+        """The first parallel block, from outside in, that awaits no more, and by which exit it is left."""
+        while level:
+            for block in level:
+                children = block.children.values() if block.parallel else ()
+                well = sum(ended.get(child.name, False) for child in children)
+                if block.parallel and block.needed is not None and well >= block.needed:
+                    return block, SUCCEED
+                if block.hasty and any(ended.get(c.name) is False and c.mandatory for c in children):
+                    return block, FAIL
+            level = [child for block in level for child in block.children.values()]
+        return None
 
     def end(self, state: State, node: Node, by: str, aborted: list[Node]) -> State:
         """A block ends by one of its exits; with the mission's own blocks the mission does."""

@@ -43,6 +43,17 @@ def test_missions_that_abort(of: Mission) -> None:
     check(of)
 
 
+@given(drawn.EARLY)
+def test_blocks_that_end_early(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.EARLY_WIDE)
+def test_wide_blocks_that_end_early(of: Mission) -> None:
+    check(of)
+
+
 @fewer(0.5)
 @given(drawn.TIMED)
 def test_missions_with_timeouts(of: Mission) -> None:

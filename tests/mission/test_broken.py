@@ -165,6 +165,27 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         9,
         "timeout_goto of x leads to o; expected one of succeed, fail, abort",
     ),
+    "success_when of no number": (
+        body(f"<parallel name='p' success_when='most'>{OK}</parallel>"),
+        8,
+        "success_when of <parallel> is 'most', expected any, all or a whole number",
+    ),
+    "success_when of none": (
+        body(f"<parallel name='p' success_when='0'>{OK}</parallel>"),
+        8,
+        "success_when of p is 0, expected any, all or a whole number above 0",
+    ),
+    "success_when of more than there are": (
+        body(f"<parallel name='p' success_when='2'>{OK}</parallel>"),
+        8,
+        "success_when of p is 2, though it has 1 child",
+    ),
+    "failure_when of two": (body(f"<parallel name='p' failure_when='2'>{OK}</parallel>"), 8, "any or all"),
+    "success_when of an objective": (
+        body("<objective name='x' activities='go' success_when='any'/>"),
+        8,
+        "success_when",
+    ),
     "objective with no activity named": (body("<objective name='o' activities=' '/>"), 8, "no activity"),
     "parallel in parallel": (
         body(f"<parallel name='p'>\n<parallel name='q'>\n{OK}</parallel></parallel>"),

@@ -64,7 +64,7 @@ GRAMMAR = """
 """
 
 Sets = set[frozenset[str]]
-NUMBERED = missions(max_objectives=2, max_sections=5, numbers=True)
+NUMBERED = missions(max_objectives=2, max_sections=5, numbers=True, early=3)
 
 
 def solve(document: bytes) -> dict[str, list[CutSet]]:

@@ -174,6 +174,8 @@ def route(section: ElementarySection, around: Around) -> str:
         return f"its failure aborts {block.name}"
     if section.failure == SUCCEED:
         return f"its failure is a success of {branch.name}"
+    if block.needed is not None and not (block.hasty and branch.mandatory):
+        return f"{block.name} needs {block.needed} of {len(block.branches)}"
     return f"its failure fails {block.name}" if branch.mandatory else f"{block.name} does not need it"
 
 

@@ -29,7 +29,7 @@ from mcpn.space.run import Run, transitions_of
 
 
 def refuse_reentry(graph: ObjectivesGraph, around: tuple[ParallelSection, ...] = ()) -> None:
-    """Refuses missions in which one event may abort a block and enter it again.
+    """Refuses missions in which one event may end a block while it runs, and enter it again.
 
     A run of an objective there would end and another begin without a state between them.
 
@@ -43,12 +43,13 @@ def refuse_reentry(graph: ObjectivesGraph, around: tuple[ParallelSection, ...] =
     for block in graph.sections:
         if not isinstance(block, ParallelSection):
             continue
-        routes = set[str]() if block.abort is None else {block.abort}
+        early = {outcome for outcome, _ in block.deciding}
+        routes = {route for outcome, route in block.outcomes if outcome in early}
         for outer, further in zip((block, *around), (*around, None), strict=True):
             if outer.name in routes:
                 raise LimitError(
-                    f"an abort of {block.name} may lead back into {outer.name} at once: causes and numbers "
-                    "of risk cannot tell one run of its objectives from the next"
+                    f"an early end of {block.name}, or an abort, may lead back into {outer.name} at once: "
+                    "causes and numbers of risk cannot tell one run of its objectives from the next"
                 )
             left = further is not None and not routes.isdisjoint((SUCCEED, FAIL, ABORT))
             routes = {route for _, route in further.outcomes} if further is not None and left else set()

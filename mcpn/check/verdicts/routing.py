@@ -124,6 +124,10 @@ class Routing:
             "failure": any(FAIL in exits for exits in must),
             "abort": any(ABORT in exits for _, exits in ends),
         }
+        if section.needed is not None:
+            well, badly = (sum(exit_ in exits for _, exits in ends) for exit_ in (SUCCEED, FAIL))
+            happen["success"] = well >= section.needed
+            happen["failure"] = badly > len(ends) - section.needed or (section.hasty and happen["failure"])
         return frozenset(outcome for outcome, _ in section.outcomes if happen.get(outcome, True))
 
     def _led(self, section: Section) -> list[str]:

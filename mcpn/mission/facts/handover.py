@@ -92,8 +92,8 @@ def _onward(graph: ObjectivesGraph, beside: Running) -> Iterator[tuple[frozenset
     apart, what the same event interrupts in other branches.
     """
     for section in graph.sections:
-        ending = _activities(_endings(section))
         running = _activities(section.walk())
+        ending = _activities(_endings(section))
         yield from ((ending, target) for target in graph.targets(section))
         yield from ((running, target) for target in graph.interrupted(section))
         if isinstance(section, ParallelSection):
@@ -118,19 +118,22 @@ def _interrupted(graph: ObjectivesGraph) -> Running:
             continue
         for branch in section.branches:
             inside = _interrupted(branch.graph)
-            if section.abort is not None:  # what it stops in a branch may stop the whole block
+            if section.early:  # what it stops in a branch may stop the whole block
                 inside = dict.fromkeys(inside, running)
             found = _joined(found, inside)
     return found
 
 
 def _stopped_at_once(graph: ObjectivesGraph) -> Iterator[Section]:
-    """Sections that an event may lead to, and stop in the same moment by an abort in another branch."""
+    """Sections that an event may lead to, and stop in the same moment as another branch ends the block."""
     for block in graph.sections:
         branches = block.branches if isinstance(block, ParallelSection) else ()
         for branch in branches:
             events = _interrupted(branch.graph).keys()
-            others = (other.graph for other in branches if other is not branch and other.graph.aborts)
+            deciding = (
+                {other.name for _, other in block.deciding} if isinstance(block, ParallelSection) else ()
+            )
+            others = (other.graph for other in branches if other is not branch and other.name in deciding)
             if any(not events.isdisjoint(_interrupted(other)) for other in others):
                 yield from branch.graph.all_sections()
 
@@ -144,9 +147,12 @@ def _activities(sections: Iterable[ElementarySection]) -> frozenset[str]:
 
 
 def _endings(section: Section) -> tuple[ElementarySection, ...]:
-    """The elementary objectives that may be the last of a section, of a branch for a parallel block."""
-    if isinstance(section, ElementarySection):
-        return (section,)
+    """The elementary objectives that may be the last of a section, of a branch for a parallel block.
+
+    Of a block that its end may stop they may be any.
+    """
+    if isinstance(section, ElementarySection) or section.early:
+        return tuple(section.walk())
     return tuple(
         last
         for branch in section.branches

@@ -153,6 +153,16 @@ def _one_of(name: str, *choices: str) -> Datatype:
     )
 
 
+WHOLE = _one_of("whole", "any", "all")
+QUORUM = Datatype(
+    "quorum",
+    "any, all or a number",
+    r"\s*(any|all|[0-9]{1,6})\s*",
+    "any, all or a whole number",
+    str.strip,
+    allows=lambda text: text in ("any", "all") or (text.isascii() and text.isdigit() and int(text) > 0),
+    allowed="any, all or a whole number above 0",
+)
 TRUTH = _one_of("truth", "holds", "fails")
 SEVERITY = _one_of("severity", "required", "advice")
 ORDER = _one_of("order", "any", "sequenced", "ordered", "strict", "fair")

@@ -61,27 +61,27 @@ class Ranks:
     first: what each does on an error, then what it answers to who asks. A producer refuses or stops when
     nobody evaluates any more, so that it goes on if somebody needs it at the end; a gate opens last.
 
-    Where a parallel block may abort, its halting and all other control comes before any of that, and a block
-    around before those in it: what an abort stops begins nothing. Such ranks are below 0, down to minus
-    :attr:`below`.
+    Where a parallel block may abort, or end early, its halting and all other control comes before any of
+    that, aborts before other ends, and a block around before those in it: what an end stops begins nothing.
+    Such ranks are below 0, down to minus :attr:`below`.
 
     Args:
         usage: Static facts of the mission.
     """
 
     def __init__(self, usage: Usage) -> None:
-        self._aborting = dict(_aborting(usage.graph))
-        self.below = 2 + max(self._aborting.values()) if self._aborting else 0
+        self._deciding = dict(_deciding(usage.graph))
+        self.below = 2 + max(self._deciding.values()) if self._deciding else 0
         self.control = -self.below
-        self._several = usage.sharing.anything or bool(usage.handover.gated) or bool(self._aborting)
+        self._several = usage.sharing.anything or bool(usage.handover.gated) or bool(self._deciding)
         self._height = usage.height
         highest = max((usage.height(a) for a in usage.started), default=0)
         self.settling = self._if_several(2 * highest + 3)
         self.entering = self._if_several(2 * highest + 4)
 
-    def aborting(self, block: str, branch: str) -> int:
-        """How a branch that has aborted halts its block: each branch of a section has a rank of its own."""
-        return self.control + 1 + self._aborting[block, branch]
+    def deciding(self, block: str, outcome: str, branch: str) -> int:
+        """How a branch that has ended halts its block: each branch of a section has a rank of its own."""
+        return self.control + 1 + self._deciding[block, outcome, branch]
 
     def handling(self, activity: str) -> int:
         """What an activity does on an error, and when a better alternative is possible again."""
@@ -95,18 +95,19 @@ class Ranks:
         return rank if self._several else 0
 
 
-def _aborting(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str], int]]:
-    """Branches that may abort, by block and name, each with its number in its section, from outside in."""
+def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], int]]:
+    """Branches that may end their block, by block, outcome and name, each with its number in its section.
+
+    First those that abort, from outside in, then the others.
+    """
     for section in graph.sections:
-        found, level = 0, [section]
+        every, level = list[tuple[str, str, str]](), [section]
         while level:
             blocks = [inner for inner in level if isinstance(inner, ParallelSection)]
-            for block in blocks:
-                for branch in block.branches:
-                    if branch.graph.aborts:
-                        yield (block.name, branch.name), found
-                        found += 1
+            every += [(b.name, outcome, branch.name) for b in blocks for outcome, branch in b.deciding]
             level = [i for block in blocks for branch in block.branches for i in branch.graph.sections]
+        every.sort(key=lambda of: of[1] != "abort")
+        yield from ((of, number) for number, of in enumerate(every))
 
 
 class Canvas(NetBuilder):

@@ -5,17 +5,16 @@ activities and enters what follows. One that interrupts a parallel block as a wh
 event's transition takes the place that says that the block runs, so that nothing begins in it any more, and
 puts a token into each branch's place *halt*. Internal transitions then stop the objective that the branch is
 in, drop one that is about to be entered, or take the branch's outcome; when all branches are halted, what
-follows is entered. A branch that aborts halts the others in the same way: an internal transition takes the
-place that says that the block runs, as soon as the branch has aborted. Of all handlers of an event those of
-the branches count first: where some branch is at a place that handles the event itself, these branches do so
-together and the block goes on.
+follows is entered. Branches that decide the block's end halt the others in the same way, one that aborts
+among them (:mod:`mcpn.net.templates.leaving`). Of all handlers of an event those of the branches count first:
+where some branch is at a place that handles the event itself, these branches do so together and the block
+goes on.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from itertools import product
 from math import prod
 
 from mcpn.errors import LimitError
@@ -31,10 +30,8 @@ from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.events import START, Event, What
 from mcpn.net.templates.activities import running_place
 from mcpn.net.templates.canvas import Canvas, Pen
-from mcpn.net.templates.interruption import Around, Position, called, draw_once, events_of, may_abort
-
-MAX_COMBINED = 6
-"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
+from mcpn.net.templates.interruption import Around, Position, called, draw_once, events_of, may_halt
+from mcpn.net.templates.leaving import Leaving
 
 MAX_POSITIONS = 10_000
 """Combinations of where the branches of a block may be that handle one event, each with a transition."""
@@ -107,7 +104,7 @@ class _Control:
         if self.halted(section):
             running = (*self.around.running, self.of(section, "running"))
             around = replace(around, running=running, halted=self.of_branch(branch, "halted"))
-        well, badly = map(list, self.ends(section, branch))
+        well, badly = map(list, Leaving(self.canvas, section).ends(branch))
         exits = {SUCCEED: well, FAIL: badly}
         if branch.graph.aborts:
             exits[ABORT] = [self.of_branch(branch, "abort")]
@@ -115,11 +112,11 @@ class _Control:
 
     def eventful(self, section: Section) -> bool:
         """Whether a place must say that the block runs."""
-        return self.around.eventful or any(events_of(section)) or may_abort(section)
+        return self.around.eventful or any(events_of(section)) or may_halt(section)
 
     def halted(self, section: ParallelSection) -> bool:
-        """Whether an event, or a branch that aborts, may interrupt the block as a whole."""
-        return bool(self.around.running or section.interruptions or section.abort is not None)
+        """Whether an event, or a branch that ends, may interrupt the block as a whole."""
+        return bool(self.around.running or section.interruptions or section.early)
 
     def enter(self, target: str) -> list[str]:
         """Places to mark so as to enter a section, or to leave the graph."""
@@ -188,68 +185,25 @@ class _Control:
         if self.gated(section):
             self.gate(pen, section)
         running = [pen.place("running")] if self.eventful(section) else []
-        combined = len(section.branches) <= MAX_COMBINED
+        leaving = Leaving(self.canvas, section)
         for branch in section.branches:
             ended = [pen.place(part, of=("objective", branch.name)) for part in ("ok", "fail")]
-            if not combined:  # outcomes are taken note of one by one: another place says that it has ended
+            if (
+                not leaving.combined
+            ):  # outcomes are taken note of one by one: another place says that it has ended
                 ended = [pen.place("ended", of=("objective", branch.name))]
             for place in ended:
                 self.canvas.role(place, ("done", branch.name))
             if branch.graph.aborts:
                 pen.place("abort", of=("objective", branch.name))
             self.inside(section, branch).draw()
-        if combined:
-            self.leave_combined(pen, section, running)
-        else:
-            self.leave_one_by_one(pen, section, running)
+        leaving.all_ended(pen, running, self.enter, self.halted(section))
         if self.halted(section):
             self.halt(pen, section)
-
-    def leave_combined(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
-        """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
-        for outcome in product((True, False), repeat=len(section.branches)):
-            done = [self.done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
-            succeeded = all(
-                ok or not branch.mandatory for branch, ok in zip(section.branches, outcome, strict=True)
-            )
-            digits = "".join("0" if ok else "1" for ok in outcome)
-            route = section.success if succeeded else section.failure
-            pen.transition(f"exit_{digits}", [*done, *running], self.enter(route), rank=self.first)
-
-    def leave_one_by_one(self, pen: Pen, section: ParallelSection, running: list[str]) -> None:
-        """The outcome of a wide block by a net of linear size, which counts children in document order."""
-        # A block that may be halted takes note of nothing before all have ended.
-        begin = 0 if self.halted(section) else len(section.branches) - 1
-        all_ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
-        well, lost = [], []
-        for number in range(1, len(section.branches)):
-            well.append([pen.place(f"ok{number}")])
-            lost.append([pen.place(f"fail{number}")])
-        well = [[], *well, self.enter(section.success)]
-        lost = [[], *lost, self.enter(section.failure)]
-        for i, branch in enumerate(section.branches):
-            name = f"note{i + 1}"
-            after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
-            ended = all_ended if i == begin else []
-            ways = [(well[i], True, well[i + 1]), (well[i], False, after_failure)]
-            if i:
-                ways += [(lost[i], True, lost[i + 1]), (lost[i], False, lost[i + 1])]
-            for number, (before, ok, after) in enumerate(ways):
-                taken = [*before, self.done(branch, ok), *ended]
-                pen.transition(f"{name}_{number}", taken, after, rank=self.first)
-
-    def done(self, branch: Branch, ok: bool) -> str:
-        """The place that says that a branch has ended so."""
-        return self.of_branch(branch, "ok" if ok else "fail")
 
     def of_branch(self, branch: Branch, part: str) -> str:
         """A place of a branch of a parallel block."""
         return self.canvas.place_of("objective", branch.name, part)
-
-    def ends(self, section: ParallelSection, branch: Branch) -> list[tuple[str, ...]]:
-        """By outcome, the places marked when a branch has ended; the last says that it has."""
-        more = () if len(section.branches) <= MAX_COMBINED else (self.of_branch(branch, "ended"),)
-        return [(self.done(branch, ok), *more) for ok in (True, False)]
 
     def of(self, section: Section, *part: str) -> str:
         """A place of a section."""
@@ -330,7 +284,7 @@ class _Control:
         """Positions of this graph, that of a branch of a section, its ends among them."""
         for inner in self.graph.sections:
             yield from self.positions(inner, event)
-        for place in dict.fromkeys(end[-1] for end in self.ends(section, branch)):
+        for place in dict.fromkeys(end[-1] for end in Leaving(self.canvas, section).ends(branch)):
             yield Position((place,))
 
     def halt(self, pen: Pen, section: ParallelSection) -> None:
@@ -348,23 +302,10 @@ class _Control:
             place = pen.place(called(interruption.event, number))
             left = called(interruption.event, number, "left")
             pen.transition(left, [place, *all_halted], self.enter(interruption.target), rank=self.first)
-        if section.abort is not None:
-            self.abort(pen, section, section.abort, all_halted)
+        Leaving(self.canvas, section).decided(pen, self.of(section, "running"), self.enter, all_halted)
         if self.around.halted:
             place = pen.place("halting")
             pen.transition("halted", [place, *all_halted], [self.around.halted], rank=self.first)
-
-    def abort(self, pen: Pen, section: ParallelSection, route: str, all_halted: list[str]) -> None:
-        """A branch that aborts halts the others; of two that do at a time the first one counts."""
-        aborting = pen.place("aborting")
-        for branch in section.branches:
-            if branch.graph.aborts:
-                others = [self.of_branch(b, "halt") for b in section.branches if b is not branch]
-                taken = [self.of_branch(branch, "abort"), self.of(section, "running")]
-                put = [aborting, self.of_branch(branch, "halted"), *others]
-                rank = self.canvas.ranks.aborting(section.name, branch.name)
-                pen.transition(("abort", branch.name), taken, put, rank=rank)
-        pen.transition("aborted", [aborting, *all_halted], self.enter(route), rank=self.first)
 
     @property
     def first(self) -> int:
@@ -384,7 +325,7 @@ class _Control:
                     [self.of(inner, "running")],
                     [self.of(inner, "halting"), *(self.of_branch(b, "halt") for b in inner.branches)],
                 )
-        for end in self.ends(section, branch):
+        for end in Leaving(self.canvas, section).ends(branch):
             yield list(end), [halted]
         if branch.graph.aborts:
             yield [self.of_branch(branch, "abort")], [halted]

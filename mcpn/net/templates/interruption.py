@@ -87,10 +87,10 @@ def events_of(section: Section) -> Iterator[str]:
             yield from events_of(inner)
 
 
-def may_abort(section: Section) -> bool:
-    """Whether a parallel block in a section, or the section itself, may abort."""
+def may_halt(section: Section) -> bool:
+    """Whether the end of a parallel block in a section, or of the section itself, may stop branches."""
     if not isinstance(section, ParallelSection):
         return False
-    return section.abort is not None or any(
-        may_abort(inner) for branch in section.branches for inner in branch.graph.sections
+    return section.early or any(
+        may_halt(inner) for branch in section.branches for inner in branch.graph.sections
     )

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
+from itertools import pairwise
 from operator import and_, or_
 from typing import Literal, TypeAlias
 
@@ -216,6 +217,9 @@ class Losses:
         """When a section cannot be left by its success."""
         if isinstance(section, ElementarySection):
             return self._lost[section.name]
+        if section.needed is not None:
+            unwell = [self._ending(branch, (SUCCEED,)) for branch in section.branches]
+            return self._at_least(len(unwell) - section.needed + 1, unwell)
         ways = ((SUCCEED,) if branch.mandatory else (SUCCEED, FAIL) for branch in section.branches)
         return reduce(or_, map(self._ending, section.branches, ways), self.never)
 
@@ -224,8 +228,20 @@ class Losses:
         if isinstance(section, ElementarySection):
             return self.never
         unended = reduce(or_, (self._ending(b, (SUCCEED, FAIL)) for b in section.branches), self.never)
-        failing = (self._ending(b, (FAIL,)) for b in section.branches if b.mandatory)
-        return unended | reduce(and_, failing, self.always)
+        failing = [self._ending(b, (FAIL,)) for b in section.branches]
+        must = (of for of, b in zip(failing, section.branches, strict=True) if b.mandatory)
+        hasty = reduce(and_, must, self.always)
+        if section.needed is not None:
+            late = unended | self._at_least(section.needed, failing)
+            return late & hasty if section.hasty else late
+        return hasty if section.hasty else unended | hasty
+
+    def _at_least(self, number: int, of: Iterable[Zdd]) -> Zdd:
+        """When at least so many of some things are so."""
+        found = [self.always, *[self.never] * number]
+        for each in of:
+            found = [self.always, *(more | (less & each) for less, more in pairwise(found))]
+        return found[number]
 
     def _aborting(self, section: ParallelSection) -> Zdd:
         """When no branch of a block can abort."""

@@ -136,6 +136,10 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         yield f"protocol {block.protocol}"
     elif isinstance(block, Parallel):
         yield "in parallel"
+        if block.success_when != "all":
+            yield f"until {'one' if block.success_when == 'any' else block.success_when} succeeded"
+        if block.failure_when != "all":
+            yield "until one failed"
     elif isinstance(block, Each):
         yield f"for each of {len(block.values)}: {' '.join(block.values)}"
     if block.repeat is not None:

@@ -1,0 +1,116 @@
+"""Parallel blocks that do not await all of their branches: hand-written ones, each with what it comes to."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from mcpn.errors import LimitError
+from mcpn.mission.model import Block, Handler, Mission, Objective, Parallel, Recursive
+from mcpn.net.compose import compose
+from tests.judge.interpreter import DECLARED, FAILURE, SUCCESS, Happening, Interpreter
+from tests.judge.lockstep import Judge
+from tests.judge.test_abort import BEGIN, ROBOT, one
+from tests.judge.test_interpreter import play
+from tests.small import activity, mission, robot
+
+
+def both(*blocks: Block, **others: Any) -> Mission:
+    """A parallel block, ``y`` after its success and ``z`` after its failure."""
+    of = Parallel(name="both", blocks=blocks, success="f", failure="g", **others)
+    return mission(ROBOT, of, one("f"), one("g"))
+
+
+def on_leak(name: str, goto: str) -> Objective:
+    """An objective that a leak ends."""
+    return Objective(name=name, activities=(name,), handlers=(Handler(event="leak", goto=goto),))
+
+
+THREE = one("a"), one("b"), one("c")
+ANY = both(*THREE, success_when="any")
+TWO = both(*THREE, success_when="2")
+HASTY = both(*THREE, failure_when="any")
+OPTIONAL = both(
+    one("a"), Objective(name="b", activities=("b",), mandatory=False), one("c"), failure_when="any"
+)
+RACE = both(*THREE, success_when="any", failure_when="any")
+AT_ONCE = both(
+    on_leak("a", "fail"), on_leak("b", "succeed"), one("c"), success_when="any", failure_when="any"
+)
+LED_ON = both(
+    on_leak("a", "succeed"),
+    Recursive(
+        name="r",
+        blocks=(
+            Objective(name="b", activities=("b",), handlers=(Handler(event="leak", goto="d"),)),
+            one("d"),
+        ),
+    ),
+    success_when="any",
+)
+INNER = Parallel(name="inner", blocks=(one("a"), one("b")), success_when="any")
+NESTED = both(Recursive(name="r", blocks=(INNER, one("d"))), one("c"), success_when="any")
+ABORTS = both(on_leak("a", "succeed"), on_leak("b", "abort"), one("c"), success_when="any", abort="g")
+AGAIN = mission(ROBOT, Parallel(name="both", blocks=THREE, success_when="any", success="both"))
+MISSIONS = {
+    "any": ANY,
+    "two": TWO,
+    "hasty": HASTY,
+    "optional": OPTIONAL,
+    "race": RACE,
+    "at once": AT_ONCE,
+    "led on": LED_ON,
+    "nested": NESTED,
+    "aborts": ABORTS,
+    "again": AGAIN,
+}
+
+
+@pytest.mark.parametrize("name", MISSIONS)
+def test_all_that_play_it_agree(name: str) -> None:
+    verdict = Judge(MISSIONS[name]).judge()
+    assert verdict.kind == "agree"
+    assert "modular controller" in verdict.pairs
+
+
+OK: dict[str, Happening] = {name: (SUCCESS, name) for name in "abcdf"}
+BAD: dict[str, Happening] = {name: (FAILURE, name) for name in "abcdf"}
+LEAK = (DECLARED, "leak")
+
+
+@pytest.mark.parametrize(
+    ("of", "events", "running"),
+    [
+        (ANY, [OK["b"]], {"f"}),
+        (ANY, [BAD["a"], BAD["b"]], {"c"}),
+        (ANY, [BAD["a"], BAD["b"], BAD["c"]], {"g"}),
+        (TWO, [OK["a"]], {"b", "c"}),
+        (TWO, [OK["a"], BAD["c"], OK["b"]], {"f"}),
+        (TWO, [BAD["a"], BAD["c"]], {"b"}),
+        (TWO, [BAD["a"], BAD["c"], OK["b"]], {"g"}),
+        (HASTY, [BAD["b"]], {"g"}),
+        (HASTY, [OK["a"], OK["b"]], {"c"}),
+        (OPTIONAL, [BAD["b"]], {"a", "c"}),
+        (OPTIONAL, [BAD["b"], OK["a"], OK["c"]], {"f"}),
+        (RACE, [BAD["b"]], {"g"}),
+        (RACE, [OK["b"]], {"f"}),
+        (AT_ONCE, [LEAK], {"f"}),
+        (LED_ON, [LEAK], {"f"}),
+        (NESTED, [OK["b"]], {"c", "d"}),
+        (NESTED, [OK["b"], OK["d"]], {"f"}),
+        (ABORTS, [LEAK], {"g"}),
+        (AGAIN, [OK["b"]], {"a", "b", "c"}),
+    ],
+)
+def test_what_an_early_end_leads_to(of: Mission, events: list[Happening], running: set[str]) -> None:
+    _, state = play(Interpreter(of), BEGIN, *events)
+    assert state.running == running
+
+
+def test_too_many_ways_to_succeed_are_an_error() -> None:
+    names = [f"a{i}" for i in range(20)]
+    of = robot((), *(activity(name, ()) for name in names))
+    block = Parallel(name="wide", blocks=tuple(one(name) for name in names), success_when="10")
+    with pytest.raises(LimitError, match="parallel block wide: 184756 ways in which 10 branches succeed"):
+        compose(mission(of, block))
