@@ -1,4 +1,4 @@
-"""Makes the pictures in the README.
+"""Makes the pictures of the README and of docs/.
 
 Run: ``python docs/images.py``, where mcpn[pictures,test] and Chromium are installed.
 

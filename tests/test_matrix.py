@@ -1,4 +1,4 @@
-"""The matrix of questions by engines that the README prints: each cell is asked here, none is believed.
+"""The matrix of questions by engines that docs/engines.md prints: each cell is asked here, none is believed.
 
 ``python -m tests.test_matrix`` writes it anew.
 """
@@ -29,7 +29,7 @@ from mcpn.net.compose import MissionNet, compose
 from mcpn.space.stable.listing import written_out
 from tests.check.asked import Asked
 
-README = Path(__file__).resolve().parents[1] / "README.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "engines.md"
 BEGIN, END = "<!-- matrix -->\n", "<!-- end of matrix -->\n"
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 
@@ -205,19 +205,19 @@ def cell(question: str, engine: Engine) -> str:
 
 
 def matrix() -> str:
-    """The matrix, as the README prints it."""
+    """The matrix, as the page prints it."""
     rows = [["question", *(f"`{engine}`" for engine in ENGINES)], ["---"] * (1 + len(ENGINES))]
     rows += [[question, *(cell(question, engine) for engine in ENGINES)] for question in QUESTIONS]
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
 
 
-def test_the_readme_s_matrix_of_questions_by_engines() -> None:
-    _, _, rest = README.read_text().partition(BEGIN)
+def test_the_matrix_of_questions_by_engines() -> None:
+    _, _, rest = PAGE.read_text().partition(BEGIN)
     printed, end, _ = rest.partition(END)
-    assert end, "the README has the matrix between its two markers"
+    assert end, "the page has the matrix between its two markers"
     assert printed == matrix(), "python -m tests.test_matrix writes it anew"
 
 
 if __name__ == "__main__":
-    before, begin, rest = README.read_text().partition(BEGIN)
-    README.write_text(before + begin + matrix() + END + rest.partition(END)[2])
+    before, begin, rest = PAGE.read_text().partition(BEGIN)
+    PAGE.write_text(before + begin + matrix() + END + rest.partition(END)[2])
