@@ -37,6 +37,13 @@ class NamedActivity(NamedWord):
 
 
 @dataclass(frozen=True)
+class NamedFact(NamedWord):
+    """A fact, and what values it has."""
+
+    values: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Vocabulary:
     """What formulas about a mission may name, by kind, in the order of the mission.
 
@@ -47,6 +54,7 @@ class Vocabulary:
         activities: For ``activity(x)``, ``alternative(x)=y``, ``waiting(x)`` and ``refused(x)``.
         hardware: For ``oos(x)`` and ``available(x)``.
         software: For ``available(x)``.
+        facts: For ``fact(x)=v``, with their values.
         events: For ``happens(x)`` and ``event(x)``.
         ends: How the mission may end, words by themselves.
     """
@@ -57,6 +65,7 @@ class Vocabulary:
     activities: tuple[NamedActivity, ...]
     hardware: tuple[NamedWord, ...]
     software: tuple[NamedWord, ...]
+    facts: tuple[NamedFact, ...]
     events: tuple[NamedWord, ...]
     ends: tuple[str, ...]
 
@@ -87,6 +96,7 @@ def vocabulary(mission_net: MissionNet) -> Vocabulary:
         ),
         tuple(NamedWord(h.name, (), h.description) for h in mission.hardware),
         tuple(NamedWord(s.name, (), s.description) for s in mission.software),
+        tuple(NamedFact(f.name, (), f.description, f.values) for f in mission.facts),
         folded(happening),
         tuple(mission_net.ends),
     )

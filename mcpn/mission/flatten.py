@@ -8,7 +8,7 @@ their names qualified by the use (``transect_north.diving``). Rounds of ``each``
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -37,7 +37,10 @@ from mcpn.mission.model import (
     Use,
 )
 from mcpn.mission.requirement import Requirement
+from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
+from mcpn.mission.world.conditions import facts_of, resolved
+from mcpn.mission.world.decisions import Condition, FactCase, Setting
 
 __all__ = [
     "MAX_NESTING",
@@ -115,16 +118,52 @@ def blocks_of(mission: Mission) -> dict[str, tuple[str, ...]]:
     }
 
 
-class _Leads(NamedTuple):
-    """Where the outcomes of a block lead: sections, or exits of the graph."""
+class _Lead(NamedTuple):
+    """Where something leads, sections or exits of the graph: the first case that fits, else the default."""
 
-    success: str
-    failure: str
-    abort: str
-    timed_out: str
+    target: str
+    cases: tuple[FactCase, ...] = ()
+
+
+def _by_facts(cases: Iterable[tuple[Condition, _Lead]], default: _Lead) -> _Lead:
+    """A lead that facts decide between others."""
+    found = list[FactCase]()
+    for when, lead in cases:
+        inner = ((_both(when, case.when), case.target) for case in lead.cases)
+        found += (FactCase(both, target) for both, target in inner if both is not None)
+        found.append(FactCase(when, lead.target))
+    return _Lead(default.target, (*found, *default.cases)) if found else default
+
+
+def _both(one: Condition, other: Condition) -> Condition | None:
+    """Two conditions at once; ``None`` where they exclude each other."""
+    both = dict(one)
+    if any(both.setdefault(fact, value) != value for fact, value in other):
+        return None
+    return tuple(both.items())
+
+
+class _Leads(NamedTuple):
+    """Where the outcomes of a block lead."""
+
+    success: _Lead
+    failure: _Lead
+    abort: _Lead
+    timed_out: _Lead
 
     @property
-    def exits(self) -> dict[str, str]:
+    def cases(self) -> tuple[tuple[str, FactCase], ...]:
+        """What facts decide, with its outcome."""
+        leads = {
+            "success": self.success,
+            "failure": self.failure,
+            "abort": self.abort,
+            TIMED_OUT: self.timed_out,
+        }
+        return tuple((outcome, case) for outcome, lead in leads.items() for case in lead.cases)
+
+    @property
+    def exits(self) -> dict[str, _Lead]:
         """The same by the routes that the blocks in it, and copies of it, name."""
         exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
         return exits | {TIMED_OUT: self.timed_out}
@@ -135,6 +174,7 @@ class _Flattening:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
         self.held: dict[str, list[Section]] = {}
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
+        self.facts = facts_of(mission)
         self.objectives = 0
         self.parameters = 0
 
@@ -145,19 +185,20 @@ class _Flattening:
         handlers: tuple[Handler, ...] = (),
     ) -> ObjectivesGraph:
         sections: list[Section] = []
-        self.series(blocks, scope, {SUCCEED: SUCCEED, FAIL: FAIL, ABORT: ABORT}, sections, handlers)
+        exits = {exit_: _Lead(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
+        self.series(blocks, scope, exits, sections, handlers)
         return ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)).reachable()
 
     def series(
         self,
         blocks: tuple[Block, ...],
         scope: Scope,
-        exits: dict[str, str],
+        exits: dict[str, _Lead],
         sections: list[Section],
         around: tuple[Handler, ...] = (),
     ) -> None:
         """Adds the sections of sibling blocks, under handlers that lead to them as well."""
-        routes = {block.name: self.entry(block, scope) for block in blocks} | exits
+        routes = {block.name: _Lead(self.entry(block, scope)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
         for block, following in zip(blocks, (*blocks[1:], None), strict=True):
             success = block.success or (following.name if following else SUCCEED)
@@ -166,17 +207,29 @@ class _Flattening:
             late = (block.timeout_goto if isinstance(block, Objective) else None) or failure
             leads = _Leads(*(routes[to] for to in (success, failure, block.abort or ABORT, late)))
             before = len(sections)
+            if block.routes:
+                leads = self.deciding(block, routes, leads)
             self.block(block, inner, leads, sections)
             self.held[scope.name(block)] = sections[before:]
 
+    def deciding(self, block: Block, routes: Mapping[str, _Lead], leads: _Leads) -> _Leads:
+        """The leads of a block with its own routes that facts decide."""
+        own: dict[str, list[tuple[Condition, _Lead]]] = {"success": [], "failure": []}
+        for route in block.routes:
+            own[route.on].append((resolved(route.when, self.facts), routes[route.goto]))
+        success, failure = _by_facts(own["success"], leads.success), _by_facts(own["failure"], leads.failure)
+        late = isinstance(block, Objective) and block.timeout_goto is not None
+        return _Leads(success, failure, leads.abort, leads.timed_out if late else failure)
+
     def handling(
-        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, str], block: str
+        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, _Lead], block: str
     ) -> Scope:
         """The scope under some handlers more, those of a block or of the mission."""
         found = []
         for handler in handlers:
             once = scope.written_at(block, handler.event) if handler.once else None
-            found.append(Interruption(handler.event, routes[handler.goto], once, handler.source))
+            lead = routes[handler.goto]
+            found.append(Interruption(handler.event, lead.target, once, handler.source, lead.cases))
         return replace(scope, handlers=(*found, *scope.handlers)) if found else scope
 
     def inside(self, block: Recursive | Parallel | Use, scope: Scope) -> tuple[tuple[Block, ...], Scope]:
@@ -210,8 +263,8 @@ class _Flattening:
                 ElementarySection(
                     scope.name(block),
                     block.activities,
-                    leads.success,
-                    leads.failure,
+                    leads.success.target,
+                    leads.failure.target,
                     block.source,
                     parameters,
                     block.description,
@@ -219,7 +272,9 @@ class _Flattening:
                     block.failure_probability or 0.0,
                     scope.interruptions,
                     block.timeout,
-                    None if block.timeout is None else leads.timed_out,
+                    None if block.timeout is None else leads.timed_out.target,
+                    self.settings(block),
+                    leads.cases,
                 )
             )
         elif isinstance(block, Parallel):
@@ -230,19 +285,26 @@ class _Flattening:
                 ParallelSection(
                     name,
                     branches,
-                    leads.success,
-                    leads.failure,
+                    leads.success.target,
+                    leads.failure.target,
                     block.source,
                     block.description,
                     scope.interruptions,
-                    leads.abort if any(branch.graph.aborts for branch in branches) else None,
+                    leads.abort.target if any(branch.graph.aborts for branch in branches) else None,
                     None if block.success_when == "all" else int(block.success_when.replace("any", "1")),
                     block.failure_when == "any",
+                    leads.cases,
                 )
             )
         elif isinstance(block, Recursive | Use):
             blocks, inner = self.inside(block, scope)
             self.series(blocks, inner, leads.exits, sections)
+
+    def settings(self, block: Objective) -> tuple[Setting, ...]:
+        """The facts that an objective changes; that it has succeeded is one where something reads that."""
+        said = tuple(Setting(change.fact, change.to, change.on or "success") for change in block.sets)
+        done = f"done({block.name})"
+        return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
 
     def copies(self, block: Block, scope: Scope, leads: _Leads, sections: list[Section]) -> None:
         """Adds the rounds of a block, or its tries, one after the other."""
@@ -254,13 +316,13 @@ class _Flattening:
             if following is None:
                 each_leads = leads
             elif tries:
-                each_leads = leads._replace(failure=following)
+                each_leads = leads._replace(failure=_Lead(following))
             else:
-                each_leads = leads._replace(success=following)
+                each_leads = leads._replace(success=_Lead(following))
             self.series(blocks, inner, each_leads.exits, sections)
 
     def branch(self, child: Block, scope: Scope) -> Branch:
-        alone = replace(child, success=None, failure=None)
+        alone = replace(child, success=None, failure=None, routes=())
         name = scope.name(child)
         graph = self.graph((alone,), replace(scope, handlers=()))
         return Branch(name, child.mandatory, graph, child.source)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn.errors import Source
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
+from mcpn.mission.world.decisions import FactCase, Setting
 from mcpn.notebook import Drawn
 
 if TYPE_CHECKING:
@@ -29,12 +30,19 @@ class Interruption:
         once: Where the handler is written if it happens once: protocol, block and event, as far as they are
             there (``go_home.leak``), the same for all copies; ``None`` if it may happen again and again.
         source: Its line.
+        cases: Where it leads instead if facts are so; the first that fits counts.
     """
 
     event: str
     target: str
     once: str | None = None
     source: Source | None = field(default=None, compare=False)
+    cases: tuple[FactCase, ...] = ()
+
+    @property
+    def routes(self) -> tuple[str, ...]:
+        """Where it may lead."""
+        return self.target, *(case.target for case in self.cases)
 
 
 class _Routes:
@@ -42,6 +50,7 @@ class _Routes:
     success: str
     failure: str
     interruptions: tuple[Interruption, ...]
+    cases: tuple[tuple[str, FactCase], ...]
 
     def handlers(self, event: str) -> Iterator[tuple[Interruption | None, tuple[str, ...]]]:
         """What interrupts the section on an event: each handler, with those that must have happened before.
@@ -68,7 +77,25 @@ class _Routes:
     @property
     def routes(self) -> tuple[str, ...]:
         """Where the section may lead: by its outcomes, then on each event that interrupts it."""
-        return *(route for _, route in self.outcomes), *(i.target for i in self.interruptions)
+        ends = (route for outcome, _ in self.outcomes for route in self.led(outcome))
+        return *ends, *(route for i in self.interruptions for route in i.routes)
+
+    def led(self, outcome: str) -> tuple[str, ...]:
+        """Where an outcome may lead, the default first."""
+        default = [route for of, route in self.outcomes if of == outcome]
+        return *default, *(case.target for case in self.cases_of(outcome) if default)
+
+    def cases_of(self, outcome: str) -> tuple[FactCase, ...]:
+        """Where an outcome leads instead if facts are so."""
+        return tuple(case for of, case in self.cases if of == outcome)
+
+    @property
+    def all_cases(self) -> Iterator[FactCase]:
+        """What is asked of facts on any way out."""
+        for outcome, _ in self.outcomes:
+            yield from self.cases_of(outcome)
+        for interruption in self.interruptions:
+            yield from interruption.cases
 
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
@@ -95,6 +122,8 @@ class ElementarySection(_Routes):
             may happen again.
         timeout: After how many seconds it ends by itself; ``None`` where it never does.
         timed_out: Where that leads; ``None`` where it never does.
+        sets: Facts that it changes.
+        cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
     """
 
     name: str
@@ -109,12 +138,19 @@ class ElementarySection(_Routes):
     interruptions: tuple[Interruption, ...] = ()
     timeout: float | None = None
     timed_out: str | None = None
+    sets: tuple[Setting, ...] = ()
+    cases: tuple[tuple[str, FactCase], ...] = ()
 
     @property
     def outcomes(self) -> tuple[tuple[str, str], ...]:
         """How it may end by itself, each with where that leads; timed out only where it has a timeout."""
         ended = (("success", self.success), ("failure", self.failure))
         return ended if self.timed_out is None else (*ended, (TIMED_OUT, self.timed_out))
+
+    def setting(self, on: str) -> dict[str, str]:
+        """The facts that it changes on an occasion, with their new values; a timeout is a failure."""
+        occasion = "failure" if on == TIMED_OUT else on
+        return {setting.fact: setting.value for setting in self.sets if setting.on == occasion}
 
     def walk(self) -> Iterator[ElementarySection]:
         """Itself."""
@@ -155,6 +191,7 @@ class ParallelSection(_Routes):
         needed: How many branches must succeed, mandatory or not, and no more are awaited; ``None`` where all
             are awaited, and every mandatory one must.
         hasty: Whether it fails as soon as a mandatory branch has failed.
+        cases: With its outcome, where that leads instead if facts are so; the first that fits counts.
     """
 
     name: str
@@ -167,6 +204,7 @@ class ParallelSection(_Routes):
     abort: str | None = None
     needed: int | None = None
     hasty: bool = False
+    cases: tuple[tuple[str, FactCase], ...] = ()
 
     @property
     def deciding(self) -> Iterator[tuple[str, Branch]]:
@@ -244,11 +282,12 @@ class ObjectivesGraph(Drawn):
 
     def targets(self, section: Section) -> list[Section]:
         """Sections that a section's outcomes but abort lead to; the graph's exits give none."""
-        return self._led(route for outcome, route in section.outcomes if outcome != "abort")
+        ends = (outcome for outcome, _ in section.outcomes if outcome != "abort")
+        return self._led(route for outcome in ends for route in section.led(outcome))
 
     def aborted(self, section: Section) -> list[Section]:
-        """The section that an abort of a section leads to; an exit of the graph gives none."""
-        return self._led(route for outcome, route in section.outcomes if outcome == "abort")
+        """The sections that an abort of a section leads to; an exit of the graph gives none."""
+        return self._led(section.led("abort"))
 
     @cached_property
     def aborts(self) -> bool:
@@ -257,7 +296,8 @@ class ObjectivesGraph(Drawn):
 
     def interrupted(self, section: Section, event: str | None = None) -> list[Section]:
         """Sections that interruptions of a section lead to, those by one event or by any; exits give none."""
-        routes = (i.target for i in section.interruptions if event is None or i.event == event)
+        met = (i for i in section.interruptions if event is None or i.event == event)
+        routes = (route for i in met for route in i.routes)
         return self._led(dict.fromkeys(routes))
 
     def _led(self, routes: Iterable[str]) -> list[Section]:
@@ -334,10 +374,12 @@ class ObjectivesGraph(Drawn):
             else:
                 graph.add_node(section.name, kind="parallel")
             for outcome, route in section.outcomes:
-                graph.add_edge(section.name, exits.get(route, route), outcome=outcome)
+                for target in (route, *(case.target for case in section.cases_of(outcome))):
+                    graph.add_edge(section.name, exits.get(target, target), outcome=outcome)
             for interruption in section.interruptions:
-                route = exits.get(interruption.target, interruption.target)
-                graph.add_edge(section.name, route, outcome=f"event {interruption.event}")
+                for target in interruption.routes:
+                    route = exits.get(target, target)
+                    graph.add_edge(section.name, route, outcome=f"event {interruption.event}")
             for branch in section.branches if isinstance(section, ParallelSection) else ():
                 words = {SUCCEED: "ok", FAIL: "fail", ABORT: "abort"}
                 inner = {route: f"{branch.name}:{words[route]}" for route in branch.graph.exits}

@@ -22,6 +22,7 @@ from typing import Annotated, TypeAlias
 
 from mcpn.mission.language.datatypes import (
     NAME,
+    OUTCOME,
     QUORUM,
     ROUTE,
     WHOLE,
@@ -37,6 +38,7 @@ from mcpn.mission.language.datatypes import (
     Seconds,
     Tries,
     Values,
+    When,
 )
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import (
@@ -44,6 +46,8 @@ from mcpn.mission.robot import (
     DeclaredEvent,
     Described,
     Element,
+    Fact,
+    FactChange,
     Hardware,
     Parameter,
     Robot,
@@ -83,6 +87,16 @@ class Handler(Described):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FactRoute(Described):
+    """Where the block around it leads when facts are so as it ends. The first that fits counts."""
+
+    TAG = "route"
+    when: Annotated[When, "What facts must be, all of them: battery=low !holding."]
+    goto: Annotated[str, ROUTE, "A sibling of the block, succeed, fail or abort."]
+    on: Annotated[str, OUTCOME, "The outcome of the block."] = "success"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BlockElement(Element):
     """What every block carries, whatever its kind."""
 
@@ -110,6 +124,7 @@ class BlockElement(Element):
         "How many times it is done, one round after the other, up to the first that fails; each round has "
         "its own retries. Rounds are named visit_1, visit_2, and have the parameter round.",
     ] = None
+    routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
 
 
@@ -129,6 +144,7 @@ class Objective(BlockElement):
         "Where it leads that the time is over: a sibling, succeed, fail or abort; from a child of a parallel "
         "block: succeed, fail or abort. Default: where failure leads, to the next try if there is one.",
     ] = None
+    sets: tuple[FactChange, ...] = ()
     parameters: tuple[Parameter, ...] = ()
 
 
@@ -271,6 +287,11 @@ class Mission(Drawn, Element):
     def activities(self) -> tuple[Activity, ...]:
         """All activities, in document order."""
         return tuple(activity for robot in self.robots for activity in robot.activities)
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """All facts that it declares, in document order."""
+        return tuple(fact for robot in self.robots for fact in robot.facts)
 
     @property
     def requires(self) -> bool:

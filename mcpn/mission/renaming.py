@@ -9,6 +9,7 @@ from typing import Any
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission, Protocol
 from mcpn.mission.robot import Alternative, Element
+from mcpn.mission.world.conditions import objective_done, word
 
 
 def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
@@ -16,12 +17,21 @@ def renamed(mission: Mission, rename: Callable[[str, str], str]) -> Mission:
 
     Args:
         mission: A valid mission.
-        rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``)
+        rename: From a kind (``resource``, ``activity``, ``alternative``, ``block``, ``protocol``, ``event``,
+            ``fact``)
             and a name to the new one, each new name once in its kind. An alternative of its activity's name
             is given that of the activity.
     """
 
+    def reworded(text: str) -> str:
+        said = word(text)
+        objective = objective_done(said.fact)
+        name = rename("fact", said.fact) if objective is None else f"done({rename('block', objective)})"
+        return f"{'!' * said.negated}{name}{'' if said.value is None else f'={said.value}'}"
+
     def other(kind: str, value: Any) -> Any:
+        if kind == "condition":
+            return tuple(map(reworded, value))
         if isinstance(value, tuple):
             return tuple(rename(kind, name) for name in value)
         exits = (None, SUCCEED, FAIL, ABORT) if kind == "block" else (None,)

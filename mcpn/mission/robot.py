@@ -13,10 +13,15 @@ from typing import Annotated
 
 from mcpn.errors import Source
 from mcpn.mission.language.datatypes import (
+    OCCASION,
+    VALUE,
     Children,
+    FactName,
     Name,
     Rate,
     Resources,
+    Values,
+    When,
 )
 
 
@@ -78,6 +83,40 @@ class Software(Element):
     exclusive: Annotated[bool, "true: one activity at a time reserves it."] = False
 
 
+BOOLEAN_VALUES = ("false", "true")
+"""The values of a fact that is false or true."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact(Element):
+    """Something about the world that has one of a few values: a door is open or closed."""
+
+    TAG = "fact"
+    NAMED = "fact"
+    values: Annotated[Values, "Its values, two at least."] = BOOLEAN_VALUES
+    initial: Annotated[str | None, VALUE, "The one that it has at the start. Default: the first."] = None
+
+    @property
+    def start(self) -> str:
+        """The value that it has at the start."""
+        return self.values[0] if self.initial is None else self.initial
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FactChange(Described):
+    """A fact is given a value."""
+
+    TAG = "sets"
+    fact: Annotated[FactName, "The fact."]
+    to: Annotated[str, VALUE, "The value that it has then."]
+    on: Annotated[
+        str | None,
+        OCCASION,
+        "Of an elementary objective: when it ends in success, in failure, or when it is come to. Default "
+        "success. Not of an event.",
+    ] = None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeclaredEvent(Element):
     """Something that may happen at any moment and that blocks may handle: a leak, a call back."""
@@ -87,6 +126,7 @@ class DeclaredEvent(Element):
     rate: Annotated[
         Rate, "How often it happens per hour, for numbers of risk; without it, it never happens in them."
     ] = None
+    sets: tuple[FactChange, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +136,7 @@ class Alternative(Element):
     TAG = "alternative"
     NAMED = "alternative"
     consumes: Annotated[Resources, "Resources that it needs, all at once; none: it is always possible."] = ()
+    requires: Annotated[When, "What facts must be for it to be possible: door=open !holding."] = ()
     parameters: tuple[Parameter, ...] = ()
 
 
@@ -112,6 +153,7 @@ class Activity(Element):
     switch_back: Annotated[
         bool, "true: it evaluates its alternatives again when a better one is possible again."
     ] = False
+    requires: Annotated[When, "What facts must be for any of its alternatives to be possible."] = ()
     parameters: tuple[Parameter, ...] = ()
     alternatives: Annotated[
         tuple[Alternative, ...],
@@ -121,10 +163,11 @@ class Activity(Element):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Robot(Element):
-    """What the robot's engineer declares: resources, activities and events."""
+    """What the robot's engineer declares: resources, facts, activities and events."""
 
     TAG = "robot"
     hardware: tuple[Hardware, ...] = ()
     software: tuple[Software, ...] = ()
+    facts: tuple[Fact, ...] = ()
     events: tuple[DeclaredEvent, ...] = ()
     activities: tuple[Activity, ...] = ()

@@ -112,6 +112,8 @@ def _misplaced(element: etree._Element) -> Iterator[tuple[int, str]]:
         of_both = {"activities", *(a.tag for a in form_of(Recursive).attributes)}
         for name in (str(name) for name in element.attrib if name not in of_both):
             yield line, f"<objective> has {name} and blocks, expected {name} on elementary objectives only"
+    if tag == "objective" and blocks and "sets" in children:
+        yield line, "<objective> has <sets> and blocks, expected <sets> in elementary objectives only"
     if tag == "activity" and "consumes" in element.attrib and "alternative" in children:
         yield line, "<activity> has both consumes and <alternative>, expected consumes on the alternatives"
 

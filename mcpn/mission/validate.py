@@ -31,6 +31,7 @@ from mcpn.mission.near import Hints
 from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import Activity, Described, Element, Parameter
 from mcpn.mission.typecheck import find_misfits
+from mcpn.mission.world.errors import fact_errors
 
 _VALUE = re.compile(r"[A-Za-z0-9_]{1,64}")
 
@@ -93,6 +94,7 @@ class _Checks:
         yield from _duplicates("robot", mission.robots)
         yield from _duplicates("resource", (*mission.hardware, *mission.software))
         yield from _duplicates("activity", mission.activities)
+        yield from _duplicates("fact", mission.facts)
         yield from _duplicates("event", mission.events)
         yield from _duplicates("protocol", mission.protocols)
         for requirements in (mission.requirements, *(p.requirements for p in mission.protocols)):
@@ -101,6 +103,7 @@ class _Checks:
                 yield from self.requirement(requirement)
         yield from self.rates()
         yield from self.products()
+        yield from fact_errors(mission, self.hints)
         for activity in mission.activities:
             yield from self.activity(activity)
         yield from self.cycles(
@@ -257,6 +260,9 @@ class _Checks:
             for exit_name, route in (*leads, *_timed_out(block)):
                 if route is not None:
                     yield from self.route(block.source, f"{exit_name} of {block.name}", route, names)
+            for each in block.routes:
+                what = f"the route of {block.name} when {' '.join(each.when)}"
+                yield from self.route(each.source, what, each.goto, names)
 
     def route(
         self, source: Source | None, what: str, route: str, names: Mapping[str, None]
@@ -339,6 +345,9 @@ class _Checks:
             for exit_name, route in (("abort", child.abort), *_timed_out(child)):
                 if route is not None:
                     yield from self.route(child.source, f"{exit_name} of {child.name}", route, {})
+            for each in child.routes:
+                message = f"{child.name} has a route, though it is a child of a parallel block"
+                yield Problem(each.source, f"{message}: routes stand on {block.name}")
             if child.success is not None or child.failure is not None:
                 routes = (("success", child.success), ("failure", child.failure))
                 route = " and ".join(name for name, target in routes if target is not None)

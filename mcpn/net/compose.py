@@ -12,7 +12,7 @@ from functools import cached_property
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
-from mcpn.mission.robot import Activity, Hardware, Software
+from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
@@ -92,13 +92,18 @@ class MissionNet(Drawn):
         """Names of elements by the place that says ``kind`` of them (see :data:`Role`)."""
         return {place: name for place, (said, name) in self.roles.items() if said == kind}
 
+    def true_of_fact(self, flag: str) -> tuple[int, bool]:
+        """Where a truth value of a fact is said: a place, and whether it says the reverse."""
+        place = self.by_role.get(("fact", flag))
+        return (place[0], False) if place else (self.by_role["fact", flag.replace("!=", "=")][0], True)
+
     def not_idle(self, marking: Sequence[int]) -> list[str]:
-        """Places that differ from the initial marking, aside from hardware, the mission's own, and `once`.
+        """Places that differ from the initial marking, aside from what sections hand on, and the mission's.
 
         Between two sections, and when the mission has ended, there should be none (DESIGN: the premise of
         composition).
         """
-        aside = {"hardware", "mission", "once"}
+        aside = {"hardware", "mission", "once", "fact"}
         return [
             place.name
             for place, tokens in zip(self.net.places, marking, strict=True)
@@ -129,7 +134,8 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
     activities = [a for a in mission.activities if a.name in set(usage.started)]
     produced = {s for a in activities for s in a.produces}
     software = [s for s in mission.software if s.name in produced]
-    parts = Parts(graph, mission.hardware, tuple(software), tuple(activities))
+    facts = tuple(usage.world.facts.values())
+    parts = Parts(graph, mission.hardware, tuple(software), tuple(activities), facts)
     return compose_parts(usage, parts, templates)
 
 
@@ -147,12 +153,14 @@ class Parts:
         hardware: Hardware resources.
         software: Software resources, those of each activity among them.
         activities: Activities, with all those that they reach through resources.
+        facts: Facts that any of them, or the sections, change or read.
     """
 
     graph: ObjectivesGraph
     hardware: tuple[Hardware, ...]
     software: tuple[Software, ...]
     activities: tuple[Activity, ...]
+    facts: tuple[Fact, ...] = ()
 
 
 def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = None) -> MissionNet:
@@ -173,7 +181,7 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     templates = templates or PaperTemplates()
     known = _named(usage.mission.software, usage.mission.activities)
     left_out = known - _named(parts.software, parts.activities)
-    canvas = Canvas(usage.mission.name, usage, left_out, part=parts.graph is not usage.graph)
+    canvas = Canvas(usage.mission.name, usage, left_out, parts.facts, part=parts.graph is not usage.graph)
     for hardware in parts.hardware:
         templates.hardware(canvas, hardware)
     for software in parts.software:

@@ -18,7 +18,10 @@ from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, names_in
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
-from mcpn.mission.robot import Activity, Hardware, Software
+from mcpn.mission.robot import Activity, Fact, Hardware, Software
+from mcpn.mission.world.conditions import all_flags
+from mcpn.mission.world.decisions import FactCase
+from mcpn.mission.world.usage import touched_by
 from mcpn.net.compose import MissionNet, Parts, compose_parts
 from mcpn.net.templates import TemplateSet
 
@@ -128,7 +131,8 @@ class LocalPart:
     @property
     def parts(self) -> Parts:
         """What the sections use, in the order in which they come upon it."""
-        return Parts(self.graph, self.used.hardware, self.used.software, self.used.activities)
+        used = self.used
+        return Parts(self.graph, used.hardware, used.software, used.activities, self.facts)
 
     @property
     def faulty(self) -> tuple[str, ...]:
@@ -146,9 +150,24 @@ class LocalPart:
         return tuple(handler for handler in self.once if on[handler] in events)
 
     @cached_property
+    def facts(self) -> tuple[Fact, ...]:
+        """Facts that the sections, or what they use, touch, with those that events change with them."""
+        world = self.usage.world
+        if not world.facts:
+            return ()
+        required = (fact for activity in self.used.activities for fact in world.read_by(activity.name))
+        return world.closed((*required, *touched_by(self.graph)))
+
+    @cached_property
+    def flags(self) -> tuple[str, ...]:
+        """What may be true of these facts (:func:`mcpn.mission.world.conditions.flags`), fact by fact."""
+        return tuple(flag for fact in self.facts for flag in all_flags(fact))
+
+    @cached_property
     def carried(self) -> tuple[Element, ...]:
-        """What has a status that sections hand on: hardware that can fail, then what happens once."""
-        return (*(("hardware", name) for name in self.faulty), *(("once", name) for name in self.once))
+        """What has a status that sections hand on: hardware that can fail, what happens once, then facts."""
+        kinds = (("hardware", self.faulty), ("once", self.once), ("fact", self.flags))
+        return tuple((kind, name) for kind, names in kinds for name in names)
 
     def net(self, templates: TemplateSet | None = None) -> MissionNet:
         """The local net."""
@@ -157,7 +176,40 @@ class LocalPart:
     @cached_property
     def type(self) -> Hashable:
         """Equal for sections of one type: what the paper's templates look at, names replaced by numbers."""
-        return self.used.type, self._shape(self.graph, self.used.number, self.used.task)
+        return (
+            self.used.type,
+            self._shape(self.graph, self.used.number, self.used.task),
+            self._world if self.facts else None,
+        )
+
+    @property
+    def _world(self) -> Hashable:
+        """What templates look at of facts, names replaced by numbers."""
+        world, number = self.usage.world, {fact.name: i for i, fact in enumerate(self.facts)}
+        value = {(fact.name, v): i for fact in self.facts for i, v in enumerate(fact.values)}
+        changing = tuple(
+            (event, *((number[fact], value[fact, to]) for fact, to in changes.items()))
+            for event, changes in world.changing.items()
+            if not number.keys().isdisjoint(changes)
+        )
+        required = tuple(
+            tuple(
+                tuple((number[fact], value[fact, v]) for fact, v in world.requires(activity.name, i))
+                for i in range(len(activity.alternatives))
+            )
+            for activity in self.used.activities
+        )
+        sets = tuple(
+            tuple((number[s.fact], value[s.fact, s.value], s.on) for s in objective.sets)
+            for objective in self.graph.walk()
+        )
+        cases = tuple(
+            tuple((number[fact], value[fact, v]) for fact, v in case.when)
+            for section in self.graph.all_sections()
+            for case in section.all_cases
+        )
+        facts = tuple((len(fact.values), fact.values.index(fact.start)) for fact in self.facts)
+        return facts, changing, required, sets, cases
 
     def _shape(self, graph: ObjectivesGraph, number: dict[str, int], task: dict[str, int]) -> Hashable:
         places = {section.name: i for i, section in enumerate(graph.sections)}
@@ -170,9 +222,10 @@ class LocalPart:
             else:
                 branches = tuple((b.mandatory, self._shape(b.graph, number, task)) for b in section.branches)
                 inside = (branches, section.needed, section.hasty)
-            routes = (places.get(route, route) for _, route in section.outcomes)
+            outcomes = (section.led(outcome) for outcome, _ in section.outcomes)
+            routes = (tuple(places.get(route, route) for route in led) for led in outcomes)
             events = tuple(
-                (i.event, places.get(i.target, i.target), i.once and self.once.index(i.once))
+                (i.event, tuple(places.get(r, r) for r in i.routes), i.once and self.once.index(i.once))
                 for i in section.interruptions
             )
             shapes.append((isinstance(section, ParallelSection), gated, inside, events, *routes))
@@ -183,6 +236,23 @@ def exits_on(section: Section) -> Iterator[tuple[str, Interruption]]:
     """What the exits of a part are called that events lead to; no section can be called so."""
     for number, interruption in section.numbered:
         yield f"on {interruption.event}" + (f" {number}" if number > 1 else ""), interruption
+
+
+def _cases_of(exit_: str, cases: Sequence[FactCase]) -> Iterator[tuple[str, FactCase]]:
+    """What the exits are called that facts lead to instead of another exit."""
+    for number, case in enumerate(cases, 1):
+        yield f"{exit_} case {number}", case
+
+
+def routes_of(section: Section) -> dict[str, str]:
+    """Where the exits of a section lead that stands alone: outcomes, events, and what facts decide."""
+    routes = dict(section.outcomes)
+    for outcome, _ in section.outcomes:
+        routes |= {exit_: case.target for exit_, case in _cases_of(outcome, section.cases_of(outcome))}
+    for on, interruption in exits_on(section):
+        routes[on] = interruption.target
+        routes |= {exit_: case.target for exit_, case in _cases_of(on, interruption.cases)}
+    return routes
 
 
 class SectionParts:
@@ -240,10 +310,16 @@ def junction_part(usage: Usage, first: Section, second: Section) -> LocalPart:
 def _routed(section: Section, kept: set[str]) -> Section:
     success = section.success if section.success in kept else SUCCEED
     failure = section.failure if section.failure in kept else FAIL
+
+    def cased(exit_: str, cases: Sequence[FactCase]) -> tuple[FactCase, ...]:
+        return tuple(c if c.target in kept else replace(c, target=to) for to, c in _cases_of(exit_, cases))
+
     interruptions = tuple(
-        i if i.target in kept else replace(i, target=exit_) for exit_, i in exits_on(section)
+        replace(i, target=i.target if i.target in kept else exit_, cases=cased(exit_, i.cases))
+        for exit_, i in exits_on(section)
     )
-    routed = replace(section, success=success, failure=failure, interruptions=interruptions)
+    cases = tuple((of, case) for of, _ in section.outcomes for case in cased(of, section.cases_of(of)))
+    routed = replace(section, success=success, failure=failure, interruptions=interruptions, cases=cases)
     if isinstance(routed, ElementarySection):
         late = routed.timed_out is not None and routed.timed_out not in kept
         return replace(routed, timed_out=TIMED_OUT) if late else routed
@@ -264,6 +340,7 @@ class Renaming:
         alternatives: As ``activity.alternative``.
         hardware: By name.
         once: Handlers that happen once, by where they are written.
+        facts: What may be true of facts (:attr:`LocalPart.flags`).
         objectives: By name, blocks and branches with them.
         elements: All of them, with software and parallel blocks, each with its kind.
     """
@@ -278,6 +355,7 @@ class Renaming:
         }
         self.hardware = {a.name: b.name for a, b in zip(old.used.hardware, new.used.hardware, strict=True)}
         self.once = dict(zip(old.once, new.once, strict=True))
+        self.facts = dict(zip(old.flags, new.flags, strict=True))
         sections = zip(old.graph.sections, new.graph.sections, strict=True)
         self.objectives = {
             its: own for pair in sections for its, own in zip(*map(names_in, pair), strict=True)
@@ -286,6 +364,7 @@ class Renaming:
         by_kind = {
             "hardware": self.hardware,
             "once": self.once,
+            "fact": {a.name: b.name for a, b in zip(old.facts, new.facts, strict=True)},
             "software": {a.name: b.name for a, b in software},
             "activity": self.activities,
             "alternative": self.alternatives,

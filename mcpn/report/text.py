@@ -201,6 +201,7 @@ _MEANT = {
     "activities": "activity(x) runs, alternative(x)=y, waiting(x), waiting(x)=y, refused(x)",
     "hardware": "oos(x) is out of service, available(x)",
     "software": "available(x): its producer runs",
+    "facts": "fact(x)=v, fact(x) of a fact that is false or true",
     "events": "happens(x) is the next step of the path, event(x) may be",
     "ends": "words by themselves",
 }
@@ -209,7 +210,7 @@ _MEANT = {
 
 def print_vocabulary(words: Vocabulary) -> None:
     """Prints the words of a mission, by kind, each with what it stands for."""
-    from mcpn.check.vocabulary import NamedActivity
+    from mcpn.check.vocabulary import NamedActivity, NamedFact
 
     terminal = Terminal()
     terminal.print(f"words of the mission {words.mission}", style="bold")
@@ -224,6 +225,7 @@ def print_vocabulary(words: Vocabulary) -> None:
                 terminal.print(word, indent=2)
                 continue
             ways = word.alternatives if isinstance(word, NamedActivity) else ()
+            ways = word.values if isinstance(word, NamedFact) else ways
             of = [f"one of {', '.join(ways)}"] if len(ways) > 1 else []
             of += [f"any of {len(word.copies)}, {word.copies[0]} to {word.copies[-1]}"] if word.copies else []
             of += [word.description] if word.description else []

@@ -58,7 +58,8 @@ def what_happens(event: Event, mission: str) -> str:
         case What.START:
             return f"mission {mission} starts"
         case What.EARLIER:
-            return f"the handler {name} has happened before"
+            said = name.replace("=", " is ")
+            return f"{said} before" if said != name else f"the handler {name} has happened before"
         case What.SUCCESS:
             return f"objective {name} succeeds"
         case What.FAILURE:
@@ -88,6 +89,9 @@ def changes(before: Situation, after: Situation) -> list[str]:
             phrases.append(f"{activity} runs as {alternative}")
     phrases += [f"{name} has no way to run" for name in after.refused if name not in before.refused]
     phrases += [f"{name} waits" for name in after.waiting if name not in before.waiting]
+    phrases += [
+        f"{fact} is {value}" for fact, value in after.facts.items() if before.facts.get(fact, value) != value
+    ]
     if after.outcome and not before.outcome:
         phrases.append(f"the mission ends in {after.outcome}")
     return phrases

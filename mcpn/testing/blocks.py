@@ -13,6 +13,7 @@ from mcpn.mission.model import (
     SUCCEED,
     Block,
     Each,
+    FactRoute,
     Handler,
     Mission,
     Objective,
@@ -44,6 +45,7 @@ class MissionDrawing(RobotDrawing):
 
     def mission(self) -> Mission:
         """The mission."""
+        self.world()
         hardware, software = self.resources()
         for i in range(self.number(len(self.islands), max(self.shape.activities, len(self.islands)))):
             self.startable(self.islands[i] if i < len(self.islands) else self.island())
@@ -65,7 +67,8 @@ class MissionDrawing(RobotDrawing):
                     hardware=hardware,
                     software=software,
                     activities=tuple(self.activities),
-                    events=tuple(map(self.event, self.events)),
+                    facts=self.facts,
+                    events=(*map(self.event, self.events), *self.changing_events()),
                 ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
@@ -111,13 +114,25 @@ class MissionDrawing(RobotDrawing):
         handlers = self.handlers([b.name for b in blocks])
         abort = self.draw(route) if self.rarely(self.shape.aborts) else None
         block = replace(block, success=success, failure=failure, abort=abort, handlers=handlers)
-        return self.timed(block, targets)
+        siblings = [b.name for b in blocks[0 if self.shape.loops else index + 1 :]]
+        return replace(self.timed(block, targets), routes=self.routes(siblings))
 
     def timed(self, block: Block, targets: list[str | None]) -> Block:
         """A block that leads to some of these where its time is over, if it has one."""
         if not isinstance(block, Objective) or block.timeout is None:
             return block
         return replace(block, timeout_goto=self.aborting(self.draw(st.sampled_from(targets))))
+
+    def routes(self, siblings: list[str]) -> tuple[FactRoute, ...]:
+        """Where a block leads if facts are so, none or a few routes."""
+        targets, outcomes = (
+            st.sampled_from([SUCCEED, FAIL, *siblings]),
+            st.sampled_from(["success", "failure"]),
+        )
+        return tuple(
+            FactRoute(when=self.condition(), goto=self.aborting(self.draw(targets)), on=self.draw(outcomes))
+            for _ in range(self.number(0, 5) - 3 if self.facts else 0)
+        )
 
     def aborting(self, route: Route) -> Route | Literal["abort"]:
         """A route, or abort in its place."""
@@ -203,8 +218,11 @@ class MissionDrawing(RobotDrawing):
         if not self.shape.shared_activities:
             for island in self.islands:
                 island.startable = [a for a in island.startable if a not in activities]
+        name, sets = self.name("obj"), self.changes(("success", "failure", "start"))
+        self.done.append(name)
         return Objective(
-            name=self.name("obj"),
+            name=name,
+            sets=sets,
             activities=tuple(activities),
             parameters=self.parameters(),
             description=self.description(),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from hypothesis import strategies as st
 
 from mcpn.mission.robot import Activity, Alternative, Hardware, Software
-from mcpn.testing.drawing import MissionDrawer
 from mcpn.testing.shape import Shape
+from mcpn.testing.world import WorldDrawing
 
 
 @dataclass
@@ -28,7 +28,7 @@ class Island:
     startable: list[str] = field(default_factory=list)
 
 
-class RobotDrawing(MissionDrawer):
+class RobotDrawing(WorldDrawing):
     """Draws the robot of a mission."""
 
     def __init__(self, draw: st.DrawFn, shape: Shape) -> None:
@@ -98,7 +98,8 @@ class RobotDrawing(MissionDrawer):
             # Fallbacks mostly use something else than what has failed.
             before = {k for way in ways for k in way.consumes}
             consumes = self.consumed(name, island, before, before if self.number(0, 3) else set())
-            ways.append(Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters()))
+            way = Alternative(name=f"{name}_way{i}", consumes=consumes, parameters=self.parameters())
+            ways.append(replace(way, requires=self.required()))
         if len(ways) == 1 and self.chance():
             ways = [Alternative(name=name, consumes=ways[0].consumes)]  # the short form
         return Activity(
@@ -109,6 +110,10 @@ class RobotDrawing(MissionDrawer):
             parameters=self.parameters(),
             description=self.description(),
         )
+
+    def required(self) -> tuple[str, ...]:
+        """What facts must be for an alternative, mostly nothing."""
+        return self.condition() if self.facts and self.number(0, 3) == 0 else ()
 
     def consumed(self, activity: str, island: Island, before: set[str], avoided: set[str]) -> tuple[str, ...]:
         """What an alternative consumes, after others of the activity that consume some resources."""

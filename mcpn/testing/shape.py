@@ -34,6 +34,8 @@ class Shape:
         events: Most declared events; with some, blocks and the mission handle them.
         interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
             are done in rounds; else a third, a quarter and a quarter.
+        facts: Most facts of the world; with some, objectives and events change them, routes and alternatives
+            read them.
         shared_activities: Whether two objectives may start the same activity.
         disjoint_branches: Whether what runs together (branches of a parallel block, activities of one
             objective, the chain under one activity) shares no resource and no activity, so that nothing
@@ -65,6 +67,7 @@ class Shape:
     early: int = 0
     events: int = 0
     interrupted: bool = False
+    facts: int = 0
     shared_activities: bool = True
     disjoint_branches: bool = False
     own_hardware: bool = False

@@ -17,6 +17,7 @@ from mcpn.mission.model import (
     SUCCEED,
     Block,
     Each,
+    FactRoute,
     Handler,
     Mission,
     Objective,
@@ -25,7 +26,7 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
-from mcpn.mission.robot import Parameter
+from mcpn.mission.robot import FactChange, Parameter
 
 TIMED_OUT = "timed out"
 """The exit of a copy of an objective whose time is over, where the objective says where that leads."""
@@ -54,6 +55,9 @@ class Node:
         children: By written name (of copies: by number), in order; none for an elementary objective.
         activities: What an elementary objective runs.
         parameters: Those in force in an elementary objective.
+        written: Its name in the text.
+        sets: Facts that an elementary objective changes.
+        deciding: Its own routes that facts decide, in order.
     """
 
     name: str
@@ -71,6 +75,9 @@ class Node:
     children: dict[str, Node] = field(default_factory=dict)
     activities: tuple[str, ...] = ()
     parameters: Values = field(default_factory=dict)
+    written: str = ""
+    sets: tuple[FactChange, ...] = ()
+    deciding: tuple[FactRoute, ...] = ()
 
     @property
     def first(self) -> Node:
@@ -149,6 +156,7 @@ class _Writing:
             node.success, node.failure = block.success or following, block.failure or FAIL
             node.abort = block.abort or ABORT
             node.timed_out = block.timeout_goto if isinstance(block, Objective) else None
+            node.deciding = block.routes
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
 
@@ -173,6 +181,7 @@ class _Writing:
             self.copies(node, values)
         elif isinstance(block, Objective):
             node.activities, node.timeout = block.activities, block.timeout
+            node.written, node.sets = block.name, block.sets
             node.parameters = {**scope.defaults, **scope.said, **_values(block.parameters)}
         elif isinstance(block, Parallel):
             node.parallel, node.hasty = True, block.failure_when == "any"

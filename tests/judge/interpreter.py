@@ -7,13 +7,13 @@ and agree on an answer are still found wrong.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission
+from mcpn.mission.model import ABORT, FAIL, SUCCEED, Handler, Mission, walk
 from tests.judge.blocks import TIMED_OUT, Node, written_out
-from tests.judge.robot import REFUSED, Activities, At, Doing, Robot
+from tests.judge.robot import REFUSED, Activities, At, Doing, Robot, so
 
 START = "start"
 SUCCESS = "success"
@@ -44,6 +44,7 @@ class State:
         activities: Those that are not idle: what they do, and with which alternative.
         out: Hardware out of service.
         happened: Handlers that happen once and have.
+        facts: The value of every fact; what objectives have succeeded, of those that are read.
         outcome: ``success``, ``failure`` or ``abort`` at the end, ``None`` before it and before the start.
         begun: Whether the mission has started.
     """
@@ -54,6 +55,7 @@ class State:
     activities: frozenset[tuple[str, At]] = frozenset()
     out: frozenset[str] = frozenset()
     happened: frozenset[int] = frozenset()
+    facts: frozenset[tuple[str, str]] = frozenset()
     outcome: str | None = None
     begun: bool = False
 
@@ -70,6 +72,7 @@ class Seen:
         waiting: The alternative of each activity that waits.
         refused: Activities without a possible alternative.
         out: Hardware out of service.
+        facts: The value of every fact.
         outcome: ``success``, ``failure``, ``abort`` or ``None``.
     """
 
@@ -80,6 +83,7 @@ class Seen:
     waiting: frozenset[tuple[str, str]]
     refused: frozenset[str]
     out: frozenset[str]
+    facts: frozenset[tuple[str, str]]
     outcome: str | None
 
 
@@ -96,7 +100,10 @@ class Interpreter:
         self.root = written_out(mission)
         self.objectives = {leaf.name: leaf for leaf in _leaves(self.root)}
         self.branches = {branch.name: branch for branch in _branches(self.root)}
-        self.initial = State()
+        values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
+        values |= dict.fromkeys(_read_of_objectives(mission), "false")
+        self.initial = State(facts=frozenset(values.items()))
+        self.changing = {e.name: {c.fact: c.to for c in e.sets} for e in mission.events if e.sets}
 
     @cached_property
     def faulty(self) -> tuple[str, ...]:
@@ -117,6 +124,11 @@ class Interpreter:
                 found.add((TIMEOUT, name))
             if runs.issuperset(self.objectives[name].activities):
                 found.add((SUCCESS, name))
+        found.update(
+            (DECLARED, name)
+            for name, changes in self.changing.items()
+            if not state.facts >= {*changes.items()}
+        )
         found.update(
             (DECLARED, e.name) for e in self.mission.events if self.handling(self.root, e.name, state)
         )
@@ -156,6 +168,8 @@ class Interpreter:
             state = replace(state, out=state.out - {element})
         elif what == START:
             state, routes = replace(state, begun=True), [(self.root, self.root.first)]
+        elif what == DECLARED and element in self.changing:
+            state = changed(state, self.changing[element])
         elif what == DECLARED:
             found = self.handling(self.root, element, state)
             once = {id(handler) for _, handler in found if handler.once}
@@ -163,20 +177,29 @@ class Interpreter:
             routes = [(node, handler.goto) for node, handler in found]
         else:
             node = self.objectives[element]
-            ways = {SUCCESS: node.success, FAILURE: node.failure, TIMEOUT: node.timed_out or node.failure}
-            routes = [(node, ways[what])]
+            occasion = SUCCESS if what == SUCCESS else FAILURE
+            state = changed(state, {c.fact: c.to for c in node.sets if (c.on or SUCCESS) == occasion})
+            done = f"done({node.written})"
+            if what == SUCCESS and done in dict(state.facts):
+                state = changed(state, {done: "true"})
+            by = {SUCCESS: SUCCEED, FAILURE: FAIL, TIMEOUT: TIMED_OUT}[what]
+            routes = [(node, led(state, node, by))]
         # All that is left stops first, what aborts with it; then what follows begins.
         for node, _ in routes:
             state = self.left(state, node)
         aborted: list[Node] = []
-        led = state
+        after, waiting = state, state.pending
         for node, route in routes:
             if not any(node.within(block) for block in aborted):
-                led = self.follow(led, node, route, aborted)
-        led = self.decided(led, aborted)
+                after = self.follow(after, node, route, aborted)
+        after = self.decided(after, aborted)
         for block in aborted:
             state = self.left(state, block)
-        return self.reaction(replace(led, activities=self.at_rest(state)))
+        for name in self.objectives:  # in document order
+            if name in after.pending - waiting:
+                sets = self.objectives[name].sets
+                after = changed(after, {c.fact: c.to for c in sets if c.on == START})
+        return self.reaction(replace(after, activities=self.at_rest(state)))
 
     def left(self, state: State, node: Node) -> State:
         """Nothing in a block runs any more."""
@@ -243,9 +266,7 @@ class Interpreter:
         """A block ends by one of its exits; with the mission's own blocks the mission does."""
         if node is self.root:
             return replace(state, outcome=ENDS[by])
-        ways = {SUCCEED: node.success, FAIL: node.failure, ABORT: node.abort}
-        ways[TIMED_OUT] = node.timed_out or node.failure
-        return self.follow(state, node, ways[by], aborted)
+        return self.follow(state, node, led(state, node, by), aborted)
 
     def enter(self, state: State, node: Node) -> State:
         """A block is entered: at its first, or at all its children."""
@@ -260,7 +281,7 @@ class Interpreter:
     def robot_in(self, state: State) -> Activities:
         """The activities of a state."""
         wanted = {name: self.objectives[name].activities for name in sorted(state.pending)}
-        return Activities(dict(state.activities), wanted, state.out)
+        return Activities(dict(state.activities), wanted, state.out, state.facts)
 
     def at_rest(self, state: State) -> frozenset[tuple[str, At]]:
         """The activities when all that stops has stopped."""
@@ -294,6 +315,7 @@ class Interpreter:
             frozenset(by_doing[Doing.TRIES] | by_doing[Doing.ASKS]),
             frozenset(name for name, _ in by_doing[Doing.REFUSED]),
             state.out,
+            frozenset((fact, value) for fact, value in state.facts),
             state.outcome,
         )
 
@@ -303,6 +325,31 @@ class Interpreter:
         (way,) = (way for way in of.alternatives if way.name == alternative)
         declared = {p.name: p.value for p in (*of.parameters, *way.parameters)}
         return {**declared, **(self.objectives[objective].parameters if objective else {})}
+
+
+def changed(state: State, facts: Mapping[str, str]) -> State:
+    """The same with some facts changed."""
+    return replace(state, facts=frozenset({**dict(state.facts), **facts}.items())) if facts else state
+
+
+def led(state: State, node: Node, by: str) -> str:
+    """Where an outcome of a block leads: the first of its routes whose facts are so, else the default."""
+    if by == TIMED_OUT and node.timed_out is not None:
+        return node.timed_out
+    outcome = {SUCCEED: SUCCESS, FAIL: FAILURE, TIMED_OUT: FAILURE}.get(by)
+    for route in node.deciding:
+        if route.on == outcome and so(state.facts, route.when):
+            return route.goto
+    return {SUCCEED: node.success, FAIL: node.failure, TIMED_OUT: node.failure, ABORT: node.abort}[by]
+
+
+def _read_of_objectives(mission: Mission) -> Iterator[str]:
+    """Facts of the form ``done(x)`` that a mission reads."""
+    whens = [a.requires for a in mission.activities]
+    whens += [way.requires for a in mission.activities for way in a.alternatives]
+    texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+    whens += [route.when for blocks in texts for block in walk(blocks) for route in block.routes]
+    yield from (word.lstrip("!").partition("=")[0] for when in whens for word in when if "done(" in word)
 
 
 def _leaves(node: Node) -> Iterator[Node]:

@@ -64,7 +64,9 @@ def named(text: str) -> Happening:
     return happening(Event.parse(text))
 
 
-def seen_of(said: Situation | Inside, out: Iterable[str], outcome: str | None) -> Seen:
+def seen_of(
+    said: Situation | Inside, out: Iterable[str], facts: Mapping[str, str], outcome: str | None
+) -> Seen:
     """What a situation or a controller's state says."""
     return Seen(
         frozenset(said.objectives),
@@ -74,6 +76,7 @@ def seen_of(said: Situation | Inside, out: Iterable[str], outcome: str | None) -
         frozenset(said.waiting.items()),
         frozenset(said.refused),
         frozenset(out),
+        frozenset(facts.items()),
         outcome,
     )
 
@@ -94,7 +97,7 @@ class OfGraph:
 
     def seen(self, at: int) -> Seen:
         said = situation(self.mission_net, self.graph.marking(at))
-        return seen_of(said, said.out_of_service, said.outcome)
+        return seen_of(said, said.out_of_service, said.facts, said.outcome)
 
     def possible(self, at: int) -> set[Happening]:
         return set(self.onward(at))
@@ -121,7 +124,7 @@ class OfSimulator:
     def seen(self, at: int) -> Seen:
         self.simulation.marking = at
         said = self.simulation.situation
-        return seen_of(said, said.out_of_service, said.outcome)
+        return seen_of(said, said.out_of_service, said.facts, said.outcome)
 
     def possible(self, at: int) -> set[Happening]:
         self.simulation.marking = at
@@ -146,7 +149,7 @@ class OfController:
 
     def seen(self, at: str) -> Seen:
         self.runtime.restore(at)
-        return seen_of(self.runtime.state, self.runtime.out_of_service, self.runtime.outcome)
+        return seen_of(self.runtime.state, self.runtime.out_of_service, {}, self.runtime.outcome)
 
     def possible(self, at: str) -> set[Happening]:
         self.runtime.restore(at)

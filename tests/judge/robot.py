@@ -32,6 +32,8 @@ class Doing(StrEnum):
 
 At = tuple[Doing, int]
 """What an activity does, and with which alternative, by its rank; a refused one has none, by rank -1."""
+Facts = frozenset[tuple[str, str]]
+"""The value of every fact."""
 REFUSED: At = (Doing.REFUSED, -1)
 FROM_THE_FIRST: At = (Doing.TRIES, 0)
 
@@ -44,11 +46,13 @@ class Activities:
         at: Those that are not idle.
         wanted: Activities that objectives have yet to start, by objective.
         out: Hardware out of service.
+        facts: The value of every fact.
     """
 
     at: Mapping[str, At]
     wanted: Mapping[str, tuple[str, ...]]
     out: frozenset[str]
+    facts: Facts = frozenset()
 
     def but(self, changes: Mapping[str, At | None]) -> Activities:
         """The same with some activities elsewhere; ``None`` for idle."""
@@ -57,7 +61,16 @@ class Activities:
 
     def key(self) -> tuple[object, ...]:
         """What tells two moments apart."""
-        return frozenset(self.at.items()), frozenset(self.wanted), self.out
+        return frozenset(self.at.items()), frozenset(self.wanted), self.out, self.facts
+
+
+def so(facts: Facts, words: Iterable[str]) -> bool:
+    """Whether facts are as some words say, all of them."""
+    for word in words:
+        name, sign, value = word.lstrip("!").partition("=")
+        if (name, value if sign else "false" if word.startswith("!") else "true") not in facts:
+            return False
+    return True
 
 
 class Robot:
@@ -121,13 +134,19 @@ class Robot:
         """Who runs and loses a resource tries all again; who still asks tries the next alternative."""
         found: dict[str, At | None] = {}
         for name, consumes in self.holding(now):
-            if any(self.failed(now, k) for k in consumes):
+            lost = not self.allowed(name, now.at[name][1], now.facts)
+            if lost or any(self.failed(now, k) for k in consumes):
                 doing, rank = now.at[name]
                 found[name] = FROM_THE_FIRST if doing is Doing.RUNS else (Doing.TRIES, rank + 1)
         if not found:  # then nobody stands on a producer that was refused: it is idle again
             refused = (name for name, at in now.at.items() if at == REFUSED)
             return dict.fromkeys(name for name in refused if self.activities[name].produces)
         return found
+
+    def allowed(self, name: str, rank: int, facts: Facts) -> bool:
+        """Whether facts are as an alternative requires."""
+        activity = self.activities[name]
+        return so(facts, (*activity.requires, *activity.alternatives[rank].requires))
 
     def failed(self, now: Activities, resource: str) -> bool:
         """Whether a resource that somebody holds is in error."""
@@ -142,7 +161,7 @@ class Robot:
                 found[name] = REFUSED
             elif doing is Doing.TRIES:
                 consumes = activity.alternatives[rank].consumes
-                if not now.out.isdisjoint(consumes):
+                if not (now.out.isdisjoint(consumes) and self.allowed(name, rank, now.facts)):
                     found[name] = (Doing.TRIES, rank + 1)
                 elif not any(map(self.contended, consumes)):
                     found[name] = (Doing.ASKS, rank)
@@ -160,7 +179,7 @@ class Robot:
             name: FROM_THE_FIRST
             for name, (doing, rank) in now.at.items()
             if doing is Doing.RUNS and self.activities[name].switch_back
-            if any(self.possible(name, better, now.out) for better in range(rank))
+            if any(self.possible(name, better, now.out, now.facts) for better in range(rank))
         }
 
     def alone(self, now: Activities) -> Activities | None:
@@ -213,32 +232,36 @@ class Robot:
 
     # --- possible again --------------------------------------------------------------------------------
 
-    def _possible(self, name: str, rank: int, out: frozenset[str]) -> bool:
-        """Whether hardware in service allows an alternative, whoever has it now."""
-        return any(True for _ in self._ways(self.activities[name], rank, out))
+    def _possible(self, name: str, rank: int, out: frozenset[str], facts: Facts) -> bool:
+        """Whether hardware in service and facts allow an alternative, whoever has the hardware now."""
+        return any(True for _ in self._ways(self.activities[name], rank, out, facts))
 
     def _ways(
-        self, activity: Activity, rank: int, out: frozenset[str]
+        self, activity: Activity, rank: int, out: frozenset[str], facts: Facts
     ) -> Iterator[frozenset[tuple[str, str]]]:
         """Which hardware which activity would have for itself, in each way to perform an alternative."""
+        if not self.allowed(activity.name, rank, facts):
+            return
         found: list[frozenset[tuple[str, str]]] = [frozenset()]
         for k in activity.alternatives[rank].consumes:
             found = [
                 way
                 for one in found
-                for other in self._ways_to(k, activity.name, out)
+                for other in self._ways_to(k, activity.name, out, facts)
                 for way in _both(one, other)
             ]
         yield from found
 
-    def _ways_to(self, resource: str, who: str, out: frozenset[str]) -> Iterator[frozenset[tuple[str, str]]]:
+    def _ways_to(
+        self, resource: str, who: str, out: frozenset[str], facts: Facts
+    ) -> Iterator[frozenset[tuple[str, str]]]:
         if resource in self.hardware:
             if resource not in out:
                 yield frozenset({(resource, who)} if resource in self.exclusive else ())
             return
         producer = self.activities[self.producer[resource]]
         for rank in range(len(producer.alternatives)):
-            yield from self._ways(producer, rank, out)
+            yield from self._ways(producer, rank, out, facts)
 
 
 def _both(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +27,11 @@ from mcpn.testing import missions
 from tests.mission.test_built import nodes, put
 
 RELAX_NG = etree.RelaxNG(etree.parse(SCHEMA))
-DRAWN = missions(text=True, numbers=True, max_events=2) | missions(max_sections=12, max_events=1)
+DRAWN = (
+    missions(text=True, numbers=True, max_events=2, facts=2)
+    | missions(max_sections=12, max_events=1)
+    | missions(max_sections=6, facts=3)
+)
 ATTRIBUTES = [(name, a) for name, tag in language().items() for a in tag.attributes.values()]
 DATATYPES = {a.datatype.name: a.datatype for _, a in ATTRIBUTES if a.datatype.pattern is not None}
 
@@ -229,6 +234,9 @@ REFERS = {
     "abort": "block",
     "timeout_goto": "block",
     "goto": "block",
+    "fact": "fact",
+    "requires": "condition",
+    "when": "condition",
     "event": "event",
     "protocol": "protocol",
 }
@@ -239,6 +247,7 @@ NAMED = {
     "activity": "activity",
     "alternative": "alternative",
     "event": "event",
+    "fact": "fact",
     "protocol": "protocol",
     **dict.fromkeys(("objective", "parallel", "use", "each"), "block"),
 }
@@ -249,7 +258,12 @@ def test_every_attribute_that_refers_is_known() -> None:
     assert {a.tag: a.datatype.refers for _, a in ATTRIBUTES if a.datatype.refers} == REFERS
 
 
-@given(DRAWN | missions(awkward_names=True, max_events=1))
+def renaming(begun: re.Match[str]) -> str:
+    """What stands before the name in a word of a condition, with that of its kind."""
+    return f"{begun[0]}{'block' if begun[2] else 'fact'}__"
+
+
+@given(DRAWN | missions(awkward_names=True, max_events=1, facts=2))
 def test_renaming_reaches_every_name_and_nothing_else(drawn: Mission) -> None:
     there = renamed(drawn, lambda kind, name: f"{kind}__{name}")
     roots = (etree.fromstring(written(mission)) for mission in (drawn, there))
@@ -263,5 +277,7 @@ def test_renaming_reaches_every_name_and_nothing_else(drawn: Mission) -> None:
             names = str(value).split() if kind else [str(value)]
             exits = (SUCCEED, FAIL) if kind == "block" else ()
             expected = [f"{kind}__{n}" if kind and n not in exits else n for n in names]
+            if kind == "condition":
+                expected = [re.sub(r"^(!?)(done\()?", renaming, word) for word in names]
             assert str(element.get(attribute)) == (" ".join(expected) if kind else str(value))
     assert renamed(there, lambda kind, name: name.removeprefix(f"{kind}__")) == drawn

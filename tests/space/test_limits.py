@@ -24,7 +24,7 @@ from mcpn.net.events import Event
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import EVENTS, NetBuilder, PetriNet
 from mcpn.net.siphons import p_semiflows, siphons, t_semiflows, traps
-from mcpn.net.templates import control
+from mcpn.net.templates import interrupting
 from mcpn.space import images
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
@@ -266,15 +266,15 @@ def test_combinations_of_branches_that_an_event_meets(monkeypatch: pytest.Monkey
     mission = small.mission(
         of, Parallel(name="all", blocks=(*blocks, Objective(name="free", activities=("do_free",))))
     )
-    monkeypatch.setattr(control, "MAX_POSITIONS", 0)
+    monkeypatch.setattr(interrupting, "MAX_POSITIONS", 0)
     words = r"parallel block all: (\d+) combinations of where its branches are when the event recall happens"
     with pytest.raises(LimitError, match=words) as caught:
         compose(mission)
     told = int(str(caught.value).partition(": ")[2].split()[0])
     assert round(told ** (1 / branches)) ** branches == told
-    monkeypatch.setattr(control, "MAX_POSITIONS", told)
+    monkeypatch.setattr(interrupting, "MAX_POSITIONS", told)
     compose(mission)
-    monkeypatch.setattr(control, "MAX_POSITIONS", told - 1)
+    monkeypatch.setattr(interrupting, "MAX_POSITIONS", told - 1)
     with pytest.raises(LimitError, match=f"the limit is {told - 1}"):
         compose(mission)
 

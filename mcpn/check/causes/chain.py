@@ -41,8 +41,9 @@ class ListedChain:
 
     Args:
         prospects: The section's local net, or the mission's, on its alternatives graph in arrays.
-        carried: Its hardware that can fail, and handlers that happen once. A *status* is a number whose bits
-            say what is out of service and what has happened, the first of these in the highest bit.
+        carried: Its hardware that can fail, handlers that happen once, and facts. A *status* is a number
+            whose bits say what is out of service, what has happened and what facts are, the first in the
+            highest bit.
         again: Exits after which it is entered again at once: edges to them lead to its first states.
 
     Attributes:
@@ -72,8 +73,12 @@ class ListedChain:
         for number, place in enumerate(prospects.mission_net.exits.values()):
             exit_of[self.graph.marked(place)] = number
         for kind, name in carried:
-            role: Role = ("oos", name) if kind == "hardware" else ("happened", name)
-            status = 2 * status + self.graph.marked(prospects.mission_net.by_role[role][0])
+            if kind == "fact":
+                place, reverse = prospects.mission_net.true_of_fact(name)
+            else:
+                role: Role = ("oos", name) if kind == "hardware" else ("happened", name)
+                place, reverse = prospects.mission_net.by_role[role][0], False
+            status = 2 * status + (self.graph.marked(place) != reverse)
         self.columns = len(self.exits) * self.statuses
         self.column = exit_of * self.statuses + status
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)

@@ -28,9 +28,10 @@ from typing import Any
 from mcpn.check.causes.chain import ListedChain
 from mcpn.check.causes.prospects import Prospects, refuse_reentry
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
-from mcpn.errors import InputError
+from mcpn.errors import InputError, LimitError
 from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.world.conditions import all_flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import Element, LocalPart
 from mcpn.space.arrays import ArraySet, ArraySpace
@@ -87,14 +88,16 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     limit = MAX_MARKINGS if max_states is None else max_states
     model = _sections(prospects, limit)
     hardware = {h.name: h for h in prospects.mission_net.mission.hardware}
-    rates = {
+    rates: dict[Element, tuple[float, float]] = _rates_of_facts(prospects.mission_net)
+    failing = {
         ("hardware", h): (hardware[h].failure_rate or 0.0, hardware[h].repair_rate or 0.0)
         for h in prospects.hardware
     }
+    rates |= failing
     expected = Outlook(model, rates)
     found, aborts = expected.ends(), prospects.mission_net.abort is not None
     importance, safely = dict[str, float](), dict[str, float]()
-    for resource in rates:
+    for resource in failing:
         frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, expected)
         best, worst = frozen.ends(), frozen.ends(resource)
         importance[resource[1]] = best[SUCCEED] - worst[SUCCEED]
@@ -110,8 +113,36 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     )
 
 
+def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float]]:
+    """How often events make facts other than they were at the start, and bring them back.
+
+    Raises:
+        LimitError: An event with a rate changes several facts, or one of more than two values: a section that
+            does not know them would not know how they change together.
+    """
+    world, rates = mission_net.usage.world, dict[Element, tuple[float, float]]()
+    for event in mission_net.mission.events:
+        changes = world.changing.get(event.name, {})
+        if not changes or not event.rate:
+            continue
+        (name, value), *others = changes.items()
+        fact = world.facts[name]
+        if others or len(fact.values) > 2:
+            what = "several facts" if others else f"a fact of {len(fact.values)} values"
+            raise LimitError(
+                f"the event {event.name} changes {what}: numbers of risk know events with a rate that change "
+                "one fact of two values"
+            )
+        (flag,) = all_flags(fact)
+        away, back = rates.get(("fact", flag), (0.0, 0.0))
+        other = value != fact.start
+        rates["fact", flag] = (away + event.rate, back) if other else (away, back + event.rate)
+    return rates
+
+
 def _unrated(mission_net: MissionNet) -> Iterator[str]:
     handled = {i.event for section in mission_net.graph.all_sections() for i in section.interruptions}
+    handled |= mission_net.usage.world.changing.keys()
     for event in mission_net.mission.events:
         if event.name in handled and event.rate is None:
             yield event.name
@@ -146,7 +177,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
 
     def carried(part: LocalPart) -> tuple[Element, ...]:
         kept = {("once", name) for name in part.once_on(rated)}
-        return tuple(of for of in part.carried if of[0] == "hardware" or of in kept)
+        return tuple(of for of in part.carried if of[0] != "once" or of in kept)
 
     for name, placed in space.sections.items():
         if name not in space.everything.parts:
@@ -162,4 +193,5 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
             listed(known[kind], carried(kind.part), again), carried(placed.part), objectives, placed.routes
         )
     once = tuple(("once", name) for name in space.layout.once)
-    return Sections(sections, net.graph.entry, (*hardware, *once))
+    facts = tuple(("fact", flag) for flag in space.layout.flags)
+    return Sections(sections, net.graph.entry, (*hardware, *once, *facts))

@@ -16,6 +16,7 @@ to earlier ones, the values at those entries are the unknowns of a linear system
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -143,9 +144,11 @@ def _bit(element: Element | None, of: Sequence[Element]) -> int:
 
 
 def _counted(elements: Collection[Element]) -> str:
-    once = sum(kind == "once" for kind, _ in elements)
-    found = f"{len(elements) - once} hardware resources that may fail"
-    return f"{found} and {once} handlers that happen once" if once else found
+    kinds = Counter(kind for kind, _ in elements)
+    found = [f"{kinds['hardware']} hardware resources that may fail"]
+    found += [f"{kinds['once']} handlers that happen once"] if kinds["once"] else []
+    found += [f"{kinds['fact']} truth values of facts"] if kinds["fact"] else []
+    return " and ".join(found)
 
 
 class Outlook:

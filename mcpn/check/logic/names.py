@@ -14,6 +14,8 @@ from mcpn.check.paths.formulas import Happens
 from mcpn.errors import InputError
 from mcpn.mission.flatten import blocks_of
 from mcpn.mission.model import Each, Holder, walk
+from mcpn.mission.robot import BOOLEAN_VALUES
+from mcpn.mission.world.conditions import is_boolean, objective_done
 from mcpn.net.events import ENDING, START, Event, What
 from mcpn.net.petri import PetriNet
 from mcpn.net.roles import WAITING
@@ -35,6 +37,8 @@ WORDS = {
     "refused": ("refused",),
     "oos": ("oos",),
     "available": ("oos",),
+    "fact": ("fact",),
+    "done": ("fact",),
     "event": (),
     "happens": (),
 }
@@ -73,8 +77,9 @@ class Names:
         """What a word about the mission means.
 
         Args:
-            said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value`` and
-                ``waiting(activity)=value`` the value too; or ``success``, ``failure`` or ``abort`` alone.
+            said: One of :data:`WORDS` and the element's name, for ``alternative(activity)=value``,
+                ``waiting(activity)=value`` and ``fact(name)=value`` the value too; or ``success``,
+                ``failure`` or ``abort`` alone.
         """
         meaning = self._meaning(*said)
         if meaning not in (TRUE, FALSE):  # which other formulas mean as well
@@ -85,7 +90,7 @@ class Names:
         of = self.mission_net
         if of is None:
             raise InputError.at(None, f"{kind} is a word of missions, and this net is of none")
-        if value is not None and kind not in ("alternative", "waiting"):
+        if value is not None and kind not in ("alternative", "waiting", "fact"):
             raise InputError.at(None, f"expected {kind}({name}) alone, found ={value} after it")
         match kind:
             case "success" | "failure" | "abort":
@@ -97,6 +102,8 @@ class Names:
             case "block":
                 names = self._copies(name, self._blocks) or [self._element(name, self._blocks, "block")]
                 about = [objective for block in names for objective in self._blocks[block]]
+            case "fact" | "done":
+                about = [self._fact(kind, name, value)]
             case "available" if name in of.usage.producer:
                 return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":
@@ -134,6 +141,27 @@ class Names:
     def _blocks(self) -> dict[str, tuple[str, ...]]:
         assert self.mission_net is not None
         return blocks_of(self.mission_net.mission)
+
+    def _fact(self, kind: str, name: str, value: str | None) -> str:
+        """A fact with its value, as the role of a place says it."""
+        assert self.mission_net is not None
+        facts = self.mission_net.usage.world.facts
+        if kind == "done":
+            kept = [objective for fact in facts if (objective := objective_done(fact))]
+            if name not in kept:
+                objectives = [s.name.rpartition(".")[2] for s in self.mission_net.graph.walk()]
+                done = _known(name, dict.fromkeys([*kept, *objectives]), "objective")
+                message = (
+                    f"done({done}) is not kept: no route, condition or requirement of the mission reads it"
+                )
+                raise InputError.at(None, message)
+            return f"done({name})={BOOLEAN_VALUES[True]}"
+        fact = facts[_known(name, [known for known in facts if objective_done(known) is None], "fact")]
+        if value is None and not is_boolean(fact):
+            values = " or ".join(f"fact({name})={of}" for of in fact.values)
+            raise InputError.at(None, f"expected {values}, found fact({name}) alone")
+        said = BOOLEAN_VALUES[True] if value is None else _known(value, fact.values, f"value of {name}")
+        return f"{name}={said}"
 
     def _copies(self, name: str, names: Collection[str]) -> list[str]:
         """What a name means of which there are rounds or tries: all of them, those of this use first."""

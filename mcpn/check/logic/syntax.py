@@ -232,7 +232,7 @@ class _Parser:
         value: list[str] = []
         if self._next.text == "=":
             self._step()
-            value = [self._named(str, "", self._term("a name"))]
+            value = [self._named(str, "", self._term("a name", *(["integer"] if kind == "fact" else [])))]
         self._longer = () if value else ("=",)
         return self._named(lambda name: self._lookup.word(kind, name, *value), FALSE, token)
 

@@ -29,6 +29,7 @@ _FIELDS = {
     "active": "mode",
     "refused": "refused",
     "oos": "out_of_service",
+    "fact": "facts",
 } | _WAITING
 Mode: TypeAlias = dict[str, str]
 """The selected alternative of each running activity, by the activity's name."""
@@ -47,6 +48,7 @@ class Situation:
             producer waits.
         refused: Activities that have no possible alternative.
         out_of_service: Hardware out of service.
+        facts: The value of each fact; in the net of a section of those that it changes or reads.
         outcome: ``success``, ``failure``, ``abort``, or ``None`` while the mission runs; in the net of a
             section also the exit by which an event has left it.
     """
@@ -59,6 +61,7 @@ class Situation:
     refused: tuple[str, ...] = ()
     out_of_service: tuple[str, ...] = ()
     outcome: str | None = None
+    facts: Mode = field(default_factory=dict)
 
 
 def situation(mission_net: MissionNet, marking: tuple[int, ...]) -> Situation:
@@ -84,6 +87,7 @@ def said_by(mission_net: MissionNet, marked: Iterable[int]) -> Situation:
         refused=tuple(said.get("refused", ())),
         out_of_service=tuple(said.get("oos", ())),
         outcome=next(iter(ends), None),
+        facts=dict(name.split("=", 1) for name in said.get("fact", ())),
     )
 
 

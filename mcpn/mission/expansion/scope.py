@@ -104,7 +104,7 @@ def several(block: Block) -> bool:
 
 def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
     """The rounds of a block, else its tries, else its values: what is done each time, and its scope."""
-    alone = replace(block, success=None, failure=None, abort=None, handlers=())
+    alone = replace(block, success=None, failure=None, abort=None, routes=(), handlers=())
     if isinstance(alone, Objective) and alone.timeout_goto is not None:
         alone = replace(alone, timeout_goto=TIMED_OUT)  # it leaves the copies
     if block.repeat is not None:

@@ -13,6 +13,8 @@ from collections.abc import Collection, Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
+from mcpn.mission.world.conditions import FACTS, cause
+
 if TYPE_CHECKING:
     from mcpn.mission.facts.usage import Usage
 
@@ -22,8 +24,9 @@ Occasion: TypeAlias = tuple[str, str]
 
 
 def occasions(fails: Iterable[str], returns: Iterable[str]) -> frozenset[Occasion]:
-    """The failures of some hardware and the returns of some."""
-    return frozenset([*((h, "fails") for h in fails), *((h, "returns") for h in returns)])
+    """The failures of some hardware and the returns of some; what facts end and allow they do at a time."""
+    both = (*((h, "fails") for h in fails), *((h, "returns") for h in returns))
+    return frozenset((FACTS, "change") if h == FACTS else (h, what) for h, what in both)
 
 
 class Sharing:
@@ -89,12 +92,16 @@ class Sharing:
         consumed = usage.activities[activity].alternatives[alternative].consumes
         declared = usage.activities[activity].switch_back
         better = usage.switching.higher(activity, alternative) if declared else ()
-        return occasions(self._under_resources(consumed, producer), frozenset[str]().union(*better))
+        facts = {FACTS} if usage.world.requires(activity, alternative) else set[str]()
+        under = self._under_resources(consumed, producer) | facts
+        return occasions(under, map(cause, frozenset[str]().union(*better)))
 
     def _under_all(self, activity: str, without: str) -> frozenset[str]:
         key = (activity, without)
         if key not in self._under:
-            self._under[key] = self._under_resources(self.usage.resources_of({activity}), without)
+            facts = {FACTS} if activity in self.usage.world.requiring else set[str]()
+            resources = self.usage.resources_of({activity})
+            self._under[key] = self._under_resources(resources, without) | facts
         return self._under[key]
 
     def _under_resources(self, resources: Iterable[str], without: str) -> frozenset[str]:

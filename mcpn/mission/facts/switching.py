@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from mcpn.errors import LimitError
+from mcpn.mission.world.conditions import cause
 
 if TYPE_CHECKING:
     from mcpn.mission.facts.usage import Usage
@@ -25,7 +26,8 @@ Ways: TypeAlias = frozenset[frozenset[str]]
 """Minimal sets of hardware that can fail, each enough if all of it is in service."""
 
 Held: TypeAlias = frozenset[tuple[str, str]]
-"""Hardware with the activity that holds it, empty where it is shared."""
+"""Hardware with the activity that holds it, empty where it is shared; facts with their values, as
+``door=open``."""
 
 MAX_WAYS = 100
 """Sets of hardware that may make one alternative possible."""
@@ -45,11 +47,16 @@ class Switching:
     @cached_property
     def watched(self) -> frozenset[str]:
         """Hardware whose return makes some activity evaluate its alternatives again."""
-        return frozenset[str]().union(*(self.returns(a) for a in self.usage.started))
+        return (
+            frozenset[str]().union(*(self.returns(a) for a in self.usage.started))
+            & self.usage.hardware.keys()
+        )
 
     def returns(self, activity: str) -> frozenset[str]:
-        """Hardware whose return may make an activity leave its alternative."""
-        return self._of_higher(activity) if self.switches_back(activity) else frozenset()
+        """Hardware whose return may make an activity leave its alternative; ``FACTS`` if facts may."""
+        return (
+            frozenset(map(cause, self._of_higher(activity))) if self.switches_back(activity) else frozenset()
+        )
 
     def _of_higher(self, activity: str) -> frozenset[str]:
         alternatives = range(len(self.usage.activities[activity].alternatives))
@@ -58,14 +65,16 @@ class Switching:
     def better(self, activity: str, alternative: int) -> list[tuple[str, ...]]:
         """Sets of hardware for which an activity leaves this alternative for one of higher priority.
 
-        They come in the order in which the mission lists its hardware, not in the order of its names.
+        Facts with the values that they must have are among it, as ``door=open``. They come in the order in
+        which the mission lists its hardware and facts, not in the order of its names.
 
         Raises:
             LimitError: There are too many.
         """
         if not self.switches_back(activity):
             return []
-        place = {h: i for i, h in enumerate(self.usage.hardware)}
+        facts = (f"{fact.name}={value}" for fact in self.usage.world.facts.values() for value in fact.values)
+        place = {h: i for i, h in enumerate((*self.usage.hardware, *facts))}
         ways = (tuple(sorted(way, key=place.__getitem__)) for way in self.higher(activity, alternative))
         return sorted(ways, key=lambda way: [place[h] for h in way])
 
@@ -80,19 +89,19 @@ class Switching:
         Raises:
             LimitError: There are too many.
         """
-        higher = self.usage.activities[activity].alternatives[:alternative]
-        found = [held for better in higher for held in self._all_of(activity, better.consumes)]
-        ways = _minimal(frozenset(h for h, _ in held if self.usage.hardware[h].faulty) for held in found)
+        hardware = self.usage.hardware
+        found = [held for better in range(alternative) for held in self._all_of(activity, better)]
+        ways = _minimal(
+            frozenset(h for h, _ in held if h not in hardware or hardware[h].faulty) for held in found
+        )
         # What is always possible is never left out.
         return frozenset() if frozenset() in ways else ways
 
     def _possible(self, activity: str) -> frozenset[Held]:
         """Sets of hardware with which some alternative of an activity is possible."""
         if activity not in self._ways:
-            alternatives = self.usage.activities[activity].alternatives
-            self._ways[activity] = _minimal(
-                held for each in alternatives for held in self._all_of(activity, each.consumes)
-            )
+            alternatives = range(len(self.usage.activities[activity].alternatives))
+            self._ways[activity] = _minimal(held for i in alternatives for held in self._all_of(activity, i))
         return self._ways[activity]
 
     def _held(self, activity: str, hardware: str) -> Held:
@@ -108,23 +117,29 @@ class Switching:
         activities = self.usage.activities.values()
         return Counter(k for a in activities for k in {k for way in a.alternatives for k in way.consumes})
 
-    def _all_of(self, activity: str, resources: Iterable[str]) -> frozenset[Held]:
+    def _all_of(self, activity: str, alternative: int) -> frozenset[Held]:
         usage = self.usage
-        combinations: frozenset[Held] = frozenset({frozenset()})
-        for k in resources:
+        required = (f"{fact}={value}" for fact, value in usage.world.requires(activity, alternative))
+        combinations: frozenset[Held] = frozenset({frozenset((said, "") for said in required)})
+        for k in usage.activities[activity].alternatives[alternative].consumes:
             each = (
                 frozenset({self._held(activity, k)})
                 if k in usage.hardware
                 else self._possible(usage.producer[k])
             )
             together = (one | other for one in combinations for other in each)
-            combinations = _minimal(held for held in together if len({h for h, _ in held}) == len(held))
+            combinations = _minimal(held for held in together if _at_once(held))
             if len(combinations) > MAX_WAYS:
                 raise LimitError(
                     f"activity {activity}: more than {MAX_WAYS} sets of hardware make an alternative "
                     "possible: the limit on what it may switch back to was hit"
                 )
         return combinations
+
+
+def _at_once(held: Held) -> bool:
+    """Whether no hardware is held by two, and no fact must have two values."""
+    return len({h.partition("=")[0] for h, _ in held}) == len(held)
 
 
 def _minimal(ways: Iterable[frozenset[_T]]) -> frozenset[frozenset[_T]]:

@@ -23,6 +23,8 @@ from mcpn.mission.facts.switching import Switching
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
+from mcpn.mission.world.conditions import FACTS
+from mcpn.mission.world.usage import FactUsage
 
 Demand: TypeAlias = tuple[str, int]
 """An activity's name and the index of one of its alternatives, from 0."""
@@ -63,6 +65,7 @@ class Usage:
     def __init__(self, mission: Mission, graph: ObjectivesGraph) -> None:
         self.mission = mission
         self.graph = graph
+        self.world = FactUsage(mission)
         self.hardware: Mapping[str, Hardware] = {h.name: h for h in mission.hardware}
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
         self.producer: Mapping[str, str] = {s: a.name for a in mission.activities for s in a.produces}
@@ -127,8 +130,16 @@ class Usage:
         reached = frozenset[str]().union(*(self.closure(a) for a in named))
         return tuple(a for a in self.activities if a in reached)
 
+    @cached_property
+    def requiring(self) -> frozenset[str]:
+        """Activities that some objective starts and that require facts to be so."""
+        return self.world.requiring & {*self.started}
+
     def hardware_under(self, resource: str) -> frozenset[str]:
-        """The faulty hardware whose failure may end in an error of the resource, itself included."""
+        """The faulty hardware whose failure may end in an error of the resource, itself included.
+
+        :data:`mcpn.mission.world.conditions.FACTS` is among it where a change of facts may.
+        """
         if resource in self.hardware:
             return frozenset({resource}) if self.hardware[resource].faulty else frozenset()
         if resource not in self._hardware_under:
@@ -146,8 +157,8 @@ class Usage:
     def refusable(self, activity: str) -> bool:
         """Whether there may be no way to perform the activity: each alternative needs what can fail."""
         return all(
-            any(self.can_fail(k) for k in alternative.consumes)
-            for alternative in self.activities[activity].alternatives
+            self.world.requires(activity, i) or any(self.can_fail(k) for k in alternative.consumes)
+            for i, alternative in enumerate(self.activities[activity].alternatives)
         )
 
     def fail_together(self, activity: str, alternative: int) -> frozenset[tuple[str, ...]]:
@@ -175,14 +186,17 @@ class Usage:
             s
             for name in self.started
             for s in self.activities[name].produces
-            if occasions(self._evaluated_after(name), self.switching.returns(name))
+            # Who ends may change facts, and so gives back in one reaction with what makes others evaluate.
+            if FACTS in self._evaluated_after(name)
+            or occasions(self._evaluated_after(name), self.switching.returns(name))
             & self.sharing.affecting([a for a in self.started if s in self.resources_of({a})], name)
         )
 
     def _evaluated_after(self, activity: str) -> frozenset[str]:
         """The hardware whose failure may make the activity evaluate its alternatives again."""
         consumed = {k for alternative in self.activities[activity].alternatives for k in alternative.consumes}
-        return frozenset[str]().union(*(self.hardware_under(k) for k in consumed))
+        facts = [{FACTS}] if activity in self.world.requiring else []
+        return frozenset[str]().union(*facts, *(self.hardware_under(k) for k in consumed))
 
     # --- who may run together --------------------------------------------------------------------------
 

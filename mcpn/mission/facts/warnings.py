@@ -10,6 +10,7 @@ from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.robot import Element
+from mcpn.mission.world.warnings import fact_warnings
 
 MOST_NAMED = 3
 """How many copies of one objective a message names."""
@@ -24,7 +25,7 @@ def find_warnings(of: Mission | Usage) -> list[Problem]:
     Returns:
         Activities that nothing starts, resources and protocols that nothing uses, events that interrupt
         nothing, routes of aborts where nothing aborts, objectives that no route reaches, alternatives
-        that are never tried, each with its line.
+        that are never tried, facts that nobody changes or reads, each with its line.
     """
     return in_order(_warnings(of if isinstance(of, Usage) else Usage(of, flatten(of))))
 
@@ -79,7 +80,7 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
         if activity.name not in started:
             yield Problem(activity.source, f"activity {activity.name} is never started")
         for number, alternative in enumerate(activity.alternatives[:-1]):
-            if not alternative.consumes:
+            if not (alternative.consumes or alternative.requires or activity.requires):
                 for late in activity.alternatives[number + 1 :]:
                     message = f"alternative {late.name} is never tried: {alternative.name} is always possible"
                     yield Problem(late.source, message)
@@ -89,13 +90,14 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
             yield never_used(resource)
     handled = {i.event for section in graph.all_sections() for i in section.interruptions}
     for event in mission.events:
-        if event.name not in handled:
+        if event.name not in handled and not event.sets:
             yield Problem(event.source, f"event {event.name} interrupts nothing")
     texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
     used = {block.protocol for blocks in texts for block in walk(blocks) if isinstance(block, Use)}
     for protocol in mission.protocols:
         if protocol.name not in used:
             yield Problem(protocol.source, f"protocol {protocol.name} is never used")
+    yield from fact_warnings(usage.world, graph)
     yield from _vain(mission)
     yield from never_entered(graph.never_entered())
 

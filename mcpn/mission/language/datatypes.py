@@ -164,11 +164,27 @@ QUORUM = Datatype(
     allowed="any, all or a whole number above 0",
 )
 TRUTH = _one_of("truth", "holds", "fails")
+OUTCOME = _one_of("outcome", "success", "failure")
+OCCASION = _one_of("occasion", "success", "failure", "start")
+_LITERAL = rf"!?({_LETTER}{_CHARACTER}*|done\({_LETTER}[A-Za-z0-9_.]*\))(={_CHARACTER}+)?"
+CONDITION = Datatype(
+    "condition",
+    "condition",
+    rf"\s*{_LITERAL}(\s+{_LITERAL})*\s*",
+    "facts with their values, such as door=open !holding, separated by spaces",
+    _split,
+    " ".join,
+    refers="condition",
+)
+"""Facts that must have some values, all at once (:mod:`mcpn.mission.world.conditions`)."""
+VALUE = Datatype("value", "value", rf"\s*{_CHARACTER}+\s*", "a value of letters, digits and _", str.strip)
 SEVERITY = _one_of("severity", "required", "advice")
 ORDER = _one_of("order", "any", "sequenced", "ordered", "strict", "fair")
 REACTION = _one_of("reaction", "instantaneous", "prompt", "delayed", "bound", "bound_delay")
 
 Name = Annotated[str, NAME]
+FactName = Annotated[str, NAME.to("fact")]
+When = Annotated[tuple[str, ...], CONDITION]
 EventName = Annotated[str, NAME.to("event")]
 ProtocolName = Annotated[str, NAME.to("protocol")]
 Route = Annotated[str | None, ROUTE]

@@ -88,9 +88,10 @@ def draw_activity(canvas: Canvas, activity: Activity, *, at_once: int = MOST_AT_
 def running_place(canvas: Canvas, activity: Activity) -> str | None:
     """The place that says that an activity started by an objective runs, or ``None`` if it always does.
 
-    An activity whose alternatives consume nothing cannot be in error, so nobody needs to ask.
+    An activity whose alternatives need nothing cannot be in error, so nobody needs to ask.
     """
-    if not any(alternative.consumes for alternative in activity.alternatives):
+    bare = not any(alternative.consumes for alternative in activity.alternatives)
+    if bare and activity.name not in canvas.usage.requiring:
         return None
     return canvas.place_of(
         "activity", activity.name, "running" if _counts_running(canvas, activity) else "active1"
@@ -175,6 +176,9 @@ class _AlternativeDrawing:
         self.consumes = alternative.consumes
         self.hardware = [k for k in self.consumes if k in self.usage.hardware]
         self.canvas = canvas
+        required = canvas.usage.world.requires(activity.name, index)
+        self.required = [canvas.fact(fact, value) for fact, value in required]
+        self.wrong = [(fact, v, p) for fact, value in required for v, p in canvas.others(fact, value)]
         self.pen = canvas.of_alternative(activity, alternative)
         self.number = index + 1
         name = self.pen.provenance.name
@@ -196,7 +200,8 @@ class _AlternativeDrawing:
             self.error_while_waiting()
             self.error_while_active()
         else:
-            self._draw("sel", [self.evaluation], self.runs_and_says)
+            self._draw("sel", [self.evaluation], self.runs_and_says, read=self.required)
+        self.not_allowed()
         self.stop()
         self.switch_back()
         if self.usage.waits_for_release(self.activity.name, self.index):
@@ -211,7 +216,8 @@ class _AlternativeDrawing:
         # Shared hardware is available to this activity until it is out of service.
         shared = [k for k in self.hardware if k in self.usage.sharing.consumers]
         in_service = [self.canvas.resource(k, "free") for k in shared]
-        self._draw("sel", [self.evaluation, *available], [self.wait, *taken], read=in_service)
+        read = [*in_service, *self.required]
+        self._draw("sel", [self.evaluation, *available], [self.wait, *taken], read=read)
 
     def go(self) -> None:
         """All resources have answered: run."""
@@ -223,6 +229,19 @@ class _AlternativeDrawing:
             if self.usage.can_fail(k):
                 read = [self.canvas.resource(k, "OOS")]
                 self._draw("else", [self.evaluation], self.otherwise, k, read=read)
+
+    def not_allowed(self) -> None:
+        """A fact is not as it requires: try the next alternative; if it runs, all of them again."""
+        waits = self.usage.waits_for_answer(self.activity.name, self.index)
+        for fact, value, place in self.wrong:
+            self._draw("not", [self.evaluation], self.otherwise, fact, value, read=[place])
+            running = [*self.runs, *self._answers(())]
+            again = [*self._releases(), self.life.start]
+            self._handle("lost", running, again, fact, value, read=[place])
+            for stages, asking, given in self._while_asking() if waits else ():
+                if "error" not in stages:  # else it gives up for that
+                    given_up, of = [*given, *self.otherwise], (fact, value, _initials(stages))
+                    self._handle("asklost", [self.wait, *asking], given_up, *of, read=[place])
 
     def error_while_waiting(self) -> None:
         """Some resources answered with an error, the others are here: give all back, try the next."""
@@ -282,7 +301,12 @@ class _AlternativeDrawing:
         """An alternative of higher priority is possible again: evaluate every alternative again."""
         for way in self.usage.switching.better(self.activity.name, self.index):
             taken, given = [*self.runs, *self._answers(())], [*self._releases(), self.life.start]
-            self._handle("back", taken, given, *way, read=[self.canvas.resource(h, "service") for h in way])
+            self._handle("back", taken, given, *way, read=[self._possible_again(h) for h in way])
+
+    def _possible_again(self, hardware: str) -> str:
+        """The place that says that hardware is in service, or that a fact has a value."""
+        fact, equals, value = hardware.partition("=")
+        return self.canvas.fact(fact, value) if equals else self.canvas.resource(hardware, "service")
 
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 from mcpn.errors import Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
-from mcpn.mission.robot import Activity, Alternative
+from mcpn.mission.robot import Activity, Alternative, Fact
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.templates.names import names_of
@@ -31,6 +31,7 @@ Role: TypeAlias = tuple[
         "dead",
         "open",
         "happened",
+        "fact",
     ],
     str,
 ]
@@ -49,6 +50,7 @@ for the release, and holds nothing (:meth:`~mcpn.mission.facts.usage.Usage.waits
 ``("exit", "on leak")``: a part of the mission has been left so (never in the net of the whole);
 ``("open", "go_home.leak")``, ``("happened", "go_home.leak")``: a handler that happens once (see
 :attr:`mcpn.mission.graph.Interruption.once`) may happen yet, or has happened;
+``("fact", "door=open")``: the fact has the value;
 ``("alive", "GPS_sensor")``, ``("dead", "GPS_sensor")``: it may be repaired, or is lost for good (only in
 :mod:`mcpn.net.mortal`).
 """
@@ -63,7 +65,8 @@ class Ranks:
 
     Where a parallel block may abort, or end early, its halting and all other control comes before any of
     that, aborts before other ends, and a block around before those in it: what an end stops begins nothing.
-    Such ranks are below 0, down to minus :attr:`below`.
+    Then what begins changes facts, in the order of the document, before any activity looks at them. Such
+    ranks are below 0, down to minus :attr:`below`.
 
     Args:
         usage: Static facts of the mission.
@@ -71,9 +74,16 @@ class Ranks:
 
     def __init__(self, usage: Usage) -> None:
         self._deciding = dict(_deciding(usage.graph))
-        self.below = 2 + max(self._deciding.values()) if self._deciding else 0
+        self._starting = dict(_starting(usage.graph))
+        deciding = 1 + max(self._deciding.values(), default=-1)
+        self.below = 1 + deciding + 1 + max(self._starting.values(), default=-1)
+        if not self._deciding and not self._starting:
+            self.below = 0
         self.control = -self.below
-        self._several = usage.sharing.anything or bool(usage.handover.gated) or bool(self._deciding)
+        self._first_start = self.control + 1 + deciding
+        self._several = (
+            usage.sharing.anything or bool(usage.handover.gated) or self.below > 0 or bool(usage.requiring)
+        )
         self._height = usage.height
         highest = max((usage.height(a) for a in usage.started), default=0)
         self.settling = self._if_several(2 * highest + 3)
@@ -82,6 +92,10 @@ class Ranks:
     def deciding(self, block: str, outcome: str, branch: str) -> int:
         """How a branch that has ended halts its block: each branch of a section has a rank of its own."""
         return self.control + 1 + self._deciding[block, outcome, branch]
+
+    def starting(self, objective: str) -> int:
+        """How an objective that is come to changes facts: each of a section has a rank of its own."""
+        return self._first_start + self._starting[objective]
 
     def handling(self, activity: str) -> int:
         """What an activity does on an error, and when a better alternative is possible again."""
@@ -110,6 +124,13 @@ def _deciding(graph: ObjectivesGraph) -> Iterator[tuple[tuple[str, str, str], in
         yield from ((of, number) for number, of in enumerate(every))
 
 
+def _starting(graph: ObjectivesGraph) -> Iterator[tuple[str, int]]:
+    """Objectives that change facts when they are come to, each with its number in its section."""
+    for section in graph.sections:
+        changing = (objective.name for objective in section.walk() if objective.setting("start"))
+        yield from ((name, number) for number, name in enumerate(changing))
+
+
 class Canvas(NetBuilder):
     """A net builder that knows the mission and notes the roles of places.
 
@@ -118,7 +139,9 @@ class Canvas(NetBuilder):
         usage: Static facts of the mission.
         left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
             all the time.
-        part: Whether the net is of a part of the mission, before which handlers may have happened.
+        facts: Facts that are drawn.
+        part: Whether the net is of a part of the mission, before which handlers may have happened, and facts
+            may have changed.
     """
 
     def __init__(
@@ -126,10 +149,12 @@ class Canvas(NetBuilder):
         name: str,
         usage: Usage,
         left_out: frozenset[tuple[str, str]] = frozenset(),
+        facts: tuple[Fact, ...] = (),
         *,
         part: bool = False,
     ) -> None:
         super().__init__(name, priorities=True)
+        self.facts = facts
         self.usage = usage
         self.left_out = left_out
         self.part = part
@@ -150,6 +175,15 @@ class Canvas(NetBuilder):
     def place_of(self, kind: str, element: str, *part: str) -> str:
         """The name of a place of an element, drawn already or not."""
         return self.names.of(kind, element, *part)
+
+    def fact(self, name: str, value: str) -> str:
+        """The place that says that a fact has a value."""
+        return self.names.of("fact", name, value)
+
+    def others(self, name: str, value: str) -> list[tuple[str, str]]:
+        """The other values of a fact, each with the place that says it."""
+        values = self.usage.world.facts[name].values
+        return [(other, self.fact(name, other)) for other in values if other != value]
 
     def resource(self, name: str, part: str, owner: str | None = None) -> str:
         """The name of a place of a resource, hardware or software, or of one owner's interface of it."""

@@ -11,10 +11,18 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import combinations, compress, product
 from math import comb
+from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ParallelSection
 from mcpn.net.templates.canvas import Canvas, Pen
+from mcpn.net.templates.facts import Way
+
+Lead: TypeAlias = tuple[str, Way, list[str]]
+"""A way that an outcome may lead: its number, empty if there is one alone, facts, places to mark."""
+
+Led: TypeAlias = Callable[[str], Iterable[Lead]]
+"""Says where an outcome leads."""
 
 MAX_COMBINED = 6
 """Children of a parallel block up to which each combination of outcomes has a transition of its own."""
@@ -60,50 +68,49 @@ class Leaving:
         more = () if self.combined else (self.of_branch(branch, "ended"),)
         return [(self.done(branch, ok), *more) for ok in (True, False)]
 
-    def all_ended(
-        self, pen: Pen, running: list[str], enter: Callable[[str], list[str]], halted: bool
-    ) -> None:
+    def all_ended(self, pen: Pen, running: list[str], led: Led, halted: bool) -> None:
         """Draws what follows when all branches have ended.
 
         Args:
             pen: The block's.
             running: The place that says that the block runs, where there is one.
-            enter: Gives the places to mark so as to enter what a route names.
+            led: Says where an outcome leads.
             halted: Whether the block may be halted.
         """
         section = self.section
         if self.combined:
-            self._combined(pen, running, enter)
+            self._combined(pen, running, led)
             return
         # A block that may be halted takes note of nothing before all have ended.
         begin = 0 if halted else len(section.branches) - 1
         ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
-        routes = enter(section.success), enter(section.failure)
         if section.needed is None:
-            self._one_by_one(pen, routes, begin, ended)
+            self._one_by_one(pen, led, begin, ended)
         else:
-            self._counted(pen, routes, begin, ended, section.needed)
+            self._counted(pen, led, begin, ended, section.needed)
 
-    def _combined(self, pen: Pen, running: list[str], enter: Callable[[str], list[str]]) -> None:
+    def _combined(self, pen: Pen, running: list[str], led: Led) -> None:
         """One transition per combination of outcomes; success if every mandatory child succeeded (4.2)."""
         section = self.section
         for outcome in product((True, False), repeat=len(section.branches)):
             done = [self.done(branch, ok) for branch, ok in zip(section.branches, outcome, strict=True)]
             succeeded = section.succeeds(compress(section.branches, outcome))
             digits = "".join("0" if ok else "1" for ok in outcome)
-            route = section.success if succeeded else section.failure
-            pen.transition(f"exit_{digits}", [*done, *running], enter(route), rank=self._rank)
+            self._leave(pen, f"exit_{digits}", [*done, *running], led("success" if succeeded else "failure"))
 
-    def _one_by_one(
-        self, pen: Pen, routes: tuple[list[str], list[str]], begin: int, all_ended: list[str]
-    ) -> None:
+    def _leave(self, pen: Pen, part: str, taken: list[str], led: Iterable[Lead]) -> None:
+        """Takes some places and goes on, as facts decide."""
+        for number, way, entered in led:
+            name = f"{part}_{number}" if number else part
+            pen.transition(name, taken, entered, read=way.read, rank=self._rank)
+
+    def _one_by_one(self, pen: Pen, led: Led, begin: int, all_ended: list[str]) -> None:
         """The outcome of a wide block by a net of linear size, which counts children in document order."""
         well, lost = [], []
         for number in range(1, len(self.section.branches)):
             well.append([pen.place(f"ok{number}")])
             lost.append([pen.place(f"fail{number}")])
-        well = [[], *well, routes[0]]
-        lost = [[], *lost, routes[1]]
+        well, lost = [[], *well, []], [[], *lost, []]
         for i, branch in enumerate(self.section.branches):
             name = f"note{i + 1}"
             after_failure = lost[i + 1] if branch.mandatory else well[i + 1]
@@ -113,22 +120,27 @@ class Leaving:
                 ways += [(lost[i], True, lost[i + 1]), (lost[i], False, lost[i + 1])]
             for number, (before, ok, after) in enumerate(ways):
                 taken = [*before, self.done(branch, ok), *ended]
-                pen.transition(f"{name}_{number}", taken, after, rank=self._rank)
+                if i + 1 < len(self.section.branches):
+                    pen.transition(f"{name}_{number}", taken, after, rank=self._rank)
+                else:
+                    outcome = "success" if after is well[-1] else "failure"
+                    self._leave(pen, f"{name}_{number}", taken, led(outcome))
 
-    def _counted(
-        self, pen: Pen, routes: tuple[list[str], list[str]], begin: int, all_ended: list[str], needed: int
-    ) -> None:
+    def _counted(self, pen: Pen, led: Led, begin: int, all_ended: list[str], needed: int) -> None:
         """The same where some number of children must succeed, which is counted up to that number."""
         last = len(self.section.branches)
         after: dict[tuple[int, int], list[str]] = {(0, 0): []}
         for i, branch in enumerate(self.section.branches, 1):
             for well in range(min(i, needed) + 1):
-                after[i, well] = routes[well < needed] if i == last else [pen.place(f"ok{well}of{i}")]
+                after[i, well] = [] if i == last else [pen.place(f"ok{well}of{i}")]
             ended = all_ended if i == begin + 1 else []
             for well, ok in product(range(min(i - 1, needed) + 1), (True, False)):
                 taken = [*after[i - 1, well], self.done(branch, ok), *ended]
-                counted = after[i, min(well + ok, needed)]
-                pen.transition(f"note{i}_{well}_{int(not ok)}", taken, counted, rank=self._rank)
+                part, counted = f"note{i}_{well}_{int(not ok)}", min(well + ok, needed)
+                if i < last:
+                    pen.transition(part, taken, after[i, counted], rank=self._rank)
+                else:
+                    self._leave(pen, part, taken, led("failure" if counted < needed else "success"))
 
     @property
     def _rank(self) -> int:
@@ -136,24 +148,22 @@ class Leaving:
 
     # --- before all have ended ---
 
-    def decided(
-        self, pen: Pen, running: str, enter: Callable[[str], list[str]], all_halted: list[str]
-    ) -> None:
+    def decided(self, pen: Pen, running: str, led: Led, all_halted: list[str]) -> None:
         """Draws how branches that have ended decide the block's end, and what follows it.
 
         Args:
             pen: The block's.
             running: The place that says that the block runs.
-            enter: Gives the places to mark so as to enter what a route names.
+            led: Says where an outcome leads.
             all_halted: The places that say of each branch that it is halted.
         """
-        for outcome, route in self.section.outcomes:
+        for outcome, _ in self.section.outcomes:
             last = [branch for how, branch in self.section.deciding if how == outcome]
             if last:
                 deciding, decides, follows = _DECIDED[outcome]
                 self._deciding(pen, running, outcome, last, (pen.place(deciding), decides))
                 taken = [self.canvas.place_of(*pen.called, deciding), *all_halted]
-                pen.transition(follows, taken, enter(route), rank=self._rank)
+                self._leave(pen, follows, taken, led(outcome))
 
     def _deciding(
         self, pen: Pen, running: str, outcome: str, last: Iterable[Branch], drawn: tuple[str, str]

@@ -13,7 +13,7 @@ from weakref import WeakKeyDictionary
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ParallelSection
 
-_PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_"}
+_PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_", "fact": "FACT_"}
 
 
 class NetNames:
@@ -105,6 +105,7 @@ def _elements(usage: Usage) -> Iterator[tuple[str, str]]:
     yield from (("software", s.name) for s in mission.software)
     yield from (("activity", a.name) for a in mission.activities)
     yield from (("once", handler) for handler in usage.graph.once())
+    yield from (("fact", fact) for fact in usage.world.facts)
     for graph in usage.graphs():
         for section in graph.sections:
             if isinstance(section, ParallelSection):

@@ -16,6 +16,7 @@ from itertools import chain
 from typing import Literal, NamedTuple, TypeAlias
 
 from mcpn._kernel import Store, Zdd
+from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import What
 from mcpn.net.sections import Element
@@ -23,7 +24,7 @@ from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY
 from mcpn.space.memoized import memoized
 from mcpn.space.run import Completion
 
-Said: TypeAlias = Literal["oos", "dead", "happened"]
+Said: TypeAlias = Literal["oos", "dead", "happened", "fact"]
 
 HARDWARE: tuple[Said, ...] = ("oos", "dead")
 """What the slots of a resource say, as the roles of places that say so; the second implies the first."""
@@ -31,15 +32,18 @@ HARDWARE: tuple[Said, ...] = ("oos", "dead")
 ONCE: tuple[Said, ...] = ("happened",)
 """What the slot of a handler that happens once says."""
 
+FACT: tuple[Said, ...] = ("fact",)
+"""What the slot of a truth value of a fact says (:func:`mcpn.mission.world.conditions.flags`)."""
+
 CHANGES = {What.OUT_OF_SERVICE: (0, 1), What.REPAIRED: (1, 0), What.LOST: (1, 2)}
 """By event of hardware, its status before and after: how many of its slots are marked."""
 
 
 class Toggle(NamedTuple):
-    """What a resource may do while nobody uses it."""
+    """What a resource, or a fact, may do while nobody uses it."""
 
     transition: int  # of the whole net
-    element: Element
+    elements: frozenset[Element]
     event: int  # of the store
     undo: int  # the event that undoes it
     condition: int  # of the store, for it
@@ -55,6 +59,7 @@ class Layout:
     Attributes:
         hardware: All hardware of the mission that can fail, in document order.
         once: All its handlers that happen once.
+        flags: What may be true of its facts.
         said: By kind of element, what its slots say.
         slots: By element, its slots.
     """
@@ -64,13 +69,16 @@ class Layout:
         faulty = set(mission_net.saying("oos").values())
         self.hardware = tuple(h.name for h in mission_net.mission.hardware if h.name in faulty)
         self.once = tuple(mission_net.graph.once())
+        facts = mission_net.usage.world.facts
+        self.flags = tuple(flag for fact in facts.values() for flag in all_flags(fact))
         self.said = {
             "hardware": tuple(role for role in HARDWARE if mission_net.saying(role)),
             "once": ONCE,
+            "fact": FACT,
         }
         self.first_slot = end = places
         self.slots: dict[Element, range] = {}
-        for kind, names in (("hardware", self.hardware), ("once", self.once)):
+        for kind, names in (("hardware", self.hardware), ("once", self.once), ("fact", self.flags)):
             for name in names:
                 begin, end = end, end + len(self.said[kind])
                 self.slots[kind, name] = range(begin, end)
@@ -113,9 +121,41 @@ class Layout:
             beside = slots[: min(before, after)], slots[max(before, after) :]
             events = event(lost, gained, *beside), event(gained, lost, *beside)
             by_transition[t] = Toggle(
-                t, element, *events, self.store.condition(slots[:before], slots[before:])
+                t, frozenset([element]), *events, self.store.condition(slots[:before], slots[before:])
             )
-        return by_transition
+        return by_transition | {toggle.transition: toggle for toggle in self._events_of_facts()}
+
+    def _events_of_facts(self) -> Iterator[Toggle]:
+        """What declared events do to facts."""
+        net = self.mission_net.net
+        said = self.mission_net.saying("fact")
+        for t, transition in enumerate(net.transitions):
+            if transition.provenance is None or transition.provenance.kind != "fact":
+                continue
+            before = self._slots_true(said[p] for p, _ in (*transition.consume, *transition.read))
+            after = self._slots_true(said[p] for p, _ in (*transition.produce, *transition.read))
+            names = {said[p].partition("=")[0] for p, _ in (*transition.consume, *transition.read)}
+            facts = self.mission_net.usage.world.facts
+            elements = frozenset(("fact", flag) for name in names for flag in all_flags(facts[name]))
+            slots = {*self.slots_of([*elements])}
+            lost, gained, kept = before - after, after - before, before & after
+            event = self.store.event
+            away = slots - before - after
+            yield Toggle(
+                t,
+                elements,
+                event(sorted(lost), sorted(gained), sorted(kept), sorted(away)),
+                event(sorted(gained), sorted(lost), sorted(kept), sorted(away)),
+                self.store.condition(sorted(before), sorted(slots - before)),
+            )
+
+    def _slots_true(self, values: Iterable[str]) -> set[int]:
+        """The slots that are marked where facts have some values, each as ``fact=value``."""
+        facts, found = self.mission_net.usage.world.facts, set[int]()
+        for said in values:
+            name, _, value = said.partition("=")
+            found |= {*self.slots_of([("fact", flag) for flag in flags(facts[name])[value]])}
+        return found
 
     @memoized
     def beside(
@@ -125,7 +165,7 @@ class Layout:
         return [
             toggle
             for t, toggle in self.toggles.items()
-            if toggle.element not in but and (transitions is None or t in transitions)
+            if toggle.elements.isdisjoint(but) and (transitions is None or t in transitions)
         ]
 
 
@@ -146,6 +186,7 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
     element, the number of its slot that says the same, and whether the place says the reverse.
     """
     net, places = mission_net.net, dict[int, tuple[Element, int, bool]]()
+    facts = mission_net.usage.world.facts
     completion, at = Completion(net), list(net.initial)
     for t, name, before, _ in _idle_events(mission_net):
         if before == 0:
@@ -164,4 +205,8 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
     ):
         for place, name in mission_net.saying(role).items():
             places[place] = (kind, name), number, reverse
+    for place, said in mission_net.saying("fact").items():
+        first, *others = all_flags(facts[said.partition("=")[0]])
+        initial = bool(net.initial[place])
+        places[place] = ("fact", first if initial or not others else said), 0, initial
     return places

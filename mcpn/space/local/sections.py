@@ -14,7 +14,7 @@ from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.mortal import mortal
 from mcpn.net.petri import NetBuilder, Provenance
-from mcpn.net.sections import Element, LocalPart, Renaming, Used, exits_on, renamed_sections
+from mcpn.net.sections import Element, LocalPart, Renaming, Used, renamed_sections, routes_of
 from mcpn.net.templates import TemplateSet
 from mcpn.space.diagrams.encoding import Levels
 from mcpn.space.images import Bit
@@ -67,7 +67,7 @@ class Stage(Levels):
     def alike(self) -> Hashable:
         """Equal for stages that differ in the names of objectives alone: exits to itself count, too."""
         again = (exit_ for exit_, route in self.routes.items() if route == self.name)
-        return self.type, self.part.used, self.part.once, *again
+        return self.type, self.part.used, self.part.once, self.part.flags, *again
 
     @cached_property
     def objectives(self) -> tuple[str, ...]:
@@ -85,9 +85,14 @@ class Stage(Levels):
     def _own(self) -> Mapping[int, tuple[int, bool]]:
         """What its local net says of each of its own slots."""
         by_role, encoding = self.type.net.by_role, self.type.encoding
-        said = ((role, name) for kind, name in self.type.carried for role in self.layout.said[kind])
-        saying = [by_role[role][0] for role in said]
-        return dict(zip(self.slots, map(encoding.bit, saying), strict=True))
+        # A section has all places of facts that it carries.
+        saying = {
+            slot: by_role[role, name][0]
+            for own, (kind, name) in zip(self.carried, self.type.carried, strict=True)
+            for slot, role in zip(self.layout.slots[own], self.layout.said[kind], strict=True)
+            if kind != "fact"
+        }
+        return {slot: encoding.bit(place) for slot, place in saying.items()}
 
     def bit(self, place: int) -> Bit:
         """Where a set of its states says whether a place of the whole net is marked."""
@@ -172,18 +177,21 @@ class WholeNet:
 
     def stage(self, section: Section, part: LocalPart, type_: SectionType) -> Stage:
         """A section of the mission with its type."""
-        events = {exit_: interruption.target for exit_, interruption in exits_on(section)}
-        routes = {**dict(section.outcomes), **events}
         own = self._control(part, type_)
         places, transitions = (self._located(kind, part, type_, own) for kind in get_args(Kind))
         used = self._used[type_, part.used]
-        return Stage(section.name, type_, part, routes, places, transitions, used)
+        return Stage(section.name, type_, part, routes_of(section), places, transitions, used)
 
     @staticmethod
     def _control(part: LocalPart, type_: SectionType) -> Mapping[Element, Element]:
         """What no other section has, by the element that is the same in its type."""
         once = zip(type_.part.once, part.once, strict=True)
-        return renamed_sections(type_.part, part) | {("once", its): ("once", mine) for its, mine in once}
+        facts = zip(type_.part.facts, part.facts, strict=True)
+        return (
+            renamed_sections(type_.part, part)
+            | {("once", its): ("once", mine) for its, mine in once}
+            | {("fact", its.name): ("fact", mine.name) for its, mine in facts}
+        )
 
     def _located(
         self, kind: Kind, part: LocalPart, type_: SectionType, own: Mapping[Element, Element]

@@ -1,0 +1,125 @@
+"""Conditions on facts: ``door=open !holding done(survey)``, all of which must be so.
+
+A word is the name of a fact with a value, or, of a fact that is false or true, its name alone, for true, or
+with ``!`` before it, for false. ``done(OBJECTIVE)`` is the name of a fact that nobody declares: whether an
+elementary objective, any copy of it, has succeeded before.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields
+from typing import Any, NamedTuple
+
+from mcpn.mission.model import Mission, walk
+from mcpn.mission.robot import BOOLEAN_VALUES, Described, Fact
+from mcpn.mission.world.decisions import Condition
+
+_WORD = re.compile(r"(!?)(done\([^()\s]*\)|[^=!()\s]+)(?:=(\S*))?")
+_DONE = re.compile(r"done\(\s*([A-Za-z_][A-Za-z0-9_.]*)\s*\)")
+
+
+FACTS = "(facts)"
+"""What stands among hardware for a change of any facts, as a cause why something is not possible any more."""
+
+
+class Word(NamedTuple):
+    """One word of a condition.
+
+    Args:
+        fact: The fact's name.
+        value: The value that it must have; ``None`` where the word names none.
+        negated: Whether it begins with ``!``.
+    """
+
+    fact: str
+    value: str | None
+    negated: bool
+
+
+def word(text: str) -> Word:
+    """A word of a condition, taken apart."""
+    found = _WORD.fullmatch(text)
+    assert found is not None, "the datatype of conditions holds nothing else"
+    return Word(found[2], found[3], bool(found[1]))
+
+
+def resolved(texts: Iterable[str], facts: Mapping[str, Fact]) -> Condition:
+    """A valid condition as facts and values."""
+    found = dict[str, str]()
+    for text in texts:
+        said = word(text)
+        found[said.fact] = said.value or facts[said.fact].values[not said.negated]
+    return tuple(found.items())
+
+
+def objective_done(name: str) -> str | None:
+    """The objective of which a fact says whether it has succeeded before; ``None`` for other facts."""
+    found = _DONE.fullmatch(name)
+    return found[1] if found else None
+
+
+def conditions(mission: Mission) -> Iterator[str]:
+    """Every word of every condition that a mission reads, in its routes and of its robot."""
+    for activity in mission.activities:
+        yield from activity.requires
+        for alternative in activity.alternatives:
+            yield from alternative.requires
+    for blocks in (mission.blocks, *(protocol.blocks for protocol in mission.protocols)):
+        for block in walk(blocks):
+            for route in block.routes:
+                yield from route.when
+
+
+def facts_of(mission: Mission) -> dict[str, Fact]:
+    """The facts of a mission by name: those that it declares, then each ``done(x)`` that it reads."""
+    found = {fact.name: fact for fact in mission.facts}
+    for name in dict.fromkeys(word(text).fact for text in conditions(mission)):
+        if name not in found and objective_done(name) is not None:
+            found[name] = Fact(name=name)
+    for text in required(mission):
+        for objective in _DONE.findall(text):
+            found.setdefault(f"done({objective})", Fact(name=f"done({objective})"))
+    return found
+
+
+def required(mission: Mission) -> Iterator[str]:
+    """The texts of all requirements of a mission, formulas among them."""
+    stack: list[Any] = [*mission.requirements, *(p.requirements for p in mission.protocols)]
+    while stack:
+        said = stack.pop()
+        if isinstance(said, str):
+            yield said
+        elif isinstance(said, tuple):
+            stack.extend(said)
+        elif isinstance(said, Described):
+            stack.extend(getattr(said, field.name) for field in fields(said) if field.name != "source")
+
+
+def flags(fact: Fact) -> dict[str, frozenset[str]]:
+    """By value of a fact, what is then true of it that was not at the start.
+
+    Two values need one truth value; of more values each has one, and the first of these says that the fact is
+    not what it was at the start.
+    """
+    others = [value for value in fact.values if value != fact.start]
+    changed = [f"{fact.name}!={fact.start}"] if len(others) > 1 else []
+    return {v: frozenset([*changed, f"{fact.name}={v}"] if v in others else []) for v in fact.values}
+
+
+def cause(hardware: str) -> str:
+    """Hardware as the cause of what becomes possible, or :data:`FACTS` for a fact with its value."""
+    return FACTS if "=" in hardware else hardware
+
+
+def all_flags(fact: Fact) -> tuple[str, ...]:
+    """All that :func:`flags` may say of a fact, in one order."""
+    others = [value for value in fact.values if value != fact.start]
+    changed = [f"{fact.name}!={fact.start}"] if len(others) > 1 else []
+    return (*changed, *(f"{fact.name}={value}" for value in others))
+
+
+def is_boolean(fact: Fact) -> bool:
+    """Whether a fact is false or true, so that its name alone says that it is true."""
+    return fact.values == BOOLEAN_VALUES

@@ -1,0 +1,37 @@
+"""What facts decide, and what changes them, once routes are resolved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+Condition: TypeAlias = tuple[tuple[str, str], ...]
+"""Facts, each with the value that it must have: all of them at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class FactCase:
+    """Where a route leads if facts are so.
+
+    Args:
+        when: What they must be.
+        target: The next section, or one of the graph's own exits.
+    """
+
+    when: Condition
+    target: str
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A fact that an objective changes.
+
+    Args:
+        fact: Its name.
+        value: The value that it has then.
+        on: When: ``success``, ``failure`` or ``start``.
+    """
+
+    fact: str
+    value: str
+    on: str

@@ -1,0 +1,152 @@
+"""What is wrong with the facts of a mission: values, changes, conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from mcpn.errors import Problem, Source
+from mcpn.mission.language.datatypes import CONDITION, OCCASION, OUTCOME, VALUE
+from mcpn.mission.model import Block, Handler, Mission, Objective, walk
+from mcpn.mission.near import Hints, did_you_mean
+from mcpn.mission.robot import Fact, FactChange
+from mcpn.mission.world.conditions import is_boolean, objective_done, word
+
+
+def fact_errors(mission: Mission, hints: Hints) -> Iterator[Problem]:
+    """What is wrong with the facts of a mission, but for names that are declared twice and where routes lead.
+
+    Args:
+        mission: A mission whose fields are of the right types.
+        hints: Finds what unknown names may have been meant as.
+    """
+    return _FactChecks(mission, hints).errors()
+
+
+class _FactChecks:
+    def __init__(self, mission: Mission, hints: Hints) -> None:
+        self.mission = mission
+        self.hints = hints
+        self.facts = {fact.name: fact for fact in mission.facts}
+        texts = (mission.blocks, *(protocol.blocks for protocol in mission.protocols))
+        self.blocks: list[Block] = [block for blocks in texts for block in walk(blocks)]
+        self.elementary = {block.name: None for block in self.blocks if isinstance(block, Objective)}
+
+    def errors(self) -> Iterator[Problem]:
+        mission = self.mission
+        for fact in mission.facts:
+            yield from self.values(fact)
+        for activity in mission.activities:
+            yield from self.condition(
+                activity.source, f"activity {activity.name} requires", activity.requires
+            )
+            for way in activity.alternatives:
+                who = f"alternative {way.name} of activity {activity.name} requires"
+                yield from self.condition(way.source, who, way.requires)
+                yield from self.both(way.source, who, (*activity.requires, *way.requires))
+        for event in mission.events:
+            yield from self.changes(f"event {event.name}", event.sets, of_event=True)
+        yield from self.handled(mission.handlers)
+        for block in self.blocks:
+            yield from self.handled(block.handlers)
+            for route in block.routes:
+                who = f"a route of {block.name} asks for"
+                yield from self.condition(route.source, who, route.when)
+                yield from self.both(route.source, who, route.when)
+                if not route.when:
+                    yield Problem(route.source, f"a route of {block.name} asks for no fact")
+                if not OUTCOME.allows(route.on):
+                    found = f"on of a route of {block.name} is {route.on}"
+                    yield Problem(route.source, f"{found}, expected {OUTCOME.allowed}")
+            if isinstance(block, Objective):
+                yield from self.changes(f"objective {block.name}", block.sets)
+
+    def values(self, fact: Fact) -> Iterator[Problem]:
+        wrong = [value for value in fact.values if not VALUE.matches(value)]
+        for value in wrong:
+            message = f"fact {fact.name} has the value {value!r}, expected {VALUE.expected}"
+            yield Problem(fact.source, message)
+        if len(set(fact.values)) < 2:
+            count = len(set(fact.values))
+            said = f"fact {fact.name} has {count} value{'s'[: count != 1]}, expected at least two"
+            yield Problem(fact.source, said)
+        elif fact.start not in fact.values:
+            yield self.unknown_value(fact.source, f"initial of fact {fact.name} is", fact, fact.start)
+
+    def changes(
+        self, who: str, changes: Iterable[FactChange], *, of_event: bool = False
+    ) -> Iterator[Problem]:
+        met = set[tuple[str, str]]()
+        for change in changes:
+            if change.fact not in self.facts:
+                yield self.unknown(change.source, f"{who} sets", change.fact)
+            elif change.to not in self.facts[change.fact].values:
+                fact = self.facts[change.fact]
+                yield self.unknown_value(change.source, f"{who} sets {fact.name} to", fact, change.to)
+            occasion = change.on or "success"
+            if of_event and change.on is not None:
+                message = f"{who} sets {change.fact} on {change.on}, expected no on: it does as it happens"
+                yield Problem(change.source, message)
+            elif not OCCASION.allows(occasion):
+                found = f"{who} sets {change.fact} on {change.on}"
+                yield Problem(change.source, f"{found}, expected {OCCASION.allowed}")
+            if (change.fact, occasion) in met:
+                when = "" if of_event else f" on {occasion}"
+                yield Problem(change.source, f"{who} sets {change.fact} twice{when}")
+            met.add((change.fact, occasion))
+
+    def handled(self, handlers: Iterable[Handler]) -> Iterator[Problem]:
+        """An event that changes facts happens as a failure of hardware does, whatever runs."""
+        changing = {event.name for event in self.mission.events if event.sets}
+        for handler in handlers:
+            if handler.event in changing:
+                message = f"the event {handler.event} changes facts: it interrupts nothing"
+                remedy = "set the facts on the start of the objective that another event leads to"
+                yield Problem(handler.source, f"{message}; {remedy}")
+
+    def condition(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
+        for text in texts:
+            if not CONDITION.matches(text) or len(text.split()) != 1:
+                yield Problem(source, f"{who} {text!r}, expected {CONDITION.expected}")
+                continue
+            said = word(text)
+            objective = objective_done(said.fact)
+            if said.fact in self.facts:
+                yield from self.asked(source, f"{who} {text}", text, self.facts[said.fact])
+            elif objective is None:
+                yield self.unknown(source, who, said.fact)
+            elif objective not in self.elementary:
+                message = f"{who} {said.fact}, and no elementary objective is named {objective}"
+                yield Problem(source, f"{message}{self.hints.known(objective, self.elementary)}")
+            else:
+                yield from self.asked(source, f"{who} {text}", text, Fact(name=said.fact))
+
+    def asked(self, source: Source | None, found: str, text: str, fact: Fact) -> Iterator[Problem]:
+        said = word(text)
+        if said.negated and said.value is not None:
+            expected = f"{fact.name}=VALUE" if not is_boolean(fact) else f"{fact.name} or !{fact.name}"
+            yield Problem(source, f"{found}, expected {expected}: ! stands before a name alone")
+        elif said.value is None and not is_boolean(fact):
+            values = ", ".join(f"{fact.name}={value}" for value in fact.values)
+            yield Problem(source, f"{found} without a value, expected one of {values}")
+        elif said.value is not None and said.value not in fact.values:
+            yield self.unknown_value(source, f"{found}:", fact, said.value)
+
+    def both(self, source: Source | None, who: str, texts: Iterable[str]) -> Iterator[Problem]:
+        """Words that cannot be so at once."""
+        asked = dict[str, str]()
+        for text in texts:
+            said = word(text) if CONDITION.matches(text) and len(text.split()) == 1 else None
+            if said is None or (said.fact not in self.facts and objective_done(said.fact) is None):
+                continue
+            value = said.value or ("false" if said.negated else "true")
+            if asked.setdefault(said.fact, value) != value:
+                message = f"{who} {said.fact}={asked[said.fact]} and {said.fact}={value} at once"
+                yield Problem(source, message)
+
+    def unknown(self, source: Source | None, who: str, name: str) -> Problem:
+        known = self.hints.known(name, self.facts)
+        return Problem(source, f"{who} the fact {name}, which is not declared{known}")
+
+    def unknown_value(self, source: Source | None, who: str, fact: Fact, value: str) -> Problem:
+        near = did_you_mean(value, fact.values)
+        return Problem(source, f"{who} {value}, expected one of {', '.join(fact.values)}{near}")

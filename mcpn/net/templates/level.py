@@ -1,0 +1,130 @@
+"""One level of the objectives graph in the net: the places of its sections, and where its routes lead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Self
+
+from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
+from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.world.decisions import FactCase
+from mcpn.net.templates.canvas import Canvas
+from mcpn.net.templates.facts import Way, ways
+from mcpn.net.templates.interruption import Around, events_of, may_halt
+from mcpn.net.templates.leaving import Leaving
+
+
+class Level:
+    """A level of the objectives graph, that of the mission or of a branch.
+
+    Args:
+        canvas: Where to draw.
+        graph: The mission's graph, or that of a branch of a parallel block.
+        exits: Places to mark at the graph's own exits.
+        around: What stands around it.
+    """
+
+    def __init__(
+        self,
+        canvas: Canvas,
+        graph: ObjectivesGraph,
+        exits: Mapping[str, list[str]],
+        around: Around | None = None,
+    ) -> None:
+        self.canvas = canvas
+        self.graph = graph
+        self.exits = exits
+        self.around = around or Around()
+
+    def inside(self, section: ParallelSection, branch: Branch) -> Self:
+        """The level of a branch of a section of this graph."""
+        around = Around(in_branch=True, eventful=self.eventful(section))
+        if self.halted(section):
+            running = (*self.around.running, self.of(section, "running"))
+            around = replace(around, running=running, halted=self.of_branch(branch, "halted"))
+        well, badly = map(list, Leaving(self.canvas, section).ends(branch))
+        exits = {SUCCEED: well, FAIL: badly}
+        if branch.graph.aborts:
+            exits[ABORT] = [self.of_branch(branch, "abort")]
+        return type(self)(self.canvas, branch.graph, exits, around)
+
+    def eventful(self, section: Section) -> bool:
+        """Whether a place must say that the block runs."""
+        return self.around.eventful or any(events_of(section)) or may_halt(section)
+
+    def halted(self, section: ParallelSection) -> bool:
+        """Whether an event, or a branch that ends, may interrupt the block as a whole."""
+        return bool(self.around.running or section.interruptions or section.early)
+
+    def enter(self, target: str) -> list[str]:
+        """Places to mark so as to enter a section, or to leave the graph."""
+        if target in self.exits:
+            return self.exits[target]
+        section = self.graph.section(target)
+        if isinstance(section, ElementarySection) and section.setting("start"):
+            return [self.of(section, "starts")]
+        return self.come_to(section)
+
+    def come_to(self, section: Section) -> list[str]:
+        """Places to mark so that a section begins, or waits at its gate until it may."""
+        return [self.of(section, "enter")] if self.gated(section) else self.begin(section)
+
+    def led(
+        self, section: Section, outcome: str, changes: Mapping[str, str] | None = None
+    ) -> Iterator[tuple[str, Way, list[str]]]:
+        """Where an outcome leads: a number, empty if there is one way alone, the way, places to mark."""
+        (route,) = (route for of, route in section.outcomes if of == outcome)
+        yield from self.ways(section, route, section.cases_of(outcome), changes or {})
+
+    def ways(
+        self, section: Section, route: str, cases: Sequence[FactCase], changes: Mapping[str, str]
+    ) -> Iterator[tuple[str, Way, list[str]]]:
+        """Where a route of a section leads by facts, after some have changed."""
+        found = ways(self.canvas, route, cases, changes, f"{element_of(section)[0]} {section.name}")
+        for number, way in enumerate(found, 1):
+            yield str(number) if len(found) > 1 else "", way, self.enter(way.target)
+
+    def begin(self, section: Section) -> list[str]:
+        """Places to mark so that a section begins at once."""
+        if isinstance(section, ElementarySection):
+            starts = self.of_activities(section.activities, "Start")
+            return [self.canvas.place_of(*element_of(section)), *starts]
+        inner = [self.inside(section, branch) for branch in section.branches]
+        entered = [place for control in inner for place in control.enter(control.graph.entry)]
+        return [self.of(section, "running"), *entered] if self.eventful(section) else entered
+
+    def gated(self, section: Section) -> bool:
+        """Whether the section waits at its entry until what stops has stopped, or its activities are idle."""
+        handover = self.canvas.usage.handover
+        if section.name in handover.gated:
+            return True
+        return isinstance(section, ElementarySection) and any(
+            a in handover.with_idle for a in section.activities
+        )
+
+    def of_activities(self, activities: Iterable[str], part: str) -> list[str]:
+        """Of each of some activities the place that its template calls ``part``."""
+        return [self.canvas.place_of("activity", a, part) for a in activities]
+
+    def of_branch(self, branch: Branch, part: str) -> str:
+        """A place of a branch of a parallel block."""
+        return self.canvas.place_of("objective", branch.name, part)
+
+    def of(self, section: Section, *part: str) -> str:
+        """A place of a section."""
+        return self.canvas.place_of(*element_of(section), *part)
+
+    def stops(self, section: ElementarySection) -> list[str]:
+        """Places to mark so that the activities of an objective stop."""
+        return self.of_activities(section.activities, "Stop")
+
+    @property
+    def first(self) -> int:
+        """The rank of what goes on in control: before activities react, where something may abort."""
+        return self.canvas.ranks.control
+
+
+def element_of(section: Section) -> tuple[str, str]:
+    """The kind and the name of a section."""
+    return "objective" if isinstance(section, ElementarySection) else "parallel", section.name
