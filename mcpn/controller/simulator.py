@@ -210,7 +210,8 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
         now: What the robot does.
 
     Yields:
-        The name, and ``free``, ``out of service``, ``used by …`` or ``produced by …``.
+        The name, and ``free``, ``out of service``, ``used by …`` or ``produced by …``; of a fault
+        ``fault`` or ``no fault``.
     """
     activities = mission_net.usage.activities
     users: dict[str, list[str]] = {}
@@ -218,9 +219,16 @@ def resources(mission_net: MissionNet, now: Situation) -> Iterator[tuple[str, st
         (way,) = (w for w in activities[activity].alternatives if w.name == alternative)
         for resource in way.consumes:
             users.setdefault(resource, []).append(activity)
+    faults = {fault.name for fault in mission_net.mission.faults}
+    affecting = {
+        h.name: {fault.name for fault in mission_net.mission.faults if h.name in fault.affects}
+        for h in mission_net.mission.hardware
+    }
     for hardware in mission_net.mission.hardware:
         name = hardware.name
-        if name in now.out_of_service:
+        if name in faults:
+            yield name, "fault" if name in now.out_of_service else "no fault"
+        elif name in now.out_of_service or not affecting[name].isdisjoint(now.out_of_service):
             yield name, "out of service"
         else:
             yield name, f"used by {', '.join(users[name])}" if name in users else "free"

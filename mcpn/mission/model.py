@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
+from mcpn.mission.expansion.faults import as_hardware, consuming
 from mcpn.mission.language.datatypes import (
     NAME,
     OUTCOME,
@@ -48,6 +49,7 @@ from mcpn.mission.robot import (
     Element,
     Fact,
     FactChange,
+    Fault,
     Hardware,
     Parameter,
     Robot,
@@ -275,8 +277,14 @@ class Mission(Drawn, Element):
 
     @property
     def hardware(self) -> tuple[Hardware, ...]:
-        """All hardware resources, in document order."""
-        return tuple(resource for robot in self.robots for resource in robot.hardware)
+        """All hardware resources, in document order, then those that stand for faults."""
+        declared = tuple(resource for robot in self.robots for resource in robot.hardware)
+        return (*declared, *as_hardware(self.faults)) if self.faults else declared
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """All common causes of failures, in document order."""
+        return tuple(fault for robot in self.robots for fault in robot.faults)
 
     @property
     def software(self) -> tuple[Software, ...]:
@@ -285,8 +293,9 @@ class Mission(Drawn, Element):
 
     @property
     def activities(self) -> tuple[Activity, ...]:
-        """All activities, in document order."""
-        return tuple(activity for robot in self.robots for activity in robot.activities)
+        """All activities, in document order; what uses hardware uses what stands for its faults."""
+        declared = (activity for robot in self.robots for activity in robot.activities)
+        return tuple(consuming(declared, faults) if (faults := self.faults) else declared)
 
     @property
     def facts(self) -> tuple[Fact, ...]:

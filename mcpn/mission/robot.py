@@ -75,6 +75,20 @@ class Hardware(Element):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Fault(Element):
+    """A common cause: one event takes all hardware that it affects out of service, its repair brings it back.
+
+    What it affects may also fail by itself, where it is faulty.
+    """
+
+    TAG = "fault"
+    NAMED = "resource"
+    affects: Annotated[Resources, "Hardware, of any robot of the mission."]
+    failure_rate: Annotated[Rate, "How often it happens per hour, for numbers of risk."] = None
+    repair_rate: Annotated[Rate, "Repairs per hour, while it lasts; without it nobody repairs."] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Software(Element):
     """Data that one activity produces and others consume, any number at a time unless it is exclusive."""
 
@@ -167,6 +181,7 @@ class Robot(Element):
 
     TAG = "robot"
     hardware: tuple[Hardware, ...] = ()
+    faults: tuple[Fault, ...] = ()
     software: tuple[Software, ...] = ()
     facts: tuple[Fact, ...] = ()
     events: tuple[DeclaredEvent, ...] = ()

@@ -9,6 +9,7 @@ from typing import Any
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.expansion.clashes import clashes
+from mcpn.mission.expansion.faults import failure_errors
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import (
@@ -71,7 +72,8 @@ class _Checks:
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
         self.activities: Mapping[str, Activity] = {a.name: a for a in mission.activities}
-        self.hardware = {h.name: h for h in mission.hardware}
+        # Faults stand for hardware that nobody consumes by its name.
+        self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
         self.software = {s.name: s for s in mission.software}
         self.resources: Mapping[str, Element] = {**self.hardware, **self.software}
         self.protocols: Mapping[str, Protocol] = {p.name: p for p in mission.protocols}
@@ -101,11 +103,12 @@ class _Checks:
             yield from _duplicates("requirement", requirements)
             for requirement in requirements:
                 yield from self.requirement(requirement)
-        yield from self.rates()
+        yield from failure_errors(mission.robots, self.hints)
         yield from self.products()
         yield from fact_errors(mission, self.hints)
-        for activity in mission.activities:
-            yield from self.activity(activity)
+        for robot in mission.robots:
+            for activity in robot.activities:
+                yield from self.activity(activity)
         yield from self.cycles(
             "activities need each other's resources",
             self.activities,
@@ -155,12 +158,6 @@ class _Checks:
             yield from self.values(pattern, said)
             if pattern.misuse:
                 yield Problem(pattern.source, f"{said} has {pattern.misuse}")
-
-    def rates(self) -> Iterator[Problem]:
-        for h in self.mission.hardware:
-            for name, rate in (("failure_rate", h.failure_rate), ("repair_rate", h.repair_rate)):
-                if rate and not h.faulty:
-                    yield Problem(h.source, f"{h.name} has a {name}, though it cannot fail (faulty is false)")
 
     def products(self) -> Iterator[Problem]:
         for software in self.mission.software:

@@ -65,6 +65,7 @@ class MissionDrawing(RobotDrawing):
                 Robot(
                     name="robot",
                     hardware=hardware,
+                    faults=self.faults(hardware),
                     software=software,
                     activities=tuple(self.activities),
                     facts=self.facts,

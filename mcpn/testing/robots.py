@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from hypothesis import strategies as st
 
-from mcpn.mission.robot import Activity, Alternative, Hardware, Software
+from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Software
 from mcpn.testing.shape import Shape
 from mcpn.testing.world import WorldDrawing
 
@@ -67,6 +67,22 @@ class RobotDrawing(WorldDrawing):
                 island.below[s] = frozenset(produced).union(*needs)
                 island.groups[s] = produced
         return hardware, tuple(software)
+
+    def faults(self, hardware: tuple[Hardware, ...]) -> tuple[Fault, ...]:
+        """Common causes, each of some hardware; nothing is drawn where there are none."""
+        if not self.shape.faults:
+            return ()
+        some = st.lists(st.sampled_from([h.name for h in hardware]), min_size=1, max_size=3, unique=True)
+        return tuple(
+            Fault(
+                name=f"f{i}",
+                affects=tuple(self.draw(some)),
+                description=self.description(),
+                failure_rate=self.value(0, 1e6),
+                repair_rate=self.value(0, 1e6),
+            )
+            for i in range(self.number(0, self.shape.faults))
+        )
 
     def exclusive(self) -> bool:
         """Whether software is exclusive."""

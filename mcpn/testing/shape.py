@@ -43,6 +43,7 @@ class Shape:
         own_hardware: Whether hardware that one activity consumes is consumed by no other unless it is shared,
             as half of it is then, and all software is shared; with ``shared_activities`` off as well nothing
             contends, whatever runs together: an activity is then shared by the rounds of one block alone.
+        faults: Most common causes of failures, each of some hardware.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and
@@ -71,6 +72,7 @@ class Shape:
     shared_activities: bool = True
     disjoint_branches: bool = False
     own_hardware: bool = False
+    faults: int = 0
     text: bool = False
     numbers: bool = False
     awkward_names: bool = False

@@ -270,7 +270,12 @@ def with_numbers(draw: st.DrawFn, mission: Mission) -> Mission:
         for h in of.hardware:
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
             parts.append(replace(h, failure_rate=values[0], repair_rate=values[1]) if h.faulty else h)
-        robots.append(replace(of, hardware=tuple(parts), events=tuple(map(often, of.events))))
+        faults = []
+        for fault in of.faults:
+            values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
+            faults.append(replace(fault, failure_rate=values[0], repair_rate=values[1]))
+        events = tuple(map(often, of.events))
+        robots.append(replace(of, hardware=tuple(parts), faults=tuple(faults), events=events))
     protocols = tuple(replace(p, blocks=tuple(map(timed, p.blocks))) for p in mission.protocols)
     return replace(
         mission, robots=tuple(robots), blocks=tuple(map(timed, mission.blocks)), protocols=protocols
@@ -342,6 +347,7 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(small, own_hardware=True, shared_activities=False),
             missions(small, disjoint_branches=True),
             missions(aborting),
+            missions(small, faults=1, sections=4),
             missions(aborting, own_hardware=True, shared_activities=False),
         )
     )

@@ -225,6 +225,7 @@ def severities(found: MissionNet) -> dict[tuple[str, str], dict[Severity, set[fr
 @given(
     fragile_missions(max_hardware=3, max_objectives=2, max_sections=5)
     | fragile_missions(max_hardware=3, max_objectives=2, max_sections=5, events=2)
+    | fragile_missions(max_hardware=2, max_objectives=2, max_sections=4, faults=1)
     | coming_home(),
     st.sampled_from(ENGINES),
 )

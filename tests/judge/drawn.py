@@ -16,6 +16,8 @@ ABORTED = missions(sections=6, hardware=2, producers=2, branches=3, events=2, ab
 EARLY = missions(sections=7, hardware=2, producers=2, branches=3, events=2, aborts=1, early=6)
 """Parallel blocks that do not await all of their branches."""
 EARLY_WIDE = missions(sections=8, branches=8, hardware=1, producers=1, objectives=2, events=1, early=8)
+COMMON_CAUSES = missions(sections=5, faults=2, aborts=1)
+"""One event takes several hardware resources out of service."""
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
 IN_ROUNDS = missions(
@@ -38,6 +40,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     ABORTED,
     EARLY,
     EARLY_WIDE,
+    COMMON_CAUSES,
     TIMED,
     IN_ROUNDS,
     APART,

@@ -108,7 +108,8 @@ class Interpreter:
     @cached_property
     def faulty(self) -> tuple[str, ...]:
         """Hardware that may go out of service."""
-        return tuple(h.name for h in self.mission.hardware if h.faulty)
+        faulty = (h.name for robot in self.mission.robots for h in robot.hardware if h.faulty)
+        return (*faulty, *(fault.name for robot in self.mission.robots for fault in robot.faults))
 
     # --- what may happen ---------------------------------------------------------------------------------
 

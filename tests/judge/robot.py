@@ -81,13 +81,15 @@ class Robot:
     """
 
     def __init__(self, mission: Mission) -> None:
-        self.activities = {activity.name: activity for activity in mission.activities}
-        self.hardware = {hardware.name: hardware for hardware in mission.hardware}
-        self.producer = {s: a.name for a in mission.activities for s in a.produces}
-        self.exclusive = {h.name for h in mission.hardware if not h.shared}
+        declared = [activity for robot in mission.robots for activity in robot.activities]
+        self.activities = {activity.name: activity for activity in declared}
+        self.hardware = {h.name: h for robot in mission.robots for h in robot.hardware}
+        self.faults = {f.name: frozenset(f.affects) for robot in mission.robots for f in robot.faults}
+        self.producer = {s: a.name for a in declared for s in a.produces}
+        self.exclusive = {h.name for h in self.hardware.values() if not h.shared}
         self.exclusive |= {s.name for s in mission.software if s.exclusive}
         self.consumers = Counter(
-            k for a in mission.activities for k in {k for way in a.alternatives for k in way.consumes}
+            k for a in declared for k in {k for way in a.alternatives for k in way.consumes}
         )
         self.possible = cache(self._possible)
 
@@ -148,9 +150,13 @@ class Robot:
         activity = self.activities[name]
         return so(facts, (*activity.requires, *activity.alternatives[rank].requires))
 
+    def unusable(self, out: frozenset[str]) -> frozenset[str]:
+        """Hardware that is out of service, by itself or by a fault."""
+        return out.union(*(affected for fault, affected in self.faults.items() if fault in out))
+
     def failed(self, now: Activities, resource: str) -> bool:
         """Whether a resource that somebody holds is in error."""
-        return resource in now.out or now.at.get(self.producer.get(resource, "")) == REFUSED
+        return resource in self.unusable(now.out) or now.at.get(self.producer.get(resource, "")) == REFUSED
 
     def evaluation(self, now: Activities) -> dict[str, At | None]:
         """The steps of evaluation that no other activity has a part in."""
@@ -161,7 +167,8 @@ class Robot:
                 found[name] = REFUSED
             elif doing is Doing.TRIES:
                 consumes = activity.alternatives[rank].consumes
-                if not (now.out.isdisjoint(consumes) and self.allowed(name, rank, now.facts)):
+                usable = self.unusable(now.out).isdisjoint(consumes)
+                if not (usable and self.allowed(name, rank, now.facts)):
                     found[name] = (Doing.TRIES, rank + 1)
                 elif not any(map(self.contended, consumes)):
                     found[name] = (Doing.ASKS, rank)
@@ -256,7 +263,7 @@ class Robot:
         self, resource: str, who: str, out: frozenset[str], facts: Facts
     ) -> Iterator[frozenset[tuple[str, str]]]:
         if resource in self.hardware:
-            if resource not in out:
+            if resource not in self.unusable(out):
                 yield frozenset({(resource, who)} if resource in self.exclusive else ())
             return
         producer = self.activities[self.producer[resource]]

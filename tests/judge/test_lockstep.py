@@ -55,6 +55,13 @@ def test_wide_blocks_that_end_early(of: Mission) -> None:
 
 
 @fewer(0.5)
+@given(drawn.COMMON_CAUSES)
+def test_missions_with_common_causes(of: Mission) -> None:
+    event("a fault affects something" if of.faults else "no fault")
+    check(of)
+
+
+@fewer(0.5)
 @given(drawn.TIMED)
 def test_missions_with_timeouts(of: Mission) -> None:
     check(of)

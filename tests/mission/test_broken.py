@@ -438,6 +438,38 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         9,
         "the event leak of o leads to q; expected one of succeed, fail, abort",
     ),
+    "fault of nothing": (robot("<fault name='f' affects=''/>"), 7, "fault f affects nothing"),
+    "fault without what it affects": (robot("<fault name='f'/>"), 7, "<fault> has no attribute affects"),
+    "fault of what is not declared": (
+        robot("<fault name='f' affects='HH'/>"),
+        7,
+        "fault f affects HH, which is not declared (did you mean H?)",
+    ),
+    "fault of software": (
+        robot("<software name='s'/><activity name='p' produces='s'/>\n<fault name='f' affects='H s'/>"),
+        8,
+        "fault f affects s, which is software",
+    ),
+    "fault that affects one twice": (
+        robot("<fault name='f' affects='H H'/>"),
+        7,
+        "affects of f names H 2 times",
+    ),
+    "fault with the name of hardware": (
+        robot("<fault name='H' affects='H'/>"),
+        7,
+        "resource H is declared twice",
+    ),
+    "fault with a negative rate": (
+        robot("<fault name='f' affects='H' failure_rate='-1'/>"),
+        7,
+        "failure_rate of <fault> is '-1'",
+    ),
+    "fault that is consumed": (
+        robot("<fault name='f' affects='H'/>\n<activity name='c' consumes='f'/>"),
+        8,
+        "alternative c of activity c consumes f, which is not declared",
+    ),
     "abort that leads nowhere": (
         body(f"\n<objective name='r' abort='surface'>{OK}</objective>"),
         9,

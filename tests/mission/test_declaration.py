@@ -226,6 +226,7 @@ def test_the_schema_and_the_reader_know_the_same_texts(name: str, data: st.DataO
 # --- other names ------------------------------------------------------------------------------------------
 
 REFERS = {
+    "affects": "resource",
     "consumes": "resource",
     "produces": "resource",
     "activities": "activity",
@@ -242,6 +243,7 @@ REFERS = {
 }
 """What each attribute that refers to something names."""
 NAMED = {
+    "fault": "resource",
     "hardware": "resource",
     "software": "resource",
     "activity": "activity",

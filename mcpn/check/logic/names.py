@@ -108,7 +108,9 @@ class Names:
                 return self._meaning("activity", of.usage.producer[name])
             case "oos" | "available":
                 software = of.usage.producer if kind == "available" else ()
-                about = [self._element(name, [*(h.name for h in of.mission.hardware), *software], "resource")]
+                known = [*(h.name for h in of.mission.hardware), *software]
+                resource = self._element(name, known, "resource")
+                about = [resource, *(f.name for f in of.mission.faults if resource in f.affects)]
             case "event":
                 texts = {str(t.event) for t in self.net.transitions if t.event}
                 event = Event(What.DECLARED, name)

@@ -64,9 +64,7 @@ def never_happens(mission_net: MissionNet, space: Space[S], firings: Mapping[int
         never = (s for s in sections if s.name in entered and Event(what, s.name) not in happens)
         found.extend(of_objectives(never, f"can never {verb}"))
     found.extend(never_entered(usage.graph.never_entered()))
-    for resource in (*mission.hardware, *mission.software):
-        if resource.name not in used:
-            found.append(never_used(resource))
+    found.extend(never_used(mission, used))
     return Never(tuple(in_order(found)), tuple(in_order(routing.futile())))
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 
 from mcpn.errors import Problem, Source
 from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
-from mcpn.mission.robot import Element
 from mcpn.mission.world.warnings import fact_warnings
 
 MOST_NAMED = 3
@@ -66,9 +65,14 @@ def never_entered(sections: Iterable[ElementarySection]) -> Iterator[Problem]:
     return of_objectives(sections, f"{said} it", f"{said} them")
 
 
-def never_used(resource: Element) -> Problem:
-    """The warning of a resource that nobody uses, in the words of every stage that finds it."""
-    return Problem(resource.source, f"resource {resource.name} is never used")
+def never_used(mission: Mission, used: Collection[str]) -> Iterator[Problem]:
+    """The warnings of resources that nobody uses, in the words of every stage that finds them."""
+    faults = {fault.name for fault in mission.faults}
+    for resource in (*mission.hardware, *mission.software):
+        if resource.name in faults and resource.name not in used:
+            yield Problem(resource.source, f"fault {resource.name} affects nothing that is used")
+        elif resource.name not in used:
+            yield Problem(resource.source, f"resource {resource.name} is never used")
 
 
 def _warnings(usage: Usage) -> Iterator[Problem]:
@@ -85,9 +89,7 @@ def _warnings(usage: Usage) -> Iterator[Problem]:
                     message = f"alternative {late.name} is never tried: {alternative.name} is always possible"
                     yield Problem(late.source, message)
                 break
-    for resource in (*mission.hardware, *mission.software):
-        if resource.name not in consumed:
-            yield never_used(resource)
+    yield from never_used(mission, consumed)
     handled = {i.event for section in graph.all_sections() for i in section.interruptions}
     for event in mission.events:
         if event.name not in handled and not event.sets:

@@ -323,7 +323,7 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
     """Adds what the robots can do and have, in rows."""
     y = picture.height + PAD
     cells: list[_Cell] = []
-    for activity in mission.activities:
+    for activity in (a for robot in mission.robots for a in robot.activities):
         rows: list[tuple[str, _Data]] = []
         for number, way in enumerate(activity.alternatives, 1):
             needs = " + ".join(way.consumes) or "nothing"
@@ -336,8 +336,9 @@ def _robot(picture: Picture, mission: Mission, width: float) -> None:
         cells.append((activity.name, rows, frame))
     y = _rows(picture, "Activities and their alternatives", cells, width, y)
     cells = []
-    for hardware in mission.hardware:
+    for hardware in (h for robot in mission.robots for h in robot.hardware):
         rows = [("may fail" if hardware.faulty else "never fails", ())]
+        rows += [(shown(f"fails with {f.name}"), ()) for f in mission.faults if hardware.name in f.affects]
         title = f"hardware {hardware.name}" + (f": {hardware.description}" if hardware.description else "")
         frame = Rectangle(0, 0, 0, 0, "block hardware", shown(title, 1000), (("hardware", hardware.name),))
         cells.append((hardware.name, rows, frame))
