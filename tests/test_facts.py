@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from hypothesis import HealthCheck, event, given, settings
@@ -13,7 +14,8 @@ from mcpn.check.logic.names import Names
 from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import spaces_of
 from mcpn.check.verdicts.mission import check
-from mcpn.errors import InputError
+from mcpn.controller.generate import Form, generate
+from mcpn.errors import InputError, LimitError
 from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import FactChange
@@ -257,6 +259,12 @@ def test_formulas_say_what_is_wrong(formula: str, said: str, tmp_path: Path) -> 
     mission_net = compose(read_mission(path))
     with pytest.raises(InputError, match=said.replace("(", "[(]").replace(")", "[)]")):
         parse(formula, Names(mission_net.net, mission_net))
+
+
+@pytest.mark.parametrize("form", ["hierarchical", "flat", "modular", "auto"])
+def test_controllers_refuse_missions_with_facts(form: Form | Literal["auto"]) -> None:
+    with pytest.raises(LimitError, match="the mission has facts"):
+        generate(compose(read_mission(DUMPSTER)), form)
 
 
 def test_what_has_been_done_is_known(tmp_path: Path) -> None:

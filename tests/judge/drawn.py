@@ -20,6 +20,12 @@ COMMON_CAUSES = missions(sections=5, faults=2, aborts=1)
 """One event takes several hardware resources out of service."""
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
+WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
+"""Facts that objectives and events change, and that routes and alternatives read."""
+WORLD_ABORTED = missions(sections=6, hardware=2, producers=1, branches=3, facts=2, aborts=4, early=3)
+WORLD_APART = missions(
+    sections=5, hardware=2, outputs=3, own_hardware=True, shared_activities=False, events=1, facts=2
+)
 IN_ROUNDS = missions(
     sections=6, hardware=1, producers=0, activities=2, alternatives=1, events=1, interrupted=True
 )
@@ -42,6 +48,9 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     EARLY_WIDE,
     COMMON_CAUSES,
     TIMED,
+    WORLD,
+    WORLD_ABORTED,
+    WORLD_APART,
     IN_ROUNDS,
     APART,
     SHARING,

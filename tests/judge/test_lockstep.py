@@ -18,11 +18,12 @@ from tests.judge.players import MODULAR, OfGraph
 from tests.small import activity, hw, mission, robot
 
 
-def check(of: Mission) -> None:
-    """All that play a mission agree with the interpreter."""
+def check(of: Mission) -> str:
+    """All that play a mission agree with the interpreter; says how it was judged."""
     verdict = Judge(of).judge(composed(of))
     event(verdict.kind)
     event(f"{verdict.kind}, modular controller: {MODULAR in verdict.pairs}")
+    return verdict.kind
 
 
 @fewer(0.25)
@@ -52,6 +53,22 @@ def test_blocks_that_end_early(of: Mission) -> None:
 @given(drawn.EARLY_WIDE)
 def test_wide_blocks_that_end_early(of: Mission) -> None:
     check(of)
+
+
+@given(drawn.WORLD)
+def test_missions_with_facts(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.5)
+@given(drawn.WORLD_ABORTED)
+def test_facts_where_blocks_end_early(of: Mission) -> None:
+    check(of)
+
+
+@given(drawn.WORLD_APART)
+def test_facts_where_nothing_contends(of: Mission) -> None:
+    assert check(of) != "undetermined"
 
 
 @fewer(0.5)

@@ -58,6 +58,10 @@ class Handover:
             if self._may_compete(before, after):
                 names.add(target.name)
         names.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
+        # What begins changes facts when what stops has stopped, so that this is not moved by it.
+        for section in self.usage.graph.sections:
+            if any(first.setting("start") for first in entries(section)):
+                names.add(section.name)
         return frozenset(names)
 
     def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:

@@ -80,7 +80,8 @@ class _Control(Interrupting):
         if changes := section.setting("start"):
             starts, rank = pen.place("starts"), self.canvas.ranks.starting(name)
             for number, way, _ in self.ways(section, section.success, (), changes):
-                begun = [*way.produce, *self.come_to(section)]
+                onward = self.come_to(section) if self.around.in_branch else self.begun(section)
+                begun = [*way.produce, *onward]
                 pen.transition(f"start{number}", [starts, *way.consume], begun, read=way.read, rank=rank)
         stops = self.stops(section)
         running = [running_place(self.canvas, usage.activities[a]) for a in section.activities]

@@ -62,13 +62,25 @@ class Level:
         if target in self.exits:
             return self.exits[target]
         section = self.graph.section(target)
-        if isinstance(section, ElementarySection) and section.setting("start"):
+        if self.around.in_branch and self.starting(section):
             return [self.of(section, "starts")]
         return self.come_to(section)
 
+    @staticmethod
+    def starting(section: Section) -> bool:
+        """Whether the section is an objective that changes facts when it is come to.
+
+        In a branch it does so before it waits at its gate, and before the branches beside it look. Elsewhere
+        nothing runs beside: it does so behind its gate, when what stops before it has stopped, so that the
+        run of the section before is over.
+        """
+        return isinstance(section, ElementarySection) and bool(section.setting("start"))
+
     def come_to(self, section: Section) -> list[str]:
         """Places to mark so that a section begins, or waits at its gate until it may."""
-        return [self.of(section, "enter")] if self.gated(section) else self.begin(section)
+        if self.gated(section):
+            return [self.of(section, "enter")]
+        return self.begun(section) if self.around.in_branch else self.begin(section)
 
     def led(
         self, section: Section, outcome: str, changes: Mapping[str, str] | None = None
@@ -86,6 +98,12 @@ class Level:
             yield str(number) if len(found) > 1 else "", way, self.enter(way.target)
 
     def begin(self, section: Section) -> list[str]:
+        """Places to mark behind the gate of a section."""
+        if not self.around.in_branch and self.starting(section):
+            return [self.of(section, "starts")]
+        return self.begun(section)
+
+    def begun(self, section: Section) -> list[str]:
         """Places to mark so that a section begins at once."""
         if isinstance(section, ElementarySection):
             starts = self.of_activities(section.activities, "Start")
