@@ -11,12 +11,15 @@ from mcpn.check.causes.fmeca import fmeca
 from mcpn.check.causes.risk import risk
 from mcpn.check.engines import Engine
 from mcpn.controller.generate import generate
+from mcpn.controller.simulator import Simulation, resources
 from mcpn.controller.targets.json import document
 from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
 from mcpn.report.failures.openpsa import structured
+from mcpn.report.pictures.mission import mission_drawing
 from mcpn.study import open_study
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import minimal
@@ -96,6 +99,27 @@ def test_the_controller_takes_no_fault(net: MissionNet) -> None:
         if "hardware" in action
     }
     assert taken == {"gps", "imu"}
+
+
+def test_the_simulator_says_what_a_fault_takes_out(net: MissionNet) -> None:
+    simulation = Simulation(net)
+    assert dict(resources(net, simulation.situation)) == {"gps": "free", "imu": "free", "board": "no fault"}
+    for event in ("MISSION_EV_START", "board_EV_OOS"):
+        assert simulation.take(Event.parse(event)) is not None
+    out = dict.fromkeys(("gps", "imu"), "out of service")
+    assert dict(resources(net, simulation.situation)) == {**out, "board": "fault"}
+    assert simulation.situation.refused == ("locate",)
+    # The gps comes back with the board, and may fail by itself while that is out.
+    for event in ("gps_EV_OOS", "board_EV_RD"):
+        assert simulation.take(Event.parse(event)) is not None
+    told = dict(resources(net, simulation.situation))
+    assert told == {"gps": "out of service", "imu": "free", "board": "no fault"}
+
+
+def test_the_picture_says_what_hardware_fails_with(net: MissionNet) -> None:
+    told = mission_drawing(net).svg
+    assert told.count("fails with board") == 2
+    assert "gps + board" not in told
 
 
 def test_it_is_written_as_it_was_read(path: Path, tmp_path: Path) -> None:
