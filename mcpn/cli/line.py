@@ -30,6 +30,7 @@ COMMANDS = {
     "controller": "outputs",
     "convert": "outputs",
     "init": "begin",
+    "monitor": "monitor",
     "report": "report",
     "schema": "begin",
     "simulate": "simulate",

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from mcpn.runtime.controller import Controller, Step, Where
     from mcpn.runtime.hooks import HookError, HookErrors
     from mcpn.runtime.journal import Journal, Watchdog
+    from mcpn.runtime.monitors import Finding, Monitors
     from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
     from mcpn.runtime.shape import ControllerFileError
     from mcpn.runtime.snapshots import SnapshotError
@@ -40,9 +41,11 @@ __all__ = [
     "Controller",
     "ControllerFileError",
     "EventQueue",
+    "Finding",
     "HookError",
     "HookErrors",
     "Journal",
+    "Monitors",
     "ParameterValue",
     "QueueClosed",
     "QueueFull",
@@ -60,9 +63,11 @@ _HOMES = {
     "Controller": "controller",
     "ControllerFileError": "shape",
     "EventQueue": "queue",
+    "Finding": "monitors",
     "HookError": "hooks",
     "HookErrors": "hooks",
     "Journal": "journal",
+    "Monitors": "monitors",
     "ParameterValue": "tables",
     "QueueClosed": "queue",
     "QueueFull": "queue",

@@ -9,13 +9,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic, perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mcpn.runtime.hooks import Hook, HookError, Hooks
 from mcpn.runtime.shape import ENDS, ControllerFileError
 from mcpn.runtime.snapshots import BEFORE, RUNNING, Saved, actions_to, read_snapshot
 from mcpn.runtime.tables import START, Action, Inside, Refused, Tables, TableSection, read
 from mcpn.runtime.timers import Timers
+
+if TYPE_CHECKING:
+    from mcpn.runtime.monitors import Monitors
 
 _log = logging.getLogger("mcpn.runtime")
 
@@ -96,17 +99,21 @@ class Controller:
         self._happened: set[str] = set()
 
     @classmethod
-    def load(cls, path: str | Path, **options: Any) -> Controller:
+    def load(cls, path: str | Path, *, monitors: Monitors | None = None, **options: Any) -> Controller:
         """Reads a controller from its JSON file.
 
         Args:
             path: The file.
+            monitors: Take each event that the controller takes, before any hook is called.
             **options: As for the class.
 
         Raises:
             ControllerFileError: The file is no controller.
         """
-        return cls(read(Path(path)), **options)
+        controller = cls(read(Path(path)), **options)
+        if monitors is not None:
+            controller.observe(lambda step: monitors.take(step.event) if step.taken else None)
+        return controller
 
     @classmethod
     def from_document(cls, document: Mapping[str, Any], **options: Any) -> Controller:

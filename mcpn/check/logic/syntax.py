@@ -53,7 +53,13 @@ def parse(text: str, names: Names) -> Formula:
     """
     if len(text) > MAX_LENGTH:
         raise InputError.at(None, f"formula of more than {MAX_LENGTH} characters: the limit was hit")
-    return within_limit(_Parser(text, names).formula())
+    formula, on_path = _Parser(text, names).formula()
+    return within_limit(every_path(formula) if on_path else formula)
+
+
+def parse_open(text: str, names: Names) -> Formula:
+    """Reads a formula as :func:`parse` does; one that speaks of one path is not asked of every path."""
+    return within_limit(_Parser(text, names).formula()[0])
 
 
 PLAIN: dict[str, Formula] = {"true": TRUE, "false": FALSE, "deadlock": DEADLOCK, "stable": Stable()}
@@ -120,8 +126,8 @@ class _Parser:
         self._next = _Token("", "", 0)
         self._step()
 
-    def formula(self) -> Formula:
-        """The formula of the whole text."""
+    def formula(self) -> tuple[Formula, bool]:
+        """The formula of the whole text, and whether it speaks of a path."""
         while True:
             self._operand()
             while (sign := self._next.role) not in _BINARY or self._closes(sign):
@@ -146,12 +152,12 @@ class _Parser:
         opening = next((operator for operator in reversed(self._operators) if operator in _CLOSING), "")
         return sign == "U" and _CLOSING[opening] == "U"
 
-    def _checked(self, formula: Formula, depth: int, on_path: bool) -> Formula:
+    def _checked(self, formula: Formula, depth: int, on_path: bool) -> tuple[Formula, bool]:
         if depth > MAX_DEPTH:
             raise InputError.at(None, f"formula more than {MAX_DEPTH} operators deep: the limit was hit")
         if self._unknown:
             raise self._unknown[0]
-        return every_path(within_limit(formula)) if on_path else formula
+        return within_limit(formula) if on_path else formula, on_path
 
     def _reduce(self, least: int) -> None:
         """Applies the operators on top that bind at least so tight."""

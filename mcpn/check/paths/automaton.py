@@ -15,7 +15,7 @@ mark of each ``U`` that it does not put off; a run is accepted where it takes ev
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -121,6 +121,12 @@ def translated(formula: Formula) -> Automaton:
         for of in ways
     )
     return _reduced(Automaton(edges, len(untils)))
+
+
+def kept(automaton: Automaton, keep: Callable[[Literals], bool]) -> Automaton:
+    """An automaton with the edges alone whose literals are to be kept, and what is then of use."""
+    edges = tuple(tuple(edge for edge in of if keep(edge.literals)) for of in automaton.edges)
+    return _reduced(Automaton(edges, automaton.marks))
 
 
 def _conjuncts(formula: Formula) -> frozenset[Formula]:

@@ -1,0 +1,97 @@
+"""Monitors of what a mission requires: for its controller, and for a robot's log."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mcpn.cli.shared import (
+    EXIT_FAILED,
+    FILE,
+    emit_json,
+    import_option,
+    json_option,
+    limit_option,
+    without_threads_of_numpy,
+)
+from mcpn.errors import InputError, Source
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option("-o", "--output", type=FILE, help="Directory to write the monitors to: JSON, and C99.")
+@click.option("--log", type=FILE, help="Read a robot's log, an event at the end of each line.")
+@limit_option
+@import_option
+@json_option
+def monitor(
+    mission: Path,
+    output: Path | None,
+    log: Path | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Make monitors of what MISSION requires: machines that watch its events, or the log of a robot.
+
+    Each says of its requirement whether it is violated or satisfied however it goes on, or still open. With
+    --log, exit code 1 if the log violates one.
+    """
+    if output is None and log is None:
+        raise click.UsageError("-o or --log is needed")
+    without_threads_of_numpy()
+    from mcpn.controller.monitors.writing import files, monitors_of
+    from mcpn.files import write_folder
+    from mcpn.runtime.monitors import Monitors, events_of, told
+    from mcpn.study import open_study
+
+    study = open_study(mission, import_root=import_root)
+    if study.is_net:
+        raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
+    of = monitors_of(study.spaces, max_states)
+    texts = files(of)
+    paths: list[str] = []
+    if output is not None:
+        write_folder(output, texts)
+        paths = [str(output / name) for name in texts]
+    watching = Monitors(json.loads(texts["monitors.json"]))
+    for event in events_of(_lines(log)) if log is not None else ():
+        watching.take(event)
+    if as_json:
+        sizes = {each.name: len(each.values) for each in of.monitors}
+        found: dict[str, Any] = {"mission": of.mission, "states": sizes, "unwatched": list(of.unwatched)}
+        found |= {"files": paths, "log": None}
+        if log is not None:
+            findings = [
+                {"requirement": f.requirement, "value": f.value, "number": f.number, "event": f.event or None}
+                for f in watching.findings
+            ]
+            unknown = [{"number": number, "event": event} for number, event in watching.unknown]
+            found["log"] = {
+                "events": watching.count,
+                "values": dict(watching.values),
+                "findings": findings,
+                "unknown": unknown,
+            }
+        emit_json(found)
+    else:
+        for each in of.monitors if output is not None else ():
+            click.echo(f"{each.name}: {len(each.values)} states: {each.words}")
+        for name in of.unwatched:
+            click.echo(f"{name}: not watched, for it speaks of what may happen")
+        for line in (*paths, *(told(watching) if log is not None else ())):
+            click.echo(line)
+    if log is not None and watching.violated:
+        sys.exit(EXIT_FAILED)
+
+
+def _lines(log: Path) -> list[str]:
+    try:
+        return log.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", None) or "it is no text"
+        raise InputError.at(Source(str(log)), f"cannot be read: {why}") from None

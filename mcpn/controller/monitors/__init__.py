@@ -1,0 +1,1 @@
+"""Monitors: machines that watch, event by event, whether a robot does what its mission requires."""

@@ -1,0 +1,228 @@
+"""What a monitor says of a requirement after each event: violated, satisfied, or open.
+
+The verdicts are those of LTL3 (Bauer, Leucker, Schallhart, *Runtime verification for LTL and TLTL*, ACM TOSEM
+2011): a formula is violated when no way to go on satisfies it, satisfied when each does, else open. A way to
+go on is any: its states and events need not be those of the mission. What holds in the states passed, that
+behind the last event included, is taken from the mission's stable states, which the events lead through.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, Literal
+
+from mcpn.check.logic.evaluate import Evaluation
+from mcpn.check.logic.formulas import EG, EU
+from mcpn.check.logic.syntax import parse_open
+from mcpn.check.paths.automaton import Automaton, AutomatonEdge, kept, translated
+from mcpn.check.paths.formulas import Happens, always, eventually, is_of_paths, normal
+from mcpn.check.requirements import AskedRequirement
+from mcpn.errors import LimitError
+from mcpn.space.algebra import Space
+from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
+
+Value = Literal["violated", "satisfied", "open"]
+MAX_STATES = 200_000
+MOST_ATOMS = 10
+
+
+@dataclass(frozen=True)
+class Monitor:
+    """A machine over the events of a mission; an event that has no move changes nothing.
+
+    Args:
+        name: Of the requirement.
+        words: What it says, for people.
+        formula: The same, as a formula.
+        values: What is known in each state; it begins in state 0.
+        moves: By state, the states that events lead to, by text of the event.
+    """
+
+    name: str
+    words: str
+    formula: str
+    values: tuple[Value, ...]
+    moves: tuple[dict[str, int], ...]
+
+    def run(self, events: Iterable[str]) -> list[Value]:
+        """What is known at first, and after each of some events."""
+        state, found = 0, [self.values[0]]
+        for event in events:
+            state = self.moves[state].get(event, state)
+            found.append(self.values[state])
+        return found
+
+
+def on_one_path(asked: AskedRequirement) -> Formula | None:
+    """What a requirement says of each run by itself; ``None`` where it speaks of what may happen.
+
+    ``AG`` and ``AF`` of what holds in states are read as ``G`` and ``F``.
+    """
+    formula = parse_open(asked.text, asked.names)
+    if is_of_paths(formula):
+        return formula
+    match formula:
+        case Not((EU((along, operand)),)) if along == TRUE:
+            return always(~operand)
+        case Not((EG((operand,)),)):
+            return eventually(~operand)
+    return None
+
+
+class Watcher:
+    """Makes monitors of one mission.
+
+    Args:
+        space: Its stable states.
+    """
+
+    def __init__(self, space: Space[Any]) -> None:
+        self._space = space
+        self._evaluation = Evaluation(space)
+        self._known: dict[tuple[Formula, Any], bool] = {}
+        self._edges: dict[Any, list[tuple[int, str, Any]]] = {}
+
+    def monitor(self, asked: AskedRequirement, formula: Formula) -> Monitor:
+        """The monitor of a requirement, with as few states as it can have.
+
+        Args:
+            asked: The requirement; where it is expected to fail, its negation is watched.
+            formula: What it says, on paths.
+
+        Raises:
+            LimitError: It has too many states before they are merged.
+        """
+        holds = asked.requirement.expected == "holds"
+        values, moves = _merged(*self._beside(formula if holds else ~formula))
+        words = asked.words if holds else f"not: {asked.words}"
+        text = asked.text if holds else f"!({asked.text})"
+        return Monitor(asked.name, words, text, tuple(values), tuple(moves))
+
+    def _beside(self, formula: Formula) -> tuple[list[Value], list[dict[str, int]]]:
+        """What is known of a formula in each stable state, after each run to it."""
+        both = [kept(translated(normal(formula, wanted)), satisfiable) for wanted in (True, False)]
+        edges = [edge for automaton in both for of in automaton.edges for edge in of]
+        of_events = {f for edge in edges for f in edge.literals if _of_event(f)}
+        start = self._space.initial.pick(), frozenset({0}), frozenset({0})
+        numbers, queue = {start: 0}, [start]
+        values: list[Value] = []
+        moves: list[dict[str, int]] = []
+        for state, *sets in queue:
+            may_hold, may_fail = (self._ways(a, of, state) for a, of in zip(both, sets, strict=True))
+            values.append("violated" if not may_hold else "open" if may_fail else "satisfied")
+            moves.append({})
+            known: dict[frozenset[Formula], tuple[frozenset[int], frozenset[int]]] = {}
+            for transition, event, target in self._leaving(state) if values[-1] == "open" else ():
+                true = frozenset(f for f in of_events if _happens(f, transition))
+                if true not in known:
+                    known[true] = _targets(may_hold, true), _targets(may_fail, true)
+                into = target, *known[true]
+                if into not in numbers:
+                    numbers[into] = len(queue)
+                    queue.append(into)
+                    if len(queue) > MAX_STATES:
+                        raise LimitError(f"the monitor has more than {MAX_STATES} states: the limit was hit")
+                moves[-1][event] = numbers[into]
+        return values, moves
+
+    def _leaving(self, state: Any) -> list[tuple[int, str, Any]]:
+        """What may happen in a stable state: transition, text of the event, and the state after it."""
+        if state not in self._edges:
+            transitions = self._space.net.transitions
+            self._edges[state] = [
+                (edge.transition, str(transitions[edge.transition].event), edge.target)
+                for edge in self._space.edges(state)
+            ]
+        return self._edges[state]
+
+    def _satisfied(self, formula: Formula, state: Any) -> bool:
+        key = formula, state
+        if key not in self._known:
+            self._known[key] = bool(self._space.single(state) & self._evaluation.states(formula))
+        return self._known[key]
+
+    def _ways(self, automaton: Automaton, of: frozenset[int], state: Any) -> list[AutomatonEdge]:
+        """The edges of an automaton from some states that may be taken in a stable state, by some event."""
+        return [
+            e
+            for q in of
+            for e in automaton.edges[q]
+            if all(self._satisfied(f, state) for f in e.literals if not _of_event(f))
+        ]
+
+
+def satisfiable(formulas: Iterable[Formula]) -> bool:
+    """Whether some truth values of their atoms satisfy all of some formulas on states and of events.
+
+    Of more than :data:`MOST_ATOMS` atoms that is not looked for: verdicts may then come later.
+    """
+    whole = And(*formulas)
+    atoms = list(dict.fromkeys(_atoms(whole)))
+    if len(atoms) > MOST_ATOMS:
+        return True
+    truths = (dict(zip(atoms, each, strict=True)) for each in product((False, True), repeat=len(atoms)))
+    return any(_true(whole, each) for each in truths)
+
+
+def _atoms(formula: Formula) -> Iterator[Formula]:
+    if isinstance(formula, And | Or | Not):
+        for operand in formula.operands:
+            yield from _atoms(operand)
+    else:
+        yield formula
+
+
+def _true(formula: Formula, truths: Mapping[Formula, bool]) -> bool:
+    match formula:
+        case And(operands):
+            return all(_true(f, truths) for f in operands)
+        case Or(operands):
+            return any(_true(f, truths) for f in operands)
+        case Not((operand,)):
+            return not _true(operand, truths)
+    return truths[formula]
+
+
+def _of_event(literal: Formula) -> bool:
+    return isinstance(literal.operands[0] if isinstance(literal, Not) else literal, Happens)
+
+
+def _happens(literal: Formula, transition: int) -> bool:
+    match literal:
+        case Happens(transitions):
+            return transition in transitions
+        case Not((Happens(transitions),)):
+            return transition not in transitions
+    raise TypeError(literal)
+
+
+def _targets(ways: Iterable[AutomatonEdge], true: frozenset[Formula]) -> frozenset[int]:
+    """Where some edges lead whose literals of events are all true."""
+    return frozenset(e.target for e in ways if all(f in true for f in e.literals if _of_event(f)))
+
+
+def _merged(values: list[Value], moves: list[dict[str, int]]) -> tuple[list[Value], list[dict[str, int]]]:
+    """States that no further events tell apart are one (Moore 1956); moves that change nothing go."""
+    events = sorted({event for of in moves for event in of})
+    blocks = [("violated", "satisfied", "open").index(value) for value in values]
+    count = 0
+    while count != len(set(blocks)):
+        count = len(set(blocks))
+        numbers: dict[object, int] = {}
+        blocks = [
+            numbers.setdefault((blocks[q], tuple(blocks[of.get(event, q)] for event in events)), len(numbers))
+            for q, of in enumerate(moves)
+        ]
+    first: dict[int, int] = {}
+    for q, block in enumerate(blocks):
+        first.setdefault(block, q)  # in the order of their first states, so that 0 stays 0
+    number = {block: i for i, block in enumerate(first)}
+    return (
+        [values[q] for q in first.values()],
+        [
+            {e: number[blocks[t]] for e, t in sorted(moves[q].items()) if blocks[t] != block}
+            for block, q in first.items()
+        ],
+    )

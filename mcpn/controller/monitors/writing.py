@@ -1,0 +1,125 @@
+"""Monitors as files: a JSON document for Python and for logs, and C99."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mcpn.check.engines import Choice
+from mcpn.check.requirements import asked_of
+from mcpn.check.spaces import Spaces
+from mcpn.controller.monitors.watched import Monitor, Watcher, on_one_path
+from mcpn.controller.targets.c import LONGEST_PREFIX, Array
+from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.controller.targets.render import render
+from mcpn.errors import InputError
+from mcpn.runtime.monitors import FORMAT, VALUES, VERSION
+
+
+@dataclass(frozen=True)
+class MissionMonitors:
+    """The monitors of a mission.
+
+    Args:
+        mission: Its name.
+        events: All of its events, by text.
+        monitors: One for each requirement that speaks of each run by itself.
+        unwatched: The others, by name.
+    """
+
+    mission: str
+    events: tuple[str, ...]
+    monitors: tuple[Monitor, ...]
+    unwatched: tuple[str, ...]
+
+
+def monitors_of(spaces: Spaces, max_states: int | None = None) -> MissionMonitors:
+    """The monitors of a mission's requirements, made of its stable states, which are listed.
+
+    Raises:
+        InputError: It has no requirements, or one of them is none.
+        SemanticsError: The mission is not safe or not confluent.
+        LimitError: It has too many stable states, or a monitor has too many.
+    """
+    mission_net = spaces.mission
+    asked = [(each, on_one_path(each)) for each in asked_of(mission_net)]
+    if not asked:
+        message = f"mission {mission_net.mission.name} has no requirements to watch: expected <requirement>"
+        raise InputError.at(mission_net.mission.source, message)
+    if not any(formula for _, formula in asked):
+        message = "no requirement speaks of each run by itself, as formulas of LTL and patterns do"
+        raise InputError.at(mission_net.mission.source, f"{message}: there is nothing to watch")
+    watcher = Watcher(spaces.stable(Choice("explicit", max_states=max_states))[0])
+    return MissionMonitors(
+        mission_net.mission.name,
+        tuple(sorted({str(t.event) for t in mission_net.net.transitions if t.event is not None})),
+        tuple(watcher.monitor(each, formula) for each, formula in asked if formula is not None),
+        tuple(each.name for each, formula in asked if formula is None),
+    )
+
+
+def files(of: MissionMonitors) -> dict[str, str]:
+    """The files by name: ``monitors.json``, and a header and a source in C99."""
+    number = {event: i for i, event in enumerate(of.events)}
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "mission": of.mission,
+        "events": list(of.events),
+        "monitors": [
+            {
+                "name": each.name,
+                "words": each.words,
+                "formula": each.formula,
+                "values": [VALUES.index(value) for value in each.values],
+                "moves": [[[number[event], to] for event, to in moves.items()] for moves in each.moves],
+            }
+            for each in of.monitors
+        ],
+        "unwatched": list(of.unwatched),
+    }
+    return {"monitors.json": json.dumps(document, indent=1) + "\n", **_in_c(of, number)}
+
+
+def _in_c(of: MissionMonitors, number: dict[str, int]) -> dict[str, str]:
+    prefix = identifiers([of.mission], keywords=C_PREFIX_RESERVED, longest=LONGEST_PREFIX)[of.mission]
+    lower, upper = prefix.lower(), prefix.upper()
+    first, moves_first = [0], [0]
+    values: list[int] = []
+    events: list[int] = []
+    targets: list[int] = []
+    for each in of.monitors:
+        for value, moves in zip(each.values, each.moves, strict=True):
+            values.append(VALUES.index(value))
+            events += [number[event] for event in moves]
+            targets += [first[-1] + to for to in moves.values()]
+            moves_first.append(len(events))
+        first.append(len(values))
+    arrays = [
+        Array("first", first[:-1], "By monitor: the state in which it begins."),
+        Array("value", values, "By state: what is known."),
+        Array("move_start", moves_first, "By state: its first move; behind the last state, the end."),
+        Array("move_event", events, "By move: the event."),
+        Array("move_target", targets, "By move: the state after it."),
+    ]
+
+    def enum(kind: str, names: Sequence[str]) -> list[tuple[str, int, str]]:
+        known = identifiers(names, prefix=f"{upper}_{kind}_", longest=C_SIGNIFICANT)
+        return [(known[name], i, comment(name)) for i, name in enumerate(names)]
+
+    said = {
+        "p": lower,
+        "P": upper,
+        "mission": comment(of.mission),
+        "monitors": enum("MONITOR", [each.name for each in of.monitors]),
+        "events": enum("HAPPENS", of.events),
+        "names": [c_string(each.name) for each in of.monitors],
+        "words": [c_string(each.words) for each in of.monitors],
+        "texts": [c_string(event) for event in of.events],
+        "arrays": arrays,
+    }
+    return {
+        f"{lower}_monitors.h": render("monitors.h.jinja", **said),
+        f"{lower}_monitors.c": render("monitors.c.jinja", **said),
+    }

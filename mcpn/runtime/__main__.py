@@ -1,0 +1,41 @@
+"""Reads a robot's log: ``python -m mcpn.runtime monitors.json robot.log`` says what violates what."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from mcpn.runtime.monitors import Monitors, events_of, told
+from mcpn.runtime.shape import ControllerFileError
+
+
+def main(arguments: list[str]) -> int:
+    """Reads a robot's log.
+
+    Args:
+        arguments: The file of monitors, and that of the log; standard input where that is left out.
+
+    Returns:
+        0, or 1 where a requirement is violated, or 2 where a file cannot be read.
+    """
+    if len(arguments) not in (1, 2):
+        sys.stderr.write("usage: python -m mcpn.runtime MONITORS [LOG]\n")
+        return 2
+    try:
+        monitors = Monitors.load(arguments[0])
+        if len(arguments) == 2:
+            lines = Path(arguments[1]).read_text(encoding="utf-8").splitlines()
+        else:
+            lines = sys.stdin.read().splitlines()
+    except (ControllerFileError, OSError, ValueError) as error:
+        sys.stderr.write(f"error: {error}\n")
+        return 2
+    for event in events_of(lines):
+        monitors.take(event)
+    for line in told(monitors):
+        sys.stdout.write(f"{line}\n")
+    return 1 if monitors.violated else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

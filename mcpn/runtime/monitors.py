@@ -1,0 +1,205 @@
+"""Monitors: what the events of a mission say of each of its requirements, one event at a time."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mcpn.runtime.shape import ControllerFileError
+
+FORMAT, VERSION = "mcpn-monitors", 1
+VALUES = ("violated", "satisfied", "open")
+VIOLATED = VALUES[0]
+
+_log = logging.getLogger("mcpn.runtime")
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """An event after which a requirement is violated or satisfied, however it goes on.
+
+    Args:
+        requirement: Its name.
+        words: What it says.
+        value: ``violated`` or ``satisfied``.
+        number: The number of the event, from 1; 0 where it is known before the first.
+        event: The event.
+    """
+
+    requirement: str
+    words: str
+    value: str
+    number: int
+    event: str
+
+    def __str__(self) -> str:
+        where = f"event {self.number}, {self.event}" if self.number else "before the first event"
+        return f"{self.value} by {where}: {self.requirement}: {self.words}"
+
+
+class Monitors:
+    """The monitors of a mission.
+
+    Args:
+        document: The JSON object of a file of monitors.
+        on_found: Called with each finding.
+
+    Raises:
+        ControllerFileError: The document is not one of monitors.
+
+    Attributes:
+        findings: What has been found, in the order of the events.
+        unknown: Events that are none of the mission, with their numbers.
+    """
+
+    def __init__(
+        self, document: Mapping[str, Any], *, on_found: Callable[[Finding], object] | None = None
+    ) -> None:
+        try:
+            if (document["format"], document["version"]) != (FORMAT, VERSION):
+                found = f"{document['format']} of version {document['version']}"
+                raise ControllerFileError(f"expected {FORMAT} of version {VERSION}, found {found}")
+            self.mission: str = document["mission"]
+            self._events = {str(event): number for number, event in enumerate(document["events"])}
+            self._monitors = [_Machine(each, len(self._events)) for each in document["monitors"]]
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise ControllerFileError(f"no monitors: {type(error).__name__}: {error}") from error
+        self._on_found = on_found
+        self.restart()
+
+    @classmethod
+    def load(cls, path: str | Path, **options: Any) -> Monitors:
+        """Reads monitors from their JSON file.
+
+        Args:
+            path: The file.
+            **options: As for the class.
+
+        Raises:
+            ControllerFileError: The file is none of monitors.
+        """
+        try:
+            document = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise ControllerFileError(f"{path}: {error}") from error
+        if not isinstance(document, dict):
+            raise ControllerFileError(f"{path}: expected a JSON object")
+        return cls(document, **options)
+
+    def restart(self) -> None:
+        """Begins again, before the first event."""
+        self.count = 0
+        self.findings: list[Finding] = []
+        self.unknown: list[tuple[int, str]] = []
+        for machine in self._monitors:
+            machine.state = 0
+            if machine.value != VALUES[2]:
+                self._found(machine, "")
+
+    @property
+    def values(self) -> Mapping[str, str]:
+        """By requirement ``violated``, ``satisfied`` or ``open``."""
+        return {machine.name: machine.value for machine in self._monitors}
+
+    @property
+    def violated(self) -> tuple[str, ...]:
+        """The requirements that are violated."""
+        return tuple(machine.name for machine in self._monitors if machine.value == VIOLATED)
+
+    @property
+    def state(self) -> dict[str, int]:
+        """Where they are, to be given to :meth:`resume`: by requirement a number, and how many events."""
+        return {"": self.count, **{machine.name: machine.state for machine in self._monitors}}
+
+    def resume(self, state: Mapping[str, int]) -> None:
+        """Goes on from where monitors of the same file were; findings of before are not made again.
+
+        Raises:
+            ValueError: The state is not of these monitors; nothing has changed.
+        """
+        most = {machine.name: machine.most for machine in self._monitors}
+        if state.keys() != {"", *most} or any(type(n) is not int or n < 0 for n in state.values()):
+            raise ValueError("the state is not of these monitors")
+        if any(state[name] > last for name, last in most.items()):
+            raise ValueError("the state is of no such monitor")
+        self.count = state[""]
+        for machine in self._monitors:
+            machine.state = state[machine.name]
+
+    def take(self, event: str) -> tuple[Finding, ...]:
+        """Takes an event that has happened.
+
+        Returns:
+            What it decides. An event that is none of the mission changes nothing, and is noted.
+        """
+        self.count += 1
+        number = self._events.get(event)
+        if number is None:
+            self.unknown.append((self.count, event))
+            return ()
+        before = len(self.findings)
+        for machine in self._monitors:
+            if machine.take(number):
+                self._found(machine, event)
+        return tuple(self.findings[before:])
+
+    def _found(self, machine: _Machine, event: str) -> None:
+        finding = Finding(machine.name, machine.words, machine.value, self.count, event)
+        self.findings.append(finding)
+        if finding.value == VIOLATED:
+            _log.warning("%s", finding)
+        if self._on_found is not None:
+            self._on_found(finding)
+
+
+class _Machine:
+    """One monitor: a state, and where events lead."""
+
+    def __init__(self, document: Mapping[str, Any], events: int) -> None:
+        self.name, self.words = str(document["name"]), str(document["words"])
+        self._values = [VALUES[value] for value in document["values"]]
+        self._moves = [{int(event): int(to) for event, to in moves} for moves in document["moves"]]
+        if not self._values or len(self._values) != len(self._moves):
+            raise ValueError(f"monitor {self.name} has {len(self._values)} values, {len(self._moves)} states")
+        for moves in self._moves:
+            if any(not 0 <= event < events for event in moves):
+                raise ValueError(f"monitor {self.name} names an event that there is not")
+            if any(not 0 <= to < len(self._values) for to in moves.values()):
+                raise ValueError(f"monitor {self.name} leads to a state that there is not")
+        self.state = 0
+
+    @property
+    def value(self) -> str:
+        """What is known."""
+        return self._values[self.state]
+
+    @property
+    def most(self) -> int:
+        """The last state."""
+        return len(self._values) - 1
+
+    def take(self, event: int) -> bool:
+        """Takes an event; whether that decides."""
+        before = self.value
+        self.state = self._moves[self.state].get(event, self.state)
+        return self.value != before
+
+
+def events_of(lines: Iterable[str]) -> Iterator[str]:
+    """The events of a log: of each line what stands in brackets at its end, else its last word."""
+    for line in lines:
+        text = line.strip()
+        if text and not text.startswith("#"):
+            yield text[text.rindex("[") + 1 : -1] if text.endswith("]") and "[" in text else text.split()[-1]
+
+
+def told(monitors: Monitors) -> Iterator[str]:
+    """What monitors have found, a line each: first what was decided, then what is open."""
+    yield from map(str, monitors.findings)
+    still = (name for name, value in monitors.values.items() if value == VALUES[2])
+    yield from (f"open after {monitors.count} events: {name}" for name in still)
+    yield from (f"event {number}, {event}: none of the mission" for number, event in monitors.unknown)
