@@ -53,8 +53,8 @@ PRINTED = {
     "simulate dead.net --random 9": "simulate-tokens",
     "controller mission.xml -o one": "controller",
     "controller mission.xml -o one --form modular": "controller",
-    "monitor courier/mission.xml -o one": "monitor",
-    "monitor courier/mission.xml --log robot.log": "monitor",
+    "monitor mission.xml -o one": "monitor",
+    "monitor mission.xml --log robot.log": "monitor",
     "convert mission.xml other.pnml": "convert",
     "convert mission.xml other.svg": "convert",
     "report mission.xml -o report.html": "report",
@@ -73,7 +73,7 @@ WRITTEN = {
     "controller mission.xml -o one --flat --minimise": ("one/controller.json", "controller-document"),
     "controller mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
     "controller courier/mission.xml -o one --form modular": ("one/controller.json", "controller-rules"),
-    "monitor courier/mission.xml -o one": ("one/monitors.json", "monitors"),
+    "monitor mission.xml -o one": ("one/monitors.json", "monitors"),
 }
 """By command line: the file that it writes, and its format."""
 
@@ -87,7 +87,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     contended = CONTENDED.read_text().partition("```xml")[2].partition("\n")[2].partition("```")[0]
     (tmp_path / "contended.xml").write_text(contended)
     shutil.copytree(ROOT / "experiments" / "courier", tmp_path / "courier")
-    (tmp_path / "robot.log").write_text("MISSION_EV_START\nOBJ_ground_12.travel_EV_OK\n")
+    (tmp_path / "robot.log").write_text("MISSION_EV_START\nOBJ_coral_head.manual_moving_EV_OK\n")
     (tmp_path / "unbounded.net").write_text(UNBOUNDED)
     (tmp_path / "unsafe.net").write_text("net n\npl p (1)\npl q (1)\ntr t p -> q\n")
     (tmp_path / "dead.net").write_text("net n\npl p (1)\npl q (0)\ntr t p -> q\n")

@@ -59,13 +59,34 @@ class Automaton:
 
     def components(self) -> list[list[int]]:
         """The strongly connected components of its states, those that others lead to first."""
-        import networkx as nx  # takes longer to load than most formulas to answer
-
-        graph: nx.DiGraph[int] = nx.DiGraph()
-        graph.add_nodes_from(range(len(self.edges)))
-        graph.add_edges_from((q, edge.target) for q, edges in enumerate(self.edges) for edge in edges)
-        whole = nx.condensation(graph)
-        return [sorted(whole.nodes[c]["members"]) for c in reversed(list(nx.topological_sort(whole)))]
+        # By Tarjan's algorithm on a stack of its own: networkx takes longer to load than formulas to answer.
+        found: list[list[int]] = []
+        number: dict[int, int] = {}
+        lowest: dict[int, int] = {}
+        open_: dict[int, None] = {}
+        for start in range(len(self.edges)):
+            stack = [] if start in number else [(start, iter(self.edges[start]))]
+            while stack:
+                q, left = stack[-1]
+                if q not in number:
+                    number[q] = lowest[q] = len(number)
+                    open_[q] = None
+                edge = next(left, None)
+                if edge is not None:
+                    if edge.target not in number:
+                        stack.append((edge.target, iter(self.edges[edge.target])))
+                    elif edge.target in open_:
+                        lowest[q] = min(lowest[q], number[edge.target])
+                    continue
+                stack.pop()
+                if stack:
+                    lowest[stack[-1][0]] = min(lowest[stack[-1][0]], lowest[q])
+                if lowest[q] == number[q]:
+                    component = [p for p in open_ if number[p] >= number[q]]
+                    for p in component:
+                        del open_[p]
+                    found.append(sorted(component))
+        return found
 
 
 @dataclass(frozen=True)
