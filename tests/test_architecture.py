@@ -31,6 +31,7 @@ WAY = [
     "report",
     "study",
     "testing",
+    "pytest_plugin",
     "face",
     "cli",
 ]

@@ -1,4 +1,4 @@
-"""What hypothesis prints of the mission or net of a failing property: all of it, though its repr is short.
+"""What hypothesis prints of the mission or net of a failing property: a mission as a file, a net whole.
 
 Releases of hypothesis before 6.125 print dataclasses by their repr; with these printers all print the same.
 """
@@ -10,8 +10,30 @@ from typing import Any
 
 from hypothesis.vendor.pretty import for_type_by_name
 
-SHOWN = (("mcpn.mission.model", "Mission"), ("mcpn.net.petri", "PetriNet"))
-"""Classes with a short repr, by module and name."""
+from mcpn.mission.model import Mission
+from mcpn.mission.writer import written
+
+
+def as_xml(mission: Mission) -> str:
+    """A mission as the file that says it, valid or not.
+
+    Raises:
+        ValueError: A text holds a character that XML cannot.
+    """
+    return written(mission).decode().partition("?>")[2].strip()
+
+
+def print_mission(example: Mission, printer: Any, cycle: bool) -> None:
+    """Prints a mission as its file, to save and to read again."""
+    try:
+        lines = as_xml(example).splitlines()
+    except (ValueError, TypeError, AttributeError):  # what no file can say
+        print_whole(example, printer, cycle)
+        return
+    for number, line in enumerate(lines):
+        if number:
+            printer.break_()
+        printer.text(line)
 
 
 def print_whole(example: Any, printer: Any, cycle: bool) -> None:
@@ -31,5 +53,5 @@ def print_whole(example: Any, printer: Any, cycle: bool) -> None:
 
 def register() -> None:
     """Tells hypothesis to print missions and nets so."""
-    for module, name in SHOWN:
-        for_type_by_name(module, name, print_whole)
+    for_type_by_name("mcpn.mission.model", "Mission", print_mission)
+    for_type_by_name("mcpn.net.petri", "PetriNet", print_whole)

@@ -17,6 +17,7 @@ from mcpn.net.templates.activities import MAX_TOGETHER, MOST_AT_ONCE, draw_activ
 from mcpn.space.stable.alternatives import direct
 from mcpn.testing import Shape, missions
 from mcpn.testing.data import data_sharing_missions
+from mcpn.testing.kit.corpus import wide
 from tests.draws import fewer
 from tests.judge.lockstep import Judge
 from tests.shares import returns_early
@@ -118,17 +119,6 @@ def test_any_number_of_errors_at_a_time_gives_the_same_graph(drawn: Mission) -> 
         return
     event(expected if isinstance(expected, str) else "confluent")
     assert found == expected
-
-
-def wide(number: int) -> Mission:
-    """An activity that consumes many data, each of hardware of its own or of the datum before."""
-    names = [f"h{i}" for i in range(number)]
-    makers = [
-        activity(f"make{i}", (h,), *([(f"d{i - 1}",)] if i else []), produces=(f"d{i}",))
-        for i, h in enumerate(names)
-    ]
-    fuse = activity("fuse", tuple(f"d{i}" for i in range(number)), ("d0",))
-    return mission(robot(hw(*names), *makers, fuse), Objective(name="x", activities=("fuse",)))
 
 
 def test_a_net_grows_with_the_data_that_one_alternative_consumes() -> None:

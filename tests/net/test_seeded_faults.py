@@ -17,72 +17,17 @@ from hypothesis import strategies as st
 
 from mcpn.check.verdicts.mission import check
 from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
-from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
 from mcpn.space.local.exploring import explore_local
 from mcpn.space.markings.explicit import KernelNet, explore
 from mcpn.space.stable.alternatives import by_reduction, direct
 from mcpn.space.stable.completion import Orders, settled
+from mcpn.testing.kit.corpus import MISSIONS
 from tests.kernel.test_stubborn import judged_alike
 from tests.net.seeding import Fault, Seed, single
-from tests.net.test_handling import wide
-from tests.small import activity, hw, mission, robot
 
 MOST = 20_000
-
-
-def objective(name: str, *activities: str, failure: str | None = None) -> Objective:
-    return Objective(name=name, activities=activities, failure=failure)
-
-
-SHARED_C = replace(hw("c")[0], shared=True)
-
-MISSIONS: dict[str, Mission] = {
-    "driver": mission(
-        robot(
-            hw("h", "g", "w"),
-            activity("drive", ("h",), ("g",), produces=("s",)),
-            activity("go", ("s", "w"), ("w",)),
-        ),
-        objective("x", "go"),
-        objective("y", "go"),
-    ),
-    "branches": mission(
-        robot(
-            hw("h", "g"),
-            activity("p", ("h",), ("g",), produces=("s",)),
-            activity("a", ("s",)),
-            activity("b", ("s",), ()),
-        ),
-        Parallel(name="both", blocks=(objective("x", "a"), objective("y", "b"))),
-    ),
-    "asks again": mission(
-        robot(hw("h", "c"), activity("p", ("h",), (), produces=("s",)), activity("a", ("c", "s"), ("s",))),
-        objective("x", "a"),
-    ),
-    "one after the other": mission(
-        robot(
-            (*hw("h"), SHARED_C),
-            activity("p", ("h",), ("c",), (), produces=("s",)),
-            activity("a", ("c", "s"), ("s",)),
-            activity("b", ("s", "c"), ("c",), ()),
-        ),
-        objective("x", "a", "b"),
-        objective("y", "b"),
-    ),
-    "shared hardware": mission(
-        robot((SHARED_C, *hw("h")), activity("a", ("c", "h")), activity("b", ("c",), ())),
-        Parallel(name="both", blocks=(objective("x", "a"), objective("y", "b"))),
-    ),
-    "retried": mission(
-        robot(hw("h", "g"), replace(activity("a", ("h",), ("g",)), switch_back=True)),
-        objective("x", "a", failure="x"),
-    ),
-    "four data": wide(4),
-}
-"""A producer that does not serve; one that does; an activity that gives back and asks again in one reaction;
-gates; hardware of several; an activity that stops as it starts, and returns; many errors at a time."""
 
 
 def unranked(net: PetriNet) -> PetriNet:

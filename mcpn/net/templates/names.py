@@ -29,6 +29,7 @@ class NetNames:
         self._begun: set[str] = set()  # what longer stems begin with
         self._resources: set[str] = set()
         self._given: dict[tuple[str, ...], str] = {}
+        self._meant: dict[str, tuple[str, ...]] = {}
         for kind, name in elements:
             stem = _stem(kind, name)
             self._owners.setdefault(stem, (kind, name))
@@ -52,7 +53,12 @@ class NetNames:
         whole = kind, element, *part
         if whole not in self._given:
             self._given[whole] = self._name(kind, element, *part)
+            self._meant[self._given[whole]] = whole
         return self._given[whole]
+
+    def meaning(self, name: str) -> tuple[str, ...] | None:
+        """The kind, the element and the part that a name was given to; ``None`` if it was given to none."""
+        return self._meant.get(name)
 
     def _name(self, kind: str, element: str, *part: str) -> str:
         stem = _stem(kind, element)

@@ -1,0 +1,82 @@
+"""The kit in pytest: ``--mcpn-templates MODULE:NAME`` adds a test for each property of a set of templates.
+
+What fails is shown with the smallest mission that was found, as a file, and its run. Nothing is loaded where
+the option is not given.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from mcpn.testing.kit.running import BrokenProperty
+
+
+class _Broken(Exception):
+    """A property does not hold of the templates."""
+
+    def __init__(self, finding: BrokenProperty) -> None:
+        super().__init__(str(finding))
+
+
+class TemplateTest(pytest.Item):
+    """One property of a set of templates."""
+
+    templates: str
+    property: str
+
+    def runtest(self) -> None:
+        """Looks for a mission that breaks the property."""
+        from mcpn.net.templates.named import templates_named
+        from mcpn.testing.kit.running import ALL, broken
+
+        profile = self.config.getoption("--mcpn-profile")
+        asked = {self.property: ALL[self.property]}
+        finding = broken(templates_named(self.templates), profile=profile, properties=asked)
+        if finding is not None:
+            raise _Broken(finding)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: None = None) -> str:  # type: ignore[override]
+        """What is wrong, without a traceback."""
+        from mcpn.errors import McpnError
+
+        if isinstance(excinfo.value, _Broken | McpnError):
+            return str(excinfo.value)
+        return str(super().repr_failure(excinfo))
+
+    def reportinfo(self) -> tuple[str, None, str]:
+        """How the test is called in headings."""
+        return self.templates, None, self.name
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Adds the options."""
+    group = parser.getgroup("mcpn", "sets of net templates")
+    group.addoption(
+        "--mcpn-templates",
+        action="append",
+        default=[],
+        metavar="MODULE:NAME",
+        help="Test a set of net templates with mcpn's kit; may be given several times.",
+    )
+    group.addoption(
+        "--mcpn-profile",
+        default="ci",
+        choices=["dev", "ci", "nightly"],
+        help="How many missions are drawn for each property (default: ci).",
+    )
+
+
+def pytest_collection_modifyitems(
+    session: pytest.Session, config: pytest.Config, items: list[pytest.Item]
+) -> None:
+    """Adds a test for each property of the templates asked for."""
+    for templates in config.getoption("--mcpn-templates"):
+        from mcpn.testing.kit.running import ALL
+
+        for name in ALL:
+            item = TemplateTest.from_parent(session, name=f"{templates}::{name}")
+            item.templates, item.property = templates, name
+            items.append(item)

@@ -1,0 +1,123 @@
+"""The written contract of templates: which places they meet at, and who may mark what.
+
+Templates meet at places of agreed parts. Each part has an *owner*, the template that draws it, and others may
+touch it only as :data:`PARTS` says: who *takes* its token, *puts* one, or *reads* it. All other places are
+private. So a template can be replaced by another one that keeps the contract, and a proof of one side needs
+to know nothing of the other but this.
+
+Sides: the ``resource`` itself; its ``consumer``, an activity; its ``producer``, an activity; ``control``, the
+objectives graph; a ``product`` of an activity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from mcpn.net.compose import MissionNet
+from mcpn.net.petri import Provenance
+from mcpn.net.templates.names import names_of
+from mcpn.testing.kit.subject import Subject, Violation
+
+Allowed: TypeAlias = Mapping[str, str]
+"""By side, what it may do to a place: letters of ``take``, ``put`` and ``read``, as ``tpr``."""
+
+Contract: TypeAlias = Mapping[str, Mapping[str, tuple[str, Allowed]]]
+
+PARTS: Contract = {
+    "hardware": {
+        "available": ("nobody uses it, or asks for it", {"owner": "tp", "consumer": "t"}),
+        "take": ("it is asked for", {"owner": "t", "consumer": "p"}),
+        "answer": ("it is held, and works", {"owner": "tp", "consumer": "tpr"}),
+        "error": ("it is held, and has failed", {"owner": "p", "consumer": "tr"}),
+        "release": ("it is given back", {"owner": "t", "consumer": "p"}),
+        "OOS": ("it is out of service", {"owner": "tp", "consumer": "r"}),
+        "free": ("it is in service (exclusive: and not in use)", {"owner": "tpr", "consumer": "r"}),
+        "service": ("it is in service, for who may return", {"owner": "tp", "consumer": "r", "watcher": "r"}),
+    },
+    "software": {
+        "available": ("the consumer neither holds it nor asks", {"owner": "p", "consumer": "tp"}),
+        "take": ("it is asked for", {"owner": "t", "consumer": "p"}),
+        "answer": ("it is held, and produced", {"owner": "tp", "consumer": "tpr"}),
+        "error": ("it is refused, or is no longer produced", {"owner": "p", "consumer": "tr"}),
+        "release": ("it is given back", {"owner": "t", "consumer": "p"}),
+        "waiting": ("its producer is to answer", {"owner": "tp", "consumer": "t", "producer": "r"}),
+        "free": ("its producer may stop", {"owner": "tp", "consumer": "p", "producer": "r"}),
+        "unused": ("no request is open", {"owner": "tp", "consumer": "p", "producer": "r"}),
+        "activation": ("its producer runs now", {"owner": "t", "producer": "p"}),
+        "deactivation": ("its producer has stopped, or refuses", {"owner": "tp", "producer": "p"}),
+    },
+    "activity": {
+        "Start": ("it is started, or evaluates again", {"owner": "tp", "control": "p"}),
+        "Stop": ("an objective stops it", {"owner": "t", "control": "p"}),
+        "StartByRes": ("a request starts it, or it evaluates again", {"owner": "tp", "product": "p"}),
+        "error": ("no alternative is possible", {"owner": "tp"}),
+        "refusing": ("the same of a producer that serves", {"owner": "tp", "product": "r"}),
+        "running": ("some alternative runs", {"owner": "tp", "control": "r", "product": "r"}),
+        "active1": ("its first alternative runs", {"owner": "tp", "control": "r", "product": "r"}),
+        "idle": ("it is not started, nor stopping", {"owner": "tp", "control": "t"}),
+    },
+}
+"""By kind of element and part of it: what a token says, and who may do what."""
+
+CONTROL = frozenset({"objective", "parallel", "mission", "once"})
+WORDS = {"t": "takes from", "p": "puts into", "r": "reads"}
+
+
+def contract_of_arcs(of: Subject, parts: Contract = PARTS) -> None:
+    """Each transition touches the places of other templates only as the contract allows.
+
+    Args:
+        of: What has been composed.
+        parts: The contract.
+
+    Raises:
+        Violation: One does more.
+    """
+    names, found = names_of(of.mission_net.usage), of.mission_net
+    for transition in of.net.transitions:
+        by = transition.provenance
+        assert by is not None, "composition notes who drew a transition"
+        arcs = {"t": dict(transition.consume), "p": dict(transition.produce), "r": dict(transition.read)}
+        for place in sorted({p for places in arcs.values() for p in places}):
+            name = of.net.places[place].name
+            meaning = names.meaning(name)
+            if meaning is None:
+                continue  # a place that the templates have named themselves
+            kind, element, *part = meaning
+            known = parts.get(kind, {}).get(part[0] if part else "")
+            side, allowed = _sides(found, by, (kind, element), known)
+            for letter in WORDS:
+                if place in arcs[letter] and letter not in allowed:
+                    message = f"{transition.name}, of {by}, {WORDS[letter]} {name}"
+                    raise Violation(f"{message}, which the {side} of {kind} {element} may not")
+
+
+def _sides(
+    found: MissionNet, by: Provenance, touched: tuple[str, str], place: tuple[str, Allowed] | None
+) -> tuple[str, str]:
+    """As whom an element touches a place of another, and what it may do there."""
+    kind, element = touched
+    drawer_kind, drawer = _drawer(by)
+    own = touched == (drawer_kind, drawer) or (kind in CONTROL and by.kind in CONTROL)
+    if place is None:
+        return ("owner", "tpr") if own else ("other side", "")
+    side = "other side"
+    if own:
+        side = "owner"
+    elif by.kind in CONTROL:
+        side = "control"
+    elif kind == "activity" and drawer_kind == "software" and found.usage.producer[drawer] == element:
+        side = "product"
+    elif drawer_kind == "activity" and kind == "software" and found.usage.producer[element] == drawer:
+        side = "producer"
+    elif drawer_kind == "activity" and kind != "activity" and element in found.usage.resources_of({drawer}):
+        side = "consumer"
+    elif drawer_kind == "activity" and kind == "hardware":
+        side = "watcher"  # a supplier needs it for an alternative that the activity may return to
+    return side, place[1].get(side, "")
+
+
+def _drawer(by: Provenance) -> tuple[str, str]:
+    """The element whose template drew something; alternatives belong to their activity."""
+    return ("activity", by.name.split(".", 1)[0]) if by.kind == "alternative" else (by.kind, by.name)

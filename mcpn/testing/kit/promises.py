@@ -1,0 +1,114 @@
+"""What every composed mission owes in its markings, whatever its engine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mcpn.check.verdicts.modes import Situation, situation
+from mcpn.net.compose import MissionNet
+from mcpn.net.templates.names import names_of
+from mcpn.runtime.tables import Inside
+from mcpn.space.markings.graph import Ints
+from mcpn.testing.kit.subject import Subject
+
+INTERFACE = ("available", "take", "answer", "release", "error")
+
+
+def invariants_of_units(of: Subject) -> None:
+    """Each interface of a resource holds one token, and so does what the resource itself is in.
+
+    Raises:
+        Violation: One does not, in some marking.
+    """
+    found = of.mission_net
+    sharing = found.usage.sharing
+    for hardware in found.mission.hardware:
+        name = hardware.name
+        said = tokens(of, name, "free", "busy", "OOS", "failing")
+        of.require(said == 1, f"hardware {name} is not in one state: free, busy, failing or out of service")
+        out = tokens(of, name, "OOS")
+        for owner in sharing.owners(name):
+            said = tokens(of, name, *INTERFACE, owner=owner) + out
+            of.require(said == 1, f"the interface of hardware {name}{_of(owner)} does not hold one token")
+    for software in found.mission.software:
+        name = software.name
+        if found.usage.producer[name] not in found.usage.started:
+            continue
+        for owner in sharing.owners(name):
+            said = tokens(of, name, *INTERFACE, "waiting", "free", owner=owner)
+            of.require(said == 1, f"the interface of software {name}{_of(owner)} does not hold one token")
+            if sharing.serves(found.usage.producer[name]):
+                said = tokens(of, name, "unused", "waiting", "busy", owner=owner)
+                message = f"software {name}{_of(owner)} is not in one state: unused, waiting or busy"
+                of.require(said == 1, message)
+            else:
+                said = tokens(of, name, "notAvailable", "waiting", "free", "busy", "error")
+                of.require(said <= 1, f"software {name} is in several states")
+
+
+def promises_at_rest(of: Subject) -> None:
+    """In each stable marking hardware has a known status, and each activity of an objective is one thing.
+
+    Raises:
+        Violation: It is not so.
+    """
+    found = of.mission_net
+    for hardware in found.mission.hardware:
+        known = tokens(of, hardware.name, "free", "busy", "OOS") == 1
+        of.require(known | ~of.stable, f"{hardware.name} is neither free nor busy nor out of service")
+    for state in np.flatnonzero(of.stable).tolist():
+        wrong = not_one_thing(found, situation(found, of.markings.marking(state)))
+        if wrong is not None:
+            raise of.violation(state, wrong)
+
+
+def idle_again(of: Subject) -> None:
+    """Where the mission has ended, everything but the status of hardware is as it was before it began.
+
+    Raises:
+        Violation: Something is not.
+    """
+    ends = np.zeros(of.markings.states, np.bool_)
+    for place in of.mission_net.ends.values():
+        ends |= of.markings.marked(place)
+    for state in np.flatnonzero(of.stable & ends).tolist():
+        if left := of.mission_net.not_idle(of.markings.marking(state)):
+            raise of.violation(
+                state, f"the mission has ended, and these are not as before: {', '.join(left)}"
+            )
+
+
+def check_promises(of: Subject) -> None:
+    """All of these.
+
+    Raises:
+        Violation: One is broken.
+    """
+    invariants_of_units(of)
+    promises_at_rest(of)
+    idle_again(of)
+
+
+def not_one_thing(found: MissionNet, now: Situation | Inside) -> str | None:
+    """The activity of an objective that runs which does not do one of three: run, wait, be refused."""
+    activities = {section.name: section.activities for section in found.graph.walk()}
+    for objective in now.objectives:
+        for activity in activities[objective]:
+            said = [activity in those for those in (now.mode, now.waiting, now.refused)]
+            if said.count(True) != 1:
+                return f"{activity} of {objective} does not do one of three, run, wait, be refused: {now}"
+    return None
+
+
+def tokens(of: Subject, name: str, *parts: str, owner: str | None = None) -> Ints:
+    """By state, the tokens in some places of a resource, or of one owner's interface, those that it has."""
+    usage = of.mission_net.usage
+    index, names = of.net.place_index, names_of(usage)
+    kind = "hardware" if name in usage.hardware else "software"
+    called = [names.of(kind, name, part, *([owner] if owner else [])) for part in parts]
+    places = [index[place] for place in called if place in index]
+    return np.asarray(np.sum([of.markings.marked(p) for p in places], axis=0, dtype=np.int64), np.int64)
+
+
+def _of(owner: str | None) -> str:
+    return "" if owner is None else f" for {owner}"

@@ -1,0 +1,140 @@
+"""Ready-made properties: what any set of templates owes, as functions of a mission composed with it.
+
+>>> from mcpn.mission.xml import read_mission
+>>> subject = Subject(read_mission("experiments/ulysse/mission.xml"), max_states=100_000)
+>>> for holds in PROPERTIES.values():
+...     holds(subject)
+
+Each raises a :class:`~mcpn.testing.kit.subject.Violation` with a run, and passes over what it does not speak
+of. A net that is not 1-safe breaks all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+import numpy as np
+
+from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
+from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.testing.kit.contract import contract_of_arcs
+from mcpn.testing.kit.promises import idle_again as idle_at_the_end
+from mcpn.testing.kit.promises import invariants_of_units, promises_at_rest
+from mcpn.testing.kit.subject import Subject, Violation
+
+Property: TypeAlias = Callable[[Subject], None]
+
+
+def one_safe(of: Subject) -> None:
+    """No firing puts a second token in a place."""
+    try:
+        of.markings  # noqa: B018
+    except UnsafeError as error:
+        raise Violation(str(error), error.runs, of.net) from None
+
+
+def unit_invariants(of: Subject) -> None:
+    """Each interface of a resource holds one token, in every marking."""
+    one_safe(of)
+    invariants_of_units(of)
+
+
+def ending(of: Subject) -> None:
+    """Internal evolution ends, and from every marking some run leads to an end of the mission.
+
+    Where activities contend they may wait for each other, or ask again and again: that is not looked at. Nor
+    are ends of missions whose routes go round for ever.
+    """
+    one_safe(of)
+    if of.mission_net.usage.contentions:
+        return
+    try:
+        of.reduced()
+    except DivergenceError as error:
+        raise Violation(str(error), error.runs, of.net) from None
+    except ConfluenceError:
+        pass  # another property
+    if not all(map(_leads_out, of.mission_net.usage.graphs())):
+        return
+    ends = np.zeros(of.markings.states, np.bool_)
+    for place in of.mission_net.ends.values():
+        ends |= of.markings.marked(place)
+    of.require(of.markings.reaching(ends), "no run leads from here to an end of the mission")
+
+
+def _leads_out(graph: ObjectivesGraph) -> bool:
+    """Whether every section has a way out of the graph by what its objectives come to."""
+    out = {*graph.exits}
+    while more := [
+        section.name
+        for section in graph.sections
+        if section.name not in out and any(route in out for _, route in section.outcomes)
+    ]:
+        out.update(more)
+    return all(section.name in out for section in graph.sections)
+
+
+def confluent(of: Subject) -> None:
+    """Each event has one outcome, whatever the order of internal firings; where nothing contends."""
+    one_safe(of)
+    if of.mission_net.usage.contentions:
+        return
+    try:
+        of.reduced()
+    except ConfluenceError as error:
+        raise Violation(str(error), error.runs, of.net) from None
+    except DivergenceError:
+        pass  # another property
+
+
+def idle_again(of: Subject) -> None:
+    """When the mission has ended, everything but the status of hardware is as before."""
+    one_safe(of)
+    idle_at_the_end(of)
+
+
+def event_deterministic(of: Subject) -> None:
+    """In no stable marking may one event fire two transitions."""
+    one_safe(of)
+    graph = of.markings
+    for state in np.flatnonzero(of.stable).tolist():
+        events = [of.net.transitions[t].event for t, _ in graph.successors(state)]
+        for event in events:
+            if events.count(event) > 1:
+                raise of.violation(state, f"the event {event} fires several transitions")
+
+
+def contract_kept(of: Subject) -> None:
+    """Transitions touch other templates only as the contract says; at rest all have answered.
+
+    At rest means in stable markings: hardware is free, busy or out of service, and each activity of an
+    objective runs, waits or is refused.
+    """
+    contract_of_arcs(of)
+    one_safe(of)
+    promises_at_rest(of)
+
+
+PROPERTIES: Mapping[str, Property] = {
+    "one_safe": one_safe,
+    "unit_invariants": unit_invariants,
+    "contract_kept": contract_kept,
+    "ending": ending,
+    "confluent": confluent,
+    "idle_again": idle_again,
+    "event_deterministic": event_deterministic,
+}
+"""By name, what holds of every mission; in the order in which one looks for the cause of a fault."""
+
+
+def no_dead_transition(of: Subject) -> None:
+    """Every transition fires in some run: of missions that need all of what is drawn.
+
+    Templates may draw what a mission does not need, so this is asked of chosen missions alone.
+    """
+    one_safe(of)
+    fired = np.unique(of.markings.labels)
+    dead = sorted({*range(len(of.net.transitions))} - {*fired.tolist()})
+    if dead:
+        raise Violation(f"never fired: {', '.join(of.net.transitions[t].name for t in dead)}")

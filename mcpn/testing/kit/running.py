@@ -1,0 +1,180 @@
+"""Runs properties on drawn missions; what breaks one is shrunk to the smallest mission that does.
+
+>>> from mcpn.net.templates import PaperTemplates
+>>> broken(PaperTemplates(), profile="dev", properties={"one_safe": one_safe}) is None
+True
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from mcpn.errors import InputError, LimitError
+from mcpn.mission.model import Mission
+from mcpn.net.templates import TemplateSet
+from mcpn.testing import Shape, missions
+from mcpn.testing.data import data_sharing_missions
+from mcpn.testing.kit.corpus import MISSIONS, NEEDED_WHOLE
+from mcpn.testing.kit.properties import PROPERTIES, Property, no_dead_transition
+from mcpn.testing.kit.properties import one_safe as one_safe
+from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
+from mcpn.testing.shown import as_xml
+
+MOST_OF_THE_CORPUS = 50_000
+"""Markings that a mission of the corpus may have."""
+
+SMALL = Shape(
+    hardware=3,
+    producers=2,
+    alternatives=2,
+    activities=3,
+    sections=4,
+    objectives=2,
+    own_hardware=True,
+    shared_activities=False,
+)
+"""Missions in which nothing contends, most with less than a thousand markings."""
+
+PROFILES: Mapping[str, settings] = {
+    name: settings(
+        max_examples=examples,
+        derandomize=fixed,
+        deadline=None,
+        database=None,
+        report_multiple_bugs=False,
+        phases=[Phase.generate, Phase.shrink],
+        suppress_health_check=list(HealthCheck),
+    )
+    for name, examples, fixed in (("dev", 25, False), ("ci", 75, True), ("nightly", 10_000, False))
+}
+"""How many missions are drawn, and whether always the same ones."""
+
+
+ALL: Mapping[str, Property] = {**PROPERTIES, "no_dead_transition": no_dead_transition}
+"""The properties that the kit tests."""
+
+
+def small_missions() -> tuple[st.SearchStrategy[Mission], ...]:
+    """Strategies of small missions in which nothing contends, those that shrink best first.
+
+    Missions with every element of the language; with events that interrupt; whose branches share data.
+    """
+    return missions(SMALL), missions(SMALL, events=1), data_sharing_missions()
+
+
+@dataclass(frozen=True)
+class BrokenProperty:
+    """A property that some templates break.
+
+    Args:
+        property: Its name.
+        mission: The smallest mission that was found.
+        violation: What is wrong with it.
+    """
+
+    property: str
+    mission: Mission
+    violation: Violation
+
+    def __str__(self) -> str:
+        return f"{self.property} is broken: {self.violation}\n\non this mission:\n\n{as_xml(self.mission)}"
+
+
+def broken(
+    templates: TemplateSet, *, profile: str = "dev", properties: Mapping[str, Property] = ALL
+) -> BrokenProperty | None:
+    """Looks for a mission on which some templates break a property.
+
+    Missions are drawn first, for what they show is shrunk; then those of the corpus are tried, one for each
+    form of template, the smallest first.
+
+    Args:
+        templates: The templates.
+        profile: One of :data:`PROFILES`.
+        properties: By name; the first that is broken on a mission is told. ``no_dead_transition`` is asked
+            of those missions of the corpus that need all of what is drawn.
+
+    Returns:
+        The smallest mission found with what is wrong; ``None`` if all properties hold.
+
+    Raises:
+        InputError: There is no such profile.
+    """
+    if profile not in PROFILES:
+        raise InputError.at(None, f"found the profile {profile!r}, expected one of: {', '.join(PROFILES)}")
+    asked = {name: holds for name, holds in properties.items() if name != "no_dead_transition"}
+    strategies = small_missions()
+    for strategy in strategies if asked else ():
+        chosen = PROFILES[profile]
+        share = settings(chosen, max_examples=-(-chosen.max_examples // len(strategies)))
+        found = _smallest(strategy, share, templates, asked)
+        if found is not None:
+            return found
+    return next(of_the_corpus(templates, properties), None)
+
+
+def _smallest(
+    strategy: st.SearchStrategy[Mission],
+    within: settings,
+    templates: TemplateSet,
+    properties: Mapping[str, Property],
+) -> BrokenProperty | None:
+    """The smallest mission of a strategy on which a property is broken."""
+    last: BrokenProperty | None = None
+
+    @within
+    @given(strategy)
+    def holds(mission: Mission) -> None:
+        nonlocal last
+        found = first_broken(mission, templates, properties)
+        if found is not None:
+            last = found  # hypothesis tries the smallest one last
+            raise found.violation
+
+    try:
+        holds()
+    except Violation:
+        return last
+    return None
+
+
+def of_the_corpus(
+    templates: TemplateSet, properties: Mapping[str, Property] = ALL
+) -> Iterator[BrokenProperty]:
+    """What some templates break on the missions of the corpus, the first property on each."""
+    asked = {name: holds for name, holds in properties.items() if name != "no_dead_transition"}
+    for name, mission in MISSIONS.items():
+        found = first_broken(mission, templates, asked, MOST_OF_THE_CORPUS)
+        if found is None and name in NEEDED_WHOLE and "no_dead_transition" in properties:
+            found = first_broken(mission, templates, {"no_dead_transition": no_dead_transition})
+        if found is not None:
+            yield found
+
+
+def first_broken(
+    mission: Mission,
+    templates: TemplateSet,
+    properties: Mapping[str, Property] = PROPERTIES,
+    most: int = MOST_MARKINGS,
+) -> BrokenProperty | None:
+    """The first property that some templates break on one mission; missions that are too large pass."""
+    try:
+        subject = (
+            Subject(mission, templates) if most is None else Subject(mission, templates, max_states=most)
+        )
+    except LimitError:
+        return None  # an element is too wide for its template
+    except InputError as error:
+        return BrokenProperty("composes", mission, Violation(f"the templates do not fit together: {error}"))
+    for name, holds in properties.items():
+        try:
+            holds(subject)
+        except Violation as violation:
+            return BrokenProperty(name, mission, violation)
+        except LimitError:
+            return None
+    return None

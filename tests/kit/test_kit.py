@@ -1,0 +1,227 @@
+"""The kit: the paper's templates keep every property, each seeded fault breaks one, what is told is small."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.errors import InputError, LimitError
+from mcpn.mission.model import Mission, walk
+from mcpn.mission.robot import Hardware
+from mcpn.mission.xml import read_mission
+from mcpn.net.templates import Canvas, PaperTemplates
+from mcpn.net.templates.named import templates_named
+from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
+from mcpn.testing.kit.corpus import MISSIONS
+from mcpn.testing.kit.properties import PROPERTIES
+from mcpn.testing.kit.running import BrokenProperty, broken, first_broken, of_the_corpus, small_missions
+from mcpn.testing.kit.subject import Subject, Violation
+from tests.conftest import ULYSSE
+from tests.draws import fewer
+from tests.kit.faults import FAULTS, HARMLESS, Faulty
+
+pytest_plugins = ["pytester"]
+
+
+@fewer(0.3)
+@given(st.one_of(small_missions()))
+def test_the_papers_templates_keep_every_property(mission: Mission) -> None:
+    found = first_broken(mission, PaperTemplates())
+    assert found is None, str(found)
+
+
+def test_the_papers_templates_keep_every_property_on_ulysse_and_the_corpus(ulysse: Mission) -> None:
+    subject = Subject(ulysse, max_states=50_000)
+    for holds in PROPERTIES.values():
+        holds(subject)
+    assert list(of_the_corpus(PaperTemplates())) == []
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_each_fault_is_found(name: str) -> None:
+    templates = Faulty(*FAULTS[name])
+    found = next(of_the_corpus(templates), None)
+    assert templates.changed
+    assert found is not None
+    assert found.violation.message
+    # The run is one of the net with the fault.
+    net = Subject(found.mission, templates).net
+    for run in found.violation.runs:
+        marking = net.initial
+        for transition in run:
+            assert net.transition_index[transition] in net.enabled(marking)
+            marking = net.fire(marking, net.transition_index[transition])
+
+
+@pytest.mark.parametrize("name", HARMLESS)
+def test_faults_that_change_nothing_are_let_pass(name: str) -> None:
+    templates = Faulty(*HARMLESS[name])
+    assert list(of_the_corpus(templates)) == []
+    assert templates.changed
+
+
+class Forgetful(PaperTemplates):
+    """Hardware that is taken and never says so."""
+
+    def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+        Faulty(*FAULTS["it forgets its acknowledgement"]).hardware(canvas, resource)
+
+
+def test_what_is_found_is_small_and_can_be_read_again(tmp_path: Path) -> None:
+    found = broken(Forgetful(), profile="ci")
+    assert found is not None
+    assert found.property == "unit_invariants"
+    assert len(list(walk(found.mission.blocks))) == 1
+    assert len(found.mission.hardware) == 1
+    told = str(found)
+    assert "unit_invariants is broken: the interface of hardware h0 does not hold one token" in told
+    assert re.search(r"run:\n  1\. MISSION_EV_START\n       \w+_sel1\n       h0_[79]", told)
+    (tmp_path / "m.xml").write_text(told[told.index("<mission") :])
+    again = first_broken(read_mission(tmp_path / "m.xml"), Forgetful())
+    assert again is not None
+    assert again.violation.message == found.violation.message
+
+
+def test_a_fault_that_only_the_corpus_shows_is_told() -> None:
+    class Rare(PaperTemplates):
+        """Wrong for what is called fuse alone, which no drawn mission has."""
+
+        def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+            faulty = "fuse" in canvas.usage.activities
+            (Forgetful if faulty else PaperTemplates)().hardware(canvas, resource)
+
+    found = broken(Rare(), profile="dev", properties={"unit_invariants": PROPERTIES["unit_invariants"]})
+    assert found is not None
+    assert found.mission is MISSIONS["four data"]
+
+
+def test_templates_that_do_not_fit_together_are_told() -> None:
+    class Unnamed(PaperTemplates):
+        """Its hardware is not drawn at all."""
+
+        def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+            return
+
+    found = first_broken(MISSIONS["retried"], Unnamed())
+    assert found is not None
+    assert found.property == "composes"
+    assert "names the place" in str(found)
+
+
+def test_missions_that_are_too_large_are_passed_over() -> None:
+    assert first_broken(MISSIONS["four data"], Forgetful(), most=100) is None
+    with pytest.raises(LimitError):
+        Subject(MISSIONS["four data"], max_states=100).markings  # noqa: B018
+
+
+def test_an_unknown_profile_is_refused() -> None:
+    with pytest.raises(InputError, match="found the profile 'quick', expected one of: dev, ci, nightly"):
+        broken(PaperTemplates(), profile="quick")
+
+
+# --- the contract ----------------------------------------------------------------------------------------
+
+
+GIVEN_UP = ("available", "free", "waiting", "unused")
+
+
+def touched() -> set[tuple[str, str, str, str]]:
+    """What the paper's templates do, of what the contract allows: kind, part, side, letter."""
+    found = set()
+    for kind, parts in PARTS.items():
+        for part, (_, allowed) in parts.items():
+            for side, letters in allowed.items():
+                for letter in letters:
+                    less = {**allowed, side: letters.replace(letter, "")}
+                    contract = {**PARTS, kind: {**parts, part: ("", less)}}
+                    for mission in (*MISSIONS.values(), read_mission(ULYSSE)):
+                        try:
+                            contract_of_arcs(Subject(mission), contract)
+                        except Violation:
+                            found.add((kind, part, side, letter))
+                            break
+    return found
+
+
+def test_the_contract_allows_no_more_than_the_templates_do() -> None:
+    allowed = {
+        (kind, part, side, letter)
+        for kind, parts in PARTS.items()
+        for part, (_, sides) in parts.items()
+        for side, letters in sides.items()
+        for letter in letters
+    }
+    assert allowed - touched() == RARE
+
+
+RARE = {
+    # Requests are given up only where something contends, which the missions of the corpus do not.
+    *(("software", part, "consumer", letter) for part, letter in zip(GIVEN_UP, "pptp", strict=True)),
+    # Errors of hardware are noted one by one beside more than three data.
+    ("hardware", "answer", "consumer", "p"),
+    ("hardware", "error", "consumer", "r"),
+    # An activity returns for hardware that only its supplier uses.
+    ("hardware", "service", "watcher", "r"),
+}
+
+
+def test_who_touches_what_is_private_breaks_the_contract() -> None:
+    class Meddling(PaperTemplates):
+        """An activity that looks into the hardware that it uses."""
+
+        def hardware(self, canvas: Canvas, resource: Hardware) -> None:
+            super().hardware(canvas, resource)
+            pen = canvas.of("activity", "a", None)
+            pen.transition(("peek", resource.name), [], [], read=[canvas.resource(resource.name, "busy")])
+
+    with pytest.raises(
+        Violation, match=r"a_peek_h, of activity a, reads h_busy, which the other side of hardware h may not"
+    ):
+        contract_of_arcs(Subject(MISSIONS["retried"], Meddling()))
+    assert WORDS.keys() == {"t", "p", "r"}
+
+
+# --- by name, and in pytest ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("nothing", "found the templates 'nothing', expected paper or MODULE:NAME"),
+        ("mcpn.no_such:X", "cannot be loaded: ModuleNotFoundError"),
+        ("mcpn.net.petri:NoSuch", "cannot be loaded: AttributeError"),
+        ("mcpn.net.petri:PetriNet", "cannot be loaded: TypeError"),
+        (
+            "mcpn.net.petri:EVENTS",
+            "found no hardware, software, activity, control; expected a set",
+        ),
+    ],
+)
+def test_templates_that_are_none_are_refused(name: str, told: str) -> None:
+    with pytest.raises(InputError, match=re.escape(told)):
+        templates_named(name)
+
+
+def test_templates_go_by_their_names() -> None:
+    assert isinstance(templates_named("paper"), PaperTemplates)
+    assert isinstance(templates_named(f"{__name__}:Forgetful"), Forgetful)
+
+
+def test_the_plugin_runs_the_kit(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    pytester.makepyfile(mine="from tests.kit.test_kit import Forgetful as Mine\n")
+    options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev", "-k", "unit"]
+    asked = ["--mcpn-templates", "mine:Mine", "--mcpn-templates", "paper"]
+    result = pytester.runpytest_inprocess(*options, *asked)
+    result.assert_outcomes(passed=1, failed=1, deselected=2 * len(PROPERTIES))
+    result.stdout.fnmatch_lines(["*hardware h0 does not hold one token*", "*<mission *", "*</mission>*"])
+    result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_a_finding_says_all_there_is_to_know() -> None:
+    told = str(BrokenProperty("one_safe", MISSIONS["retried"], Violation("twice", [("t",)])))
+    assert told.startswith("one_safe is broken: twice\nrun:\n       t\n\non this mission:\n\n<mission ")
