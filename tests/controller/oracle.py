@@ -86,9 +86,10 @@ class NetRobot:
         )
 
     def hardware(self, activity: str, alternative: str) -> list[str]:
-        (of,) = [a for a in self.mission_net.mission.activities if a.name == activity]
+        robots = self.mission_net.mission.robots  # as declared: nobody takes what stands for a fault
+        (of,) = [a for robot in robots for a in robot.activities if a.name == activity]
         (way,) = [w for w in of.alternatives if w.name == alternative]
-        return [k for k in way.consumes if k in {h.name for h in self.mission_net.mission.hardware}]
+        return [k for k in way.consumes if k in {h.name for robot in robots for h in robot.hardware}]
 
     def fire(self, transition: int, left: set[str], idle: set[str]) -> None:
         before = self.marking

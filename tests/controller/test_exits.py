@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import random
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
-from mcpn.controller.generate import generate
+from mcpn.controller.generate import Form, generate
 from mcpn.controller.hierarchy import TableController
 from mcpn.controller.minimise import is_bisimulation, minimise, partition
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
 from mcpn.mission.model import Mission, Objective, Parallel, Recursive
-from mcpn.mission.robot import Activity, Alternative, Robot
+from mcpn.mission.robot import Activity, Alternative, Fault, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller as Runtime
@@ -146,6 +146,34 @@ def test_an_abort_in_every_target(tmp_path: Path) -> None:
             path = tmp_path / "abort.scxml"
             path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
             check("Qt", path, controller, traced, events)
+
+
+def test_a_common_cause_in_every_target(tmp_path: Path) -> None:
+    """A fault of the hardware of both alternatives, and of that of a later section alone."""
+    tasks = (activity("a", ("h",), ("g",)), activity("b", ("k",)))
+    hardware = tuple(Hardware(name=name) for name in ("h", "g", "k"))
+    faults = (Fault(name="board", affects=("h", "g")), Fault(name="fuse", affects=("k",)))
+    of = Robot(name="r", hardware=hardware, faults=faults, activities=tasks)
+    blocks = (
+        Objective(name="x", activities=("a",), retries=1),
+        Objective(name="y", activities=("b",), failure="x"),
+    )
+    mission_net = compose(mission(of, *blocks))
+    forms: tuple[Form, ...] = get_args(Form)
+    for number, controller in enumerate(generate(mission_net, form) for form in forms):
+        traced = Traced(document(controller, mission_net))
+        events = [*tour(traced)[0], *random_events(traced, random.Random(2), 100)]
+        assert {"board_EV_OOS", "fuse_EV_OOS", "fuse_EV_RD"} <= set(events)
+        traced.restart()
+        expected = traced.lines(events)
+        program = build(files(controller, mission_net, "c"), tmp_path / str(number))
+        assert run_lines(program, events) == expected
+        (text,) = files(controller, mission_net, "python").values()
+        assert Generated(text).lines(events) == expected
+    controller = generate(mission_net)
+    traced, path = Traced(document(controller, mission_net)), tmp_path / "fault.scxml"
+    path.write_text(next(iter(files(controller, mission_net, "scxml").values())))
+    check("Qt", path, controller, traced, tour(traced)[0])
 
 
 def test_more_outcomes_than_a_byte_has_numbers(tmp_path: Path) -> None:
