@@ -21,6 +21,7 @@ from typing import TypeAlias
 
 from mcpn.check.paths.formulas import Next, Release, Until
 from mcpn.errors import LimitError
+from mcpn.space.components import strongly_connected
 from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Or
 
 MAX_STATES = 2_000
@@ -59,34 +60,7 @@ class Automaton:
 
     def components(self) -> list[list[int]]:
         """The strongly connected components of its states, those that others lead to first."""
-        # By Tarjan's algorithm on a stack of its own: networkx takes longer to load than formulas to answer.
-        found: list[list[int]] = []
-        number: dict[int, int] = {}
-        lowest: dict[int, int] = {}
-        open_: dict[int, None] = {}
-        for start in range(len(self.edges)):
-            stack = [] if start in number else [(start, iter(self.edges[start]))]
-            while stack:
-                q, left = stack[-1]
-                if q not in number:
-                    number[q] = lowest[q] = len(number)
-                    open_[q] = None
-                edge = next(left, None)
-                if edge is not None:
-                    if edge.target not in number:
-                        stack.append((edge.target, iter(self.edges[edge.target])))
-                    elif edge.target in open_:
-                        lowest[q] = min(lowest[q], number[edge.target])
-                    continue
-                stack.pop()
-                if stack:
-                    lowest[stack[-1][0]] = min(lowest[stack[-1][0]], lowest[q])
-                if lowest[q] == number[q]:
-                    component = [p for p in open_ if number[p] >= number[q]]
-                    for p in component:
-                        del open_[p]
-                    found.append(sorted(component))
-        return found
+        return strongly_connected([[edge.target for edge in of] for of in self.edges])
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import TypeAlias
 
 from mcpn._kernel import Zdd
 from mcpn.space.algebra import Guards, Without
+from mcpn.space.components import strongly_connected
 from mcpn.space.local.layout import Layout
 from mcpn.space.local.section_type import ALL, Allowed
 from mcpn.space.local.sections import BEGIN, Stage, WholeNet, ends_of, outside
@@ -302,12 +303,10 @@ class Glued:
     @cached_property
     def regions(self) -> Sequence[CompositeSet]:
         """Sections that lead to each other, and each other section alone: no cycle leaves a region."""
-        import networkx as nx
-
         parts = self.everything.parts
-        graph: nx.DiGraph[str] = nx.DiGraph()
-        graph.add_nodes_from(parts)
-        graph.add_edges_from((n, r) for n in parts for r in self.stages[n].routes.values() if r in parts)
-        regions = nx.strongly_connected_components(graph)
-        ordered = (sorted(names, key=self.order.__getitem__) for names in regions)
-        return [CompositeSet(self, {name: parts[name] for name in names}) for names in ordered]
+        names = list(parts)
+        number = {name: i for i, name in enumerate(names)}
+        routes = [[number[r] for r in self.stages[n].routes.values() if r in parts] for n in names]
+        regions = ([names[i] for i in region] for region in strongly_connected(routes))
+        ordered = (sorted(region, key=self.order.__getitem__) for region in regions)
+        return [CompositeSet(self, {name: parts[name] for name in region}) for region in ordered]
