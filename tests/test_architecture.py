@@ -28,6 +28,7 @@ WAY = [
     "space",
     "check",
     "controller",
+    "bench",
     "report",
     "study",
     "testing",

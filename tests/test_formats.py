@@ -51,6 +51,8 @@ PRINTED = {
     "simulate mission.xml --random 9 --seed 3": "simulate",
     "simulate mission.xml --tokens --random 9": "simulate-tokens",
     "simulate dead.net --random 9": "simulate-tokens",
+    "bench mission.xml --runs 20 --duration 1 --against python --traces one": "bench",
+    "tests courier/mission.xml -o one": "tests",
     "controller mission.xml -o one": "controller",
     "controller mission.xml -o one --form modular": "controller",
     "monitor mission.xml -o one": "monitor",

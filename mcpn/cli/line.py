@@ -24,6 +24,7 @@ TRACEBACK = "MCPN_TRACEBACK"
 COMMANDS = {
     "alternatives": "spaces",
     "ask": "ask",
+    "bench": "robot.bench",
     "causes": "causes",
     "check": "check",
     "compare": "spaces",
@@ -35,6 +36,7 @@ COMMANDS = {
     "schema": "begin",
     "simulate": "simulate",
     "states": "spaces",
+    "tests": "robot.sequences",
 }
 """By command, the module of this package that has it."""
 ALIASES = {"ctl": "ask"}

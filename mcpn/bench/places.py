@@ -1,0 +1,76 @@
+"""The places of a controller, each asked of the runtime once: runs through them look up what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from mcpn.runtime.controller import Controller
+from mcpn.runtime.tables import Action, Inside, Tables
+
+
+@dataclass(eq=False)
+class Place:
+    """Where a controller is, its timers aside.
+
+    Args:
+        snapshot: The runtime's.
+        section: The section that runs, and the number of its state.
+        inside: What runs.
+        happened: Handlers that happen once and have.
+        outcome: How the mission has ended.
+        possible: The events that can be taken.
+        edges: Where events lead, and the actions, as far as they have been asked.
+    """
+
+    snapshot: str
+    section: tuple[str, int] | None
+    inside: Inside
+    happened: frozenset[str]
+    outcome: str | None
+    possible: tuple[str, ...]
+    edges: dict[str, tuple[Place, tuple[Action, ...]]] = field(default_factory=dict)
+
+    @property
+    def seen(self) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
+        """Objectives that run, and the functioning mode."""
+        return self.inside.objectives, tuple(sorted(self.inside.mode.items()))
+
+
+class Places:
+    """The places of one controller, as far as they have been come to.
+
+    Args:
+        tables: The controller's.
+    """
+
+    def __init__(self, tables: Tables) -> None:
+        self.tables = tables
+        self._controller = Controller(tables, log=1, clock=lambda: 0.0)
+        self._known: dict[str, Place] = {}
+        self.start = self._here()
+
+    def __iter__(self) -> Iterator[Place]:
+        return iter(list(self._known.values()))
+
+    def after(self, place: Place, event: str) -> tuple[Place, tuple[Action, ...]] | None:
+        """Where an event leads, and the actions; ``None`` where the controller refuses it."""
+        if event not in place.edges:
+            if event not in place.possible:
+                return None
+            self._controller.restore(place.snapshot)
+            actions, _ = self._controller.react(event)
+            place.edges[event] = self._here(), actions
+        return place.edges[event]
+
+    def _here(self) -> Place:
+        controller = self._controller
+        controller.count = 0  # the same place has the same snapshot, however a run came to it
+        snapshot = controller.snapshot()
+        if snapshot not in self._known:
+            where = controller.where
+            section = None if where.section is None else (where.section, where.state)
+            self._known[snapshot] = Place(
+                snapshot, section, where.inside, controller.happened, controller.outcome, controller.possible
+            )
+        return self._known[snapshot]

@@ -1,0 +1,167 @@
+"""A robot and its world as fake drivers: what may happen where the controller is, and how soon.
+
+The model is that of the numbers of risk (:mod:`mcpn.check.causes.risk`), played instead of solved, and played
+on the controller instead of the net: exponential durations, failures and repairs; an objective whose present
+run cannot succeed any more fails at once. Timers, which numbers of risk do not know, run out in virtual time.
+Each place of the controller and what each event does there are asked of the runtime once.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from itertools import accumulate
+
+from mcpn.bench.places import Place, Places
+from mcpn.mission.flatten import ElementarySection
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
+from mcpn.runtime.tables import Action, Tables, TableSection
+
+
+@dataclass(eq=False)
+class Node:
+    """A place of the controller, with what may happen there.
+
+    Args:
+        place: The place.
+        seen: What runs.
+        degraded: Whether some activity runs in another alternative than its first.
+        at_once: Events of which one happens at once, each as likely: objectives that cannot succeed fail.
+        events: Others that happen with some rate.
+        rates: The sums of their rates per hour, up to each.
+        edges: Where events lead, and the actions, as far as they have been asked.
+    """
+
+    place: Place
+    seen: tuple[tuple[str, ...], tuple[tuple[str, str], ...]]
+    degraded: bool
+    at_once: list[str]
+    events: list[str]
+    rates: list[float]
+    edges: dict[str, tuple[Node, tuple[Action, ...]]] = field(default_factory=dict)
+
+
+class World:
+    """Fake drivers around a controller.
+
+    Args:
+        mission_net: The mission, whose file gives rates and durations.
+        tables: Its controller.
+        duration: Mean hours of objectives that have none in the file.
+    """
+
+    def __init__(self, mission_net: MissionNet, tables: Tables, duration: float | None = None) -> None:
+        self.mission_net = mission_net
+        self.tables = tables
+        self.places = Places(tables)
+        self._objectives: dict[str, ElementarySection] = {o.name: o for o in mission_net.graph.walk()}
+        self._duration = duration
+        mission = mission_net.mission
+        self._rates: dict[Event, float] = {}
+        for hardware in mission.hardware:
+            self._rates[Event(What.OUT_OF_SERVICE, hardware.name)] = hardware.failure_rate or 0.0
+            self._rates[Event(What.REPAIRED, hardware.name)] = hardware.repair_rate or 0.0
+        for declared in mission.events:
+            self._rates[Event(What.DECLARED, declared.name)] = declared.rate or 0.0
+        self._stopping: dict[str, set[Event]] = {name: set() for name in self._objectives}
+        for section in mission_net.graph.all_sections():
+            events = {Event(What.DECLARED, handler.event) for handler in section.interruptions}
+            for inner in section.walk():
+                self._stopping[inner.name] |= events
+        self._first = {a.name: a.alternatives[0].name for a in mission.activities}
+        self._parsed: dict[str, Event] = {}
+        self._nodes: dict[Place, Node] = {}
+        self._hope: dict[tuple[str, str, int, frozenset[str]], bool] = {}
+        self.start = self._node(self.places.start)
+
+    def after(self, node: Node, event: str) -> tuple[Node, tuple[Action, ...]] | None:
+        """Where an event leads, and the actions; ``None`` where the controller refuses it."""
+        if event not in node.edges:
+            step = self.places.after(node.place, event)
+            if step is None:
+                return None
+            node.edges[event] = self._node(step[0]), step[1]
+        return node.edges[event]
+
+    def _event(self, text: str) -> Event:
+        if text not in self._parsed:
+            self._parsed[text] = Event.parse(text)
+        return self._parsed[text]
+
+    def _node(self, place: Place) -> Node:
+        if place in self._nodes:
+            return self._nodes[place]
+        inside = place.inside
+        at_once: list[str] = []
+        rates: dict[str, float] = {}
+        possible = () if place.outcome else place.possible
+        for text in possible:
+            event = self._event(text)
+            if event.what is What.START:
+                at_once.append(text)
+            elif event.what is What.SUCCESS:
+                objective = self._objectives[event.element]
+                rate = 1.0 / self._mean(objective)
+                rates[text] = rate * (1.0 - objective.failure_probability)
+                rates[str(Event(What.FAILURE, event.element))] = rate * objective.failure_probability
+            elif event.what is What.FAILURE:
+                if event.element in inside.objectives and not self._can_succeed(event.element, place):
+                    at_once.append(text)
+            elif event in self._rates:
+                rates[text] = self._rates[event]
+        some = {text: rate for text, rate in rates.items() if rate > 0 and text in possible}
+        node = Node(
+            place,
+            place.seen,
+            any(way != self._first[activity] for activity, way in inside.mode.items()),
+            at_once,
+            list(some),
+            list(accumulate(some.values())),
+        )
+        self._nodes[place] = node
+        return node
+
+    def _mean(self, objective: ElementarySection) -> float:
+        mean = objective.duration if objective.duration is not None else self._duration
+        assert mean is not None, "whoever makes a world asks for durations first"
+        return mean
+
+    # --- can the present run of an objective still succeed? ---
+
+    def _can_succeed(self, objective: str, place: Place) -> bool:
+        """Whether some run of what may happen, in which it goes on, makes its success possible."""
+        assert place.section is not None, "an objective runs in a section"
+        key = (objective, *place.section, place.happened)
+        if key not in self._hope:
+            section = self.tables.sections[place.section[0]]
+            self._hope[key] = self._search(objective, section, place.section[1], place.happened)
+        return self._hope[key]
+
+    def _search(self, objective: str, section: TableSection, state: int, happened: frozenset[str]) -> bool:
+        success = str(Event(What.SUCCESS, objective))
+        known = {(state, happened)}
+        queue = deque(known)
+        while queue:
+            state, happened = queue.popleft()
+            possible = section.possible(state, happened)
+            if success in possible:
+                return True
+            for text in possible:
+                if not self._goes_on(objective, self._event(text)):
+                    continue
+                step = section.move(state, text, happened)
+                if step is None or isinstance(step[0], str):
+                    continue
+                if objective in section.state(step[0]).objectives:
+                    reached = step[0], happened | step[2]
+                    if reached not in known:
+                        known.add(reached)
+                        queue.append(reached)
+        return False
+
+    def _goes_on(self, objective: str, event: Event) -> bool:
+        """Whether an event may happen, and does not end the present run of an objective."""
+        if event.what in (What.SUCCESS, What.FAILURE):
+            return event.element != objective
+        return self._rates.get(event, 0.0) > 0 and event not in self._stopping[objective]

@@ -1,0 +1,1 @@
+"""Commands around a running controller: a bench, sequences of events."""

@@ -1,0 +1,223 @@
+"""Many runs of a mission's controller in virtual time, beside the numbers of risk."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from mcpn.cli.shared import EXIT_FAILED, FILE, emit_json, import_option, json_option, limit_option
+from mcpn.errors import InputError, LimitError
+
+if TYPE_CHECKING:
+    from mcpn.bench.against import Difference
+    from mcpn.bench.runs import Bench, BenchRun
+    from mcpn.check.causes.risk import Risk
+    from mcpn.net.compose import MissionNet
+    from mcpn.study import Study
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option("--runs", type=click.IntRange(min=1), default=10_000, show_default=True, help="How many.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of what happens in them.")
+@click.option(
+    "--confidence",
+    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+    default=0.999,
+    show_default=True,
+    help="Of the intervals that the numbers of risk are to lie in.",
+)
+@click.option(
+    "--duration", type=click.FloatRange(0.0, min_open=True), help="Mean hours where none are given."
+)
+@click.option("--faults", type=FILE, help="Events that happen besides: on each line hours and an event.")
+@click.option("--against", type=click.Choice(["c", "python"]), help="Compare generated code on all runs.")
+@click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
+@limit_option
+@import_option
+@json_option
+def bench(
+    mission: Path,
+    runs: int,
+    seed: int,
+    confidence: float,
+    duration: float | None,
+    faults: Path | None,
+    against: str | None,
+    traces: Path | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
+) -> None:
+    """Run the controller of MISSION many times with fake drivers, in virtual time.
+
+    Drivers take the mission's durations, rates and probabilities, exponential as for the numbers of risk
+    (causes --rates), which stand beside: exit code 1 where one lies outside of its interval, or where
+    generated code does anything else than the runtime.
+    """
+    from mcpn.bench.runs import bench as played
+    from mcpn.bench.script import read_script
+    from mcpn.bench.world import World
+    from mcpn.controller.targets.json import document
+    from mcpn.files import write_folder
+    from mcpn.runtime.tables import Tables
+    from mcpn.study import open_study
+
+    script = [] if faults is None else read_script(faults)
+    study = open_study(mission, import_root=import_root)
+    mission_net = study.mission_net
+    if duration is None:
+        _refuse_without_duration(mission_net)
+    controller = study.controller("auto", max_states=max_states)
+    world = World(mission_net, Tables(document(controller, mission_net)), duration)
+    started = time.perf_counter()
+    found = played(world, runs, seed, script)
+    seconds = time.perf_counter() - started
+    numbers, why = (None, "a script of faults is played") if script else _risk(study, max_states)
+    told = {
+        "mission": controller.mission,
+        "form": controller.form,
+        "runs": runs,
+        "seed": seed,
+        "confidence": confidence,
+        **_shares(found, numbers, confidence),
+        "hours": found.hours,
+        "no_risk": why,
+        "coverage": {
+            "modes": found.coverage.modes,
+            "of_modes": found.coverage.every_mode,
+            "edges": found.coverage.edges,
+            "of_edges": found.coverage.every_edge,
+        },
+        "against": None,
+        "traces": [],
+        "events": found.taken,
+        "seconds": seconds,
+    }
+    if traces is not None:
+        files = {f"run_{i}.jsonl": _journal(run) for i, run in enumerate(found.traces, 1)}
+        write_folder(traces, files)
+        told["traces"] = [str(traces / name) for name in files]
+    if against is not None:
+        from mcpn.bench.against import Program, compare
+        from mcpn.bench.runs import one_run_of
+
+        with tempfile.TemporaryDirectory() as folder:
+            program = Program(controller, mission_net, against, Path(folder))
+            every = (one_run_of(world, seed, number, script) for number in range(runs))
+            difference = compare(program, world.places, ([e.event for e in run.events] for run in every))
+        told["against"] = _difference(against, difference)
+    if as_json:
+        emit_json(told)
+    else:
+        _print(told)
+    if not _agrees(told):
+        click.get_current_context().exit(EXIT_FAILED)
+
+
+def _refuse_without_duration(mission_net: MissionNet) -> None:
+    from mcpn.mission.facts.warnings import of_objectives
+
+    unknown = (section for section in mission_net.graph.walk() if section.duration is None)
+    needed = "no duration, which a bench needs: its mean in hours (or --duration for all that have none)"
+    problems = list(of_objectives(unknown, f"has {needed}", f"have {needed}"))
+    if problems:
+        raise InputError(problems)
+
+
+def _risk(study: Study, max_states: int | None) -> tuple[Risk | None, str | None]:
+    """The numbers of risk, or why there are none."""
+    if any(section.timeout is not None for section in study.mission_net.graph.walk()):
+        return None, "numbers of risk know no timeouts"
+    try:
+        from mcpn.check.causes.risk import risk
+
+        return risk(study.causes(max_states=max_states).prospects, max_states), None
+    except (LimitError, InputError) as error:
+        return None, str(error).partition("\n")[0]
+
+
+def _shares(found: Bench, numbers: Risk | None, confidence: float) -> dict[str, Any]:
+    from statistics import NormalDist
+
+    from mcpn.bench.runs import ENDS, interval
+
+    outcomes = {}
+    expected: dict[str, float | None] = {name: getattr(numbers, name, None) for name in ENDS}
+    if numbers is not None:
+        expected["abort"] = numbers.abort or 0.0
+        expected["unfinished"] = max(0.0, 1.0 - sum(expected[name] or 0.0 for name in ENDS))
+    for name in (*ENDS, "unfinished"):
+        count = found.outcomes[None if name == "unfinished" else name]
+        low, high = interval(count, found.runs, confidence)
+        outcomes[name] = {"count": count, **_beside(count / found.runs, low, high, expected.get(name))}
+    mean, error = found.degraded
+    z = NormalDist().inv_cdf(0.5 + confidence / 2)
+    half = z * max(error, z / found.runs)  # where it was never seen there is no error to estimate
+    whole = numbers is not None and not found.outcomes[None]
+    modes = numbers.degraded_modes if numbers is not None and whole else None
+    return {"outcomes": outcomes, "degraded_modes": _beside(mean, max(0.0, mean - half), mean + half, modes)}
+
+
+def _beside(share: float, low: float, high: float, expected: float | None) -> dict[str, Any]:
+    rounding = 1e-9
+    agrees = None if expected is None else low - rounding <= expected <= high + rounding
+    return {"mean": share, "low": low, "high": high, "risk": expected, "agrees": agrees}
+
+
+def _journal(run: BenchRun) -> str:
+    rows = (
+        {"time": event.hours * 3600, "event": event.event, "refused": event.refused} for event in run.events
+    )
+    return "".join(json.dumps(row) + "\n" for row in rows)
+
+
+def _difference(target: str, difference: Difference | None) -> dict[str, Any]:
+    if difference is None:
+        return {"target": target, "agrees": True, "events": [], "expected": None, "found": None}
+    return {
+        "target": target,
+        "agrees": False,
+        "events": list(difference.events),
+        "expected": difference.expected,
+        "found": difference.found,
+    }
+
+
+def _agrees(told: dict[str, Any]) -> bool:
+    each = [*told["outcomes"].values(), told["degraded_modes"], told["against"] or {}]
+    return all(of.get("agrees") is not False for of in each)
+
+
+def _print(told: dict[str, Any]) -> None:
+    from mcpn.report.text import print_counts
+
+    click.echo(f"{told['form']} controller of {told['mission']}: {told['runs']:,} runs, seed {told['seed']}")
+    rows = {}
+    for name, of in (*told["outcomes"].items(), ("degraded modes", told["degraded_modes"])):
+        text = f"{of['mean']:.6g}  [{of['low']:.6g}, {of['high']:.6g}]"
+        if of["risk"] is not None:
+            text += f"  risk {of['risk']:.6g}" + ("" if of["agrees"] else "  OUTSIDE")
+        rows[name] = text
+    rows["mean hours"] = f"{told['hours']:.6g}"
+    for name in ("modes", "edges"):
+        of_all = told["coverage"][f"of_{name}"]
+        rows[f"{name} seen"] = f"{told['coverage'][name]:,}" + ("" if of_all is None else f" of {of_all:,}")
+    rows["events"] = f"{told['events']:,} in {told['seconds']:.2f} s"
+    print_counts(rows)
+    if told["no_risk"]:
+        click.echo(f"no numbers of risk: {told['no_risk']}")
+    if told["against"]:
+        of = told["against"]
+        if of["agrees"]:
+            click.echo(f"{of['target']}: does the same on every event")
+        else:
+            click.echo(f"{of['target']}: does something else on the last of {' '.join(of['events'])}")
+            click.echo(f"  expected {of['expected']}\n  found    {of['found']}")
+    for path in told["traces"]:
+        click.echo(path)

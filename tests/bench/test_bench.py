@@ -1,0 +1,255 @@
+"""The bench beside the numbers of risk, which solve what it plays; sequences beside the tables."""
+
+from __future__ import annotations
+
+import json
+import random
+import runpy
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.bench.against import Program, compare
+from mcpn.bench.places import Places
+from mcpn.bench.runs import bench, interval, one_run
+from mcpn.bench.sequences import sequences
+from mcpn.bench.world import World
+from mcpn.check.causes.prospects import Prospects
+from mcpn.check.causes.risk import risk
+from mcpn.controller.generate import generate
+from mcpn.controller.targets import files
+from mcpn.controller.targets.json import document
+from mcpn.errors import ConfluenceError, LimitError
+from mcpn.mission.model import Mission, Objective
+from mcpn.mission.robot import Hardware
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller
+from mcpn.runtime.machines import TypeTables
+from mcpn.runtime.tables import Tables
+from mcpn.space.arrays import ArraySpace
+from mcpn.space.stable.alternatives import direct
+from mcpn.testing import missions
+from tests import small
+from tests.check.dense import interrupted_missions, with_numbers
+from tests.commands import mcpn
+from tests.conftest import ROOT, ULYSSE
+from tests.controller.test_c import build, run_lines
+from tests.draws import fewer
+from tests.shares import returns_early
+
+GLIDER = ROOT / "experiments" / "glider" / "mission.xml"
+WATCH = ROOT / "tests" / "controller" / "watch.xml"
+UNTIMED = missions(disjoint_branches=True, protocols=False, timeouts=0, hardware=3, objectives=3, sections=5)
+"""Numbers of risk know no timeouts."""
+NEVER = 1 - 1e-7
+"""Confidence of intervals that tests ask for: a false alarm in ten million comparisons."""
+
+
+def world(mission_net: MissionNet, duration: float | None = None) -> World:
+    return World(mission_net, Tables(document(generate(mission_net), mission_net)), duration)
+
+
+@fewer(0.2)
+@given(
+    st.one_of(
+        UNTIMED.flatmap(with_numbers),
+        interrupted_missions(),
+    )
+)
+def test_frequencies_are_those_of_risk(mission: Mission) -> None:
+    mission_net = compose(mission)
+    try:
+        space = ArraySpace(direct(mission_net.net, max_states=2000))
+        numbers = risk(Prospects(mission_net, space))
+        played = world(mission_net)
+    except (LimitError, ConfluenceError) as error:
+        returns_early(type(error).__name__)
+        return
+    runs = 300
+    found = bench(played, runs, 5, most_events=1000)
+    cut = found.outcomes[None] / runs  # a mission may go on for ever, or for very long
+    expected = {"success": numbers.success, "failure": numbers.failure, "abort": numbers.abort or 0.0}
+    for outcome, probability in expected.items():
+        low, high = interval(found.outcomes[outcome], runs, NEVER)
+        assert low - 1e-9 <= probability <= high + cut + 1e-9, outcome
+    if not found.outcomes[None]:
+        mean, deviation = found.degraded
+        assert abs(mean - numbers.degraded_modes) <= 6 * max(deviation, 6 / runs)
+
+
+def test_one_objective_and_one_sensor() -> None:
+    """By hand: the sensor outlives an exponential duration with 1 / (1 + rate * mean)."""
+    sensor = Hardware(name="H", failure_rate=0.25)
+    of = small.robot((sensor,), small.activity("a", ("H",)))
+    only = Objective(name="x", activities=("a",), duration=2.0, failure_probability=0.2)
+    found = bench(world(compose(small.mission(of, only))), 4000, 1)
+    low, high = interval(found.outcomes["success"], 4000, NEVER)
+    assert low <= 0.8 / (1 + 0.25 * 2.0) <= high
+    assert found.outcomes["success"] + found.outcomes["failure"] == 4000
+
+
+def test_the_same_seed_gives_the_same_runs() -> None:
+    played = world(compose(read_mission(GLIDER)))
+    one, other = bench(played, 50, 3, most_traces=50), bench(played, 20, 3, most_traces=50)
+    assert one.traces[: len(other.traces)] == other.traces
+    assert bench(played, 50, 4).hours != one.hours
+
+
+def test_wilson_s_interval() -> None:
+    """Wilson (1927); the figures by hand: z = 1.959964, 8 of 10."""
+    low, high = interval(8, 10, 0.95)
+    assert (low, high) == pytest.approx((0.490162, 0.943318), abs=1e-6)
+    assert interval(0, 10, 0.95)[0] == 0.0
+    assert interval(10, 10, 0.95)[1] == 1.0
+
+
+def test_a_run_is_one_of_the_controller(ulysse_net: MissionNet) -> None:
+    """What is looked up is what the runtime says when it handles the whole run."""
+    played = world(ulysse_net, 1.0)
+    rng = random.Random(2)
+    faults = [f"{h.name}_EV_{what}" for h in ulysse_net.mission.hardware for what in ("OOS", "RD")]
+    script = sorted((rng.uniform(0, 6), fault) for fault in faults)
+    run = one_run(played, rng, script)
+    controller = Controller(played.tables, on_refused=lambda refused: None)
+    for event in run.events:
+        controller.handle(event.event)
+    assert [not step.taken for step in controller.log] == [event.refused for event in run.events]
+    assert controller.outcome == run.outcome
+    assert [event.hours for event in run.events] == sorted(event.hours for event in run.events)
+
+
+def test_timers_run_out_in_virtual_time() -> None:
+    """Of a duration of one hour and a timeout of one: exp(-1) of the runs outlast it."""
+    of = small.robot((), small.activity("a", ()))
+    only = Objective(name="x", activities=("a",), duration=1.0, timeout=3600)
+    found = bench(world(compose(small.mission(of, only))), 4000, 1)
+    low, high = interval(found.outcomes["failure"], 4000, NEVER)
+    assert low <= 0.36787944 <= high
+    assert max(run.hours for run in found.traces) <= 1.0 + 1e-12
+
+
+# --- generated code ---
+
+
+@pytest.mark.parametrize("target", ["python", "c"])
+def test_generated_code_on_the_same_runs(target: str, ulysse_net: MissionNet, tmp_path: Path) -> None:
+    if target == "c" and not shutil.which("gcc"):
+        pytest.skip("needs gcc")
+    controller = generate(ulysse_net)
+    places = Places(Tables(document(controller, ulysse_net)))
+    every = sorted(places.tables.known)
+    runs = [["MISSION_EV_START", *random.Random(n).choices(every, k=30), "no_such_EV"] for n in range(20)]
+    assert compare(Program(controller, ulysse_net, target, tmp_path), places, runs) is None
+    wrong = Program(generate(ulysse_net, "flat"), ulysse_net, target, tmp_path)
+    answers = wrong.answers(runs)
+
+    class Damaged(Program):
+        def __init__(self) -> None:
+            pass
+
+        def answers(self, runs: list[list[str]]) -> list[str]:
+            return [
+                *answers[:40],
+                answers[40].replace("_EV_", "_"),
+                *answers[41:],
+            ]
+
+    difference = compare(Damaged(), places, runs)
+    assert difference is not None
+    assert list(difference.events) == runs[1][: 41 - len(runs[0])]
+
+
+# --- sequences ---
+
+
+def test_sequences_take_every_edge_and_the_c_program_follows(ulysse_net: MissionNet, tmp_path: Path) -> None:
+    controller = generate(ulysse_net)
+    tables = Tables(document(controller, ulysse_net))
+    machines = [section.machine for section in tables.sections.values()]
+    edges = sum(len(moves) for m in machines if isinstance(m, TypeTables) for moves in m.moves)
+    assert sequences(tables).edges == edges
+    assert mcpn("tests", str(ULYSSE), "-o", str(tmp_path / "out")).returncode == 0
+    replayed, taken = Controller(tables), set[tuple[str | None, int, str]]()
+    for event in (tmp_path / "out" / "events.txt").read_text().splitlines():
+        if event:
+            section = replayed.section
+            if section is not None and event in tables.sections[section].number:
+                taken.add((section, replayed.where.state, event))
+            replayed.handle(event)
+        else:
+            replayed = Controller(tables)
+    assert len(taken) == edges
+    program = build(files(controller, ulysse_net, "c"), tmp_path / "c")
+    events = (tmp_path / "out" / "events.txt").read_text().splitlines()
+    expected = (tmp_path / "out" / "expected.txt").read_text().splitlines()
+    assert [line.split(" |")[0] for line in run_lines(program, events)] == expected
+
+
+def test_the_written_tests_pass_and_find_a_wrong_robot(tmp_path: Path) -> None:
+    assert mcpn("tests", str(WATCH), "-o", str(tmp_path)).returncode == 0
+    written = runpy.run_path(str(tmp_path / "test_controller.py"))
+    controller = Controller.load(tmp_path / "controller.json")
+    before = controller.snapshot()
+    check, make, each = written["test_sequence"], written["Runtime"], written["SEQUENCES"]
+    for sequence in each:
+        controller.restore(before)
+        check(make(controller), sequence)
+
+    class Wrong(make):  # type: ignore[misc]
+        def handle(self, event: str) -> list[str]:
+            found: list[str] = super().handle(event)
+            return found[::-1]
+
+    controller.restore(before)
+    with pytest.raises(AssertionError, match="step 1: MISSION_EV_START"):
+        check(Wrong(controller), each[0])
+
+
+# --- the command ---
+
+
+def test_the_command_s_traces_are_replayed(tmp_path: Path) -> None:
+    said: dict[str, Any] = json.loads(
+        mcpn("bench", str(GLIDER), "--runs", "200", "--traces", str(tmp_path / "t"), "--json").stdout
+    )
+    assert sum(of["count"] for of in said["outcomes"].values()) == 200
+    assert all(of["agrees"] for of in said["outcomes"].values())
+    assert said["traces"]
+    replayed = mcpn("simulate", str(GLIDER), "--events", said["traces"][0], "--json")
+    assert json.loads(replayed.stdout)["outcome"] == "abort"
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        ("0.5 GPS_EV_OOS x", "found '0.5 GPS_EV_OOS x', expected hours and an event"),
+        ("# nothing\n-1 GPS_EV_OOS", ":2: found '-1 GPS_EV_OOS'"),
+        ("soon GPS_EV_OOS", "found 'soon GPS_EV_OOS'"),
+        ("1 dance", "found '1 dance'"),
+    ],
+)
+def test_scripts_that_are_none(script: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "faults.txt"
+    path.write_text(script)
+    found = mcpn("bench", str(GLIDER), "--faults", str(path))
+    assert found.returncode == 2
+    assert message in found.stderr
+
+
+def test_a_script_of_faults_is_played(tmp_path: Path) -> None:
+    path = tmp_path / "faults.txt"
+    path.write_text("0.1 buoyancy_pump_EV_OOS  # cannot dive any more\n")
+    said = json.loads(mcpn("bench", str(GLIDER), "--runs", "50", "--faults", str(path), "--json").stdout)
+    assert said["no_risk"] == "a script of faults is played"
+    assert said["outcomes"]["success"]["count"] == 0
+
+
+def test_a_mission_without_durations_is_told_where() -> None:
+    found = mcpn("bench", str(ULYSSE))
+    assert found.returncode == 2
+    assert "protocols.xml:6: objective coral_head.manual_moving has no duration" in found.stderr
