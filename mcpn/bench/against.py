@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from mcpn.bench.places import Place, Places
+from mcpn.bench.places import ControllerPlace, Places
 from mcpn.controller.modular import AnyController
 from mcpn.controller.targets import files
 from mcpn.errors import LimitError
@@ -103,7 +103,7 @@ def compare(program: Program, places: Places, runs: Iterable[list[str]]) -> Diff
     return None
 
 
-def _of(place: Place) -> tuple[frozenset[str], frozenset[str], str]:
+def _of(place: ControllerPlace) -> tuple[frozenset[str], frozenset[str], str]:
     mode = frozenset(f"{activity}.{way}" for activity, way in place.inside.mode.items())
     return mode, frozenset(place.possible), place.outcome or "-"
 

@@ -10,7 +10,7 @@ from mcpn.runtime.tables import Action, Inside, Tables
 
 
 @dataclass(eq=False)
-class Place:
+class ControllerPlace:
     """Where a controller is, its timers aside.
 
     Args:
@@ -29,7 +29,7 @@ class Place:
     happened: frozenset[str]
     outcome: str | None
     possible: tuple[str, ...]
-    edges: dict[str, tuple[Place, tuple[Action, ...]]] = field(default_factory=dict)
+    edges: dict[str, tuple[ControllerPlace, tuple[Action, ...]]] = field(default_factory=dict)
 
     @property
     def seen(self) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
@@ -47,13 +47,13 @@ class Places:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self._controller = Controller(tables, log=1, clock=lambda: 0.0)
-        self._known: dict[str, Place] = {}
+        self._known: dict[str, ControllerPlace] = {}
         self.start = self._here()
 
-    def __iter__(self) -> Iterator[Place]:
+    def __iter__(self) -> Iterator[ControllerPlace]:
         return iter(list(self._known.values()))
 
-    def after(self, place: Place, event: str) -> tuple[Place, tuple[Action, ...]] | None:
+    def after(self, place: ControllerPlace, event: str) -> tuple[ControllerPlace, tuple[Action, ...]] | None:
         """Where an event leads, and the actions; ``None`` where the controller refuses it."""
         if event not in place.edges:
             if event not in place.possible:
@@ -63,14 +63,14 @@ class Places:
             place.edges[event] = self._here(), actions
         return place.edges[event]
 
-    def _here(self) -> Place:
+    def _here(self) -> ControllerPlace:
         controller = self._controller
         controller.count = 0  # the same place has the same snapshot, however a run came to it
         snapshot = controller.snapshot()
         if snapshot not in self._known:
             where = controller.where
             section = None if where.section is None else (where.section, where.state)
-            self._known[snapshot] = Place(
+            self._known[snapshot] = ControllerPlace(
                 snapshot, section, where.inside, controller.happened, controller.outcome, controller.possible
             )
         return self._known[snapshot]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import inf, sqrt
 from statistics import NormalDist
 
-from mcpn.bench.places import Place
+from mcpn.bench.places import ControllerPlace
 from mcpn.bench.world import World
 from mcpn.runtime.machines import TypeTables
 from mcpn.runtime.tables import Tables
@@ -216,7 +216,7 @@ def interval(count: int, of: int, confidence: float) -> tuple[float, float]:
     return (0.0 if count == 0 else low), (1.0 if count == of else high)
 
 
-def edge_of(tables: Tables, place: Place, event: str) -> tuple[str, int, str] | None:
+def edge_of(tables: Tables, place: ControllerPlace, event: str) -> tuple[str, int, str] | None:
     """The edge of a section that an event takes: its section, state and event, if it is of the section."""
     if place.section is None or event not in tables.sections[place.section[0]].number:
         return None

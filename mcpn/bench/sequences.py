@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mcpn.bench.places import Place, Places
+from mcpn.bench.places import ControllerPlace, Places
 from mcpn.bench.runs import edge_of
 from mcpn.errors import LimitError
 from mcpn.runtime.tables import Tables
@@ -74,9 +74,11 @@ def sequences(tables: Tables, most: int = MOST_PLACES) -> Sequences:
         found.append(tuple(steps))
 
 
-def _way(places: Places, start: Place, taken: set[tuple[str, int, str]], most: int) -> list[str] | None:
+def _way(
+    places: Places, start: ControllerPlace, taken: set[tuple[str, int, str]], most: int
+) -> list[str] | None:
     """A shortest way from a place over an edge that is not taken yet."""
-    origin: dict[Place, tuple[Place, str] | None] = {start: None}
+    origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None] = {start: None}
     queue = deque([start])
     while queue:
         place = queue.popleft()
@@ -99,7 +101,9 @@ def _way(places: Places, start: Place, taken: set[tuple[str, int, str]], most: i
     return None
 
 
-def _back(origin: dict[Place, tuple[Place, str] | None], place: Place) -> list[str]:
+def _back(
+    origin: dict[ControllerPlace, tuple[ControllerPlace, str] | None], place: ControllerPlace
+) -> list[str]:
     way = []
     while (before := origin[place]) is not None:
         place, event = before

@@ -12,7 +12,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from itertools import accumulate
 
-from mcpn.bench.places import Place, Places
+from mcpn.bench.places import ControllerPlace, Places
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
@@ -20,7 +20,7 @@ from mcpn.runtime.tables import Action, Tables, TableSection
 
 
 @dataclass(eq=False)
-class Node:
+class BenchNode:
     """A place of the controller, with what may happen there.
 
     Args:
@@ -33,13 +33,13 @@ class Node:
         edges: Where events lead, and the actions, as far as they have been asked.
     """
 
-    place: Place
+    place: ControllerPlace
     seen: tuple[tuple[str, ...], tuple[tuple[str, str], ...]]
     degraded: bool
     at_once: list[str]
     events: list[str]
     rates: list[float]
-    edges: dict[str, tuple[Node, tuple[Action, ...]]] = field(default_factory=dict)
+    edges: dict[str, tuple[BenchNode, tuple[Action, ...]]] = field(default_factory=dict)
 
 
 class World:
@@ -71,11 +71,11 @@ class World:
                 self._stopping[inner.name] |= events
         self._first = {a.name: a.alternatives[0].name for a in mission.activities}
         self._parsed: dict[str, Event] = {}
-        self._nodes: dict[Place, Node] = {}
+        self._nodes: dict[ControllerPlace, BenchNode] = {}
         self._hope: dict[tuple[str, str, int, frozenset[str]], bool] = {}
         self.start = self._node(self.places.start)
 
-    def after(self, node: Node, event: str) -> tuple[Node, tuple[Action, ...]] | None:
+    def after(self, node: BenchNode, event: str) -> tuple[BenchNode, tuple[Action, ...]] | None:
         """Where an event leads, and the actions; ``None`` where the controller refuses it."""
         if event not in node.edges:
             step = self.places.after(node.place, event)
@@ -89,7 +89,7 @@ class World:
             self._parsed[text] = Event.parse(text)
         return self._parsed[text]
 
-    def _node(self, place: Place) -> Node:
+    def _node(self, place: ControllerPlace) -> BenchNode:
         if place in self._nodes:
             return self._nodes[place]
         inside = place.inside
@@ -111,7 +111,7 @@ class World:
             elif event in self._rates:
                 rates[text] = self._rates[event]
         some = {text: rate for text, rate in rates.items() if rate > 0 and text in possible}
-        node = Node(
+        node = BenchNode(
             place,
             place.seen,
             any(way != self._first[activity] for activity, way in inside.mode.items()),
@@ -129,7 +129,7 @@ class World:
 
     # --- can the present run of an objective still succeed? ---
 
-    def _can_succeed(self, objective: str, place: Place) -> bool:
+    def _can_succeed(self, objective: str, place: ControllerPlace) -> bool:
         """Whether some run of what may happen, in which it goes on, makes its success possible."""
         assert place.section is not None, "an objective runs in a section"
         key = (objective, *place.section, place.happened)

@@ -200,7 +200,7 @@ def test_the_written_tests_pass_and_find_a_wrong_robot(tmp_path: Path) -> None:
         controller.restore(before)
         check(make(controller), sequence)
 
-    class Wrong(make):  # type: ignore[misc]
+    class Wrong(make):  # type: ignore[misc, valid-type]
         def handle(self, event: str) -> list[str]:
             found: list[str] = super().handle(event)
             return found[::-1]
