@@ -18,6 +18,7 @@ from mcpn.mission.language.grammar import relax_ng
 from mcpn.mission.model import BlockElement
 from mcpn.mission.robot import Described, Element
 from mcpn.mission.schema import SCHEMA
+from mcpn.testing.kit.contract import PARTS
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
@@ -87,9 +88,19 @@ def format_table(name: str) -> str:
     return "\n".join(lines)
 
 
+def contract(kind: str) -> str:
+    """Who may do what to the parts of a kind of element that others touch."""
+    lines = [f"| part of {kind} | says | who may |", "|---|---|---|"]
+    for part, (meaning, allowed) in PARTS[kind].items():
+        who = ", ".join(f"{side} {letters}" for side, letters in allowed.items())
+        lines.append(f"| *{part}* | {meaning} | {who} |")
+    return "\n".join(lines)
+
+
 def renewed(page: str) -> str:
     """The page with its tables written anew."""
-    for word, name, make in (("table", r"\w+", table), ("format", r"[\w-]+", format_table)):
+    kinds = (("table", r"\w+", table), ("format", r"[\w-]+", format_table), ("contract", r"\w+", contract))
+    for word, name, make in kinds:
         page = re.sub(
             rf"(<!-- {word} ({name}) -->\n).*?(<!-- end -->)",
             lambda match, make=make: f"{match[1]}{make(match[2])}\n{match[3]}",  # type: ignore[misc]

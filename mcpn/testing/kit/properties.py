@@ -44,7 +44,7 @@ def ending(of: Subject) -> None:
     """Internal evolution ends, and from every marking some run leads to an end of the mission.
 
     Where activities contend they may wait for each other, or ask again and again: that is not looked at. Nor
-    are ends of missions whose routes go round for ever.
+    are ends of missions whose routes may lead round for ever.
     """
     one_safe(of)
     if of.mission_net.usage.contentions:
@@ -55,7 +55,7 @@ def ending(of: Subject) -> None:
         raise Violation(str(error), error.runs, of.net) from None
     except ConfluenceError:
         pass  # another property
-    if not all(map(_leads_out, of.mission_net.usage.graphs())):
+    if any(map(_goes_round, of.mission_net.usage.graphs())):
         return
     ends = np.zeros(of.markings.states, np.bool_)
     for place in of.mission_net.ends.values():
@@ -63,16 +63,13 @@ def ending(of: Subject) -> None:
     of.require(of.markings.reaching(ends), "no run leads from here to an end of the mission")
 
 
-def _leads_out(graph: ObjectivesGraph) -> bool:
-    """Whether every section has a way out of the graph by what its objectives come to."""
-    out = {*graph.exits}
-    while more := [
-        section.name
-        for section in graph.sections
-        if section.name not in out and any(route in out for _, route in section.outcomes)
-    ]:
-        out.update(more)
-    return all(section.name in out for section in graph.sections)
+def _goes_round(graph: ObjectivesGraph) -> bool:
+    """Whether what objectives come to may lead round for ever."""
+    left = {section.name: {route for _, route in section.outcomes} for section in graph.sections}
+    while ends := [name for name, routes in left.items() if not routes & left.keys()]:
+        for name in ends:
+            del left[name]
+    return bool(left)
 
 
 def confluent(of: Subject) -> None:
