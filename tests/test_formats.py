@@ -47,6 +47,7 @@ PRINTED = {
     "ask mission.xml EF(failure) --on alternatives --engine local": "ask",
     "ask mission.pnml --examination ReachabilityDeadlock": "ask",
     "ask mission.xml": "words",
+    "ask mission.xml --hoa F(success)": "automata",
     "ask courier/mission.xml": "words",
     "simulate mission.xml --random 9 --seed 3": "simulate",
     "simulate mission.xml --tokens --random 9": "simulate-tokens",

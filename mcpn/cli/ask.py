@@ -60,6 +60,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 )
 @click.option("--fair", multiple=True, help="'progress', or a formula that holds again and again on paths.")
 @engine_option()
+@click.option("--hoa", is_flag=True, help="Print the automaton of each FORMULA on paths, and answer none.")
 @click.option("--scn", type=FILE, help="Write the run of the one FORMULA as a firing sequence.")
 @jobs_option
 @scheduler_option
@@ -74,6 +75,7 @@ def ask(
     graph: On | None,
     fair: tuple[str, ...],
     engine: Asked,
+    hoa: bool,
     scn: Path | None,
     jobs: int,
     scheduler: str | None,
@@ -108,6 +110,9 @@ def ask(
         # Everything asked is understood before anything is answered.
         for text in formulas:
             questions.formula(text)
+        if hoa:
+            _print_automata(questions, formulas, as_json)
+            return
         for verdict in _of_contest(questions, properties, examinations):
             objects.append(_contest_object(verdict))
             if not as_json:
@@ -125,6 +130,30 @@ def ask(
         print_answers(answers, study.net, study.spaces.mission_net)
     if not all(answer.holds for answer in answers):
         sys.exit(EXIT_FAILED)
+
+
+def _print_automata(questions: Questions, formulas: tuple[str, ...], as_json: bool) -> None:
+    """The automata of formulas on paths, in the Hanoi format."""
+    from mcpn.check.logic.syntax import parse_open
+    from mcpn.check.logic.writing import show
+    from mcpn.check.paths.automaton import translated
+    from mcpn.check.paths.formulas import is_of_paths, normal
+    from mcpn.check.paths.hoa import classes, write_hoa
+    from mcpn.errors import InputError
+
+    found = []
+    for text in formulas:
+        formula = parse_open(text, questions.names)
+        if not is_of_paths(formula):
+            raise InputError.at(None, f"{text}: expected a formula on one path, of X F G U W R")
+        formula = normal(formula)
+        automaton = write_hoa(translated(formula), text, formula, lambda f: show(f, questions.names))
+        found.append({"formula": text, "classes": classes(formula), "hoa": automaton})
+    if as_json:
+        emit_json(found)
+    else:
+        for each in found:
+            click.echo(each["hoa"], nl=False)
 
 
 def _list_words(mission_net: MissionNet, as_json: bool) -> None:
