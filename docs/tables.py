@@ -22,7 +22,9 @@ from mcpn.testing.kit.contract import PARTS
 
 SHARED = {"common": (Element, Described), "routing": (BlockElement,)}
 """Attributes that several elements have, in tables of their own: by table, the classes that declare them."""
-PAGES = [Path(__file__).with_name(name) for name in ("language.md", "patterns.md", "formats.md")]
+PAGES = [
+    Path(__file__).with_name(name) for name in ("language.md", "patterns.md", "formats.md", "templates.md")
+]
 
 
 def rows(attributes: Iterable[Field], required: Collection[str]) -> list[str]:
