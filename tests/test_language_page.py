@@ -112,7 +112,17 @@ def test_each_element_is_in_some_mission() -> None:
             tag = etree.QName(element).localname
             used |= {(tag, ""), *((tag, str(name)) for name in element.attrib)}
     blocks = ("objective", "parallel", "use", "each")
-    common = {"description", "success", "failure", "abort", "mandatory", "retries", "repeat"}
+    common = {
+        "description",
+        "success",
+        "failure",
+        "abort",
+        "mandatory",
+        "retries",
+        "repeat",
+        "recover",
+        "times",
+    }
     scoped = {name for name, tag in language().items() if {"after", "before"} <= tag.attributes.keys()}
     for tag, names in every().items():
         assert (tag, "") in used, tag

@@ -3,7 +3,8 @@
 Parallel blocks are kept as sections, each branch with a graph of its own; uses of protocols are expanded,
 their names qualified by the use (``transect_north.diving``). Rounds of ``each`` and ``repeat`` and tries of
 ``retries`` are written out one after the other, named by their value, round or try (``visit_12``,
-``visit_3``, ``visit_try2``), which qualifies what they hold (``visit_12.travel``).
+``visit_3``, ``visit_try2``; runs of a block that recovers ``visit_run2``), which qualifies what they hold
+(``visit_12.travel``).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from mcpn.errors import LimitError
+from mcpn.mission.expansion.recovery import entered, following, recovering
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
 from mcpn.mission.graph import (
     TIMED_OUT,
@@ -200,8 +202,13 @@ class _Flattening:
         """Adds the sections of sibling blocks, under handlers that lead to them as well."""
         routes = {block.name: _Lead(self.entry(block, scope)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
-        for block, following in zip(blocks, (*blocks[1:], None), strict=True):
-            success = block.success or (following.name if following else SUCCEED)
+        after, named = following(blocks), {block.name: block for block in blocks}
+        aside = set(recovering(blocks))
+        aside -= entered(blocks, around) if aside else aside
+        for block in blocks:
+            if block.name in aside:
+                continue
+            success = block.success or after[block.name]
             inner = self.handling(scope, block.handlers, routes, block.name)
             failure = block.failure or FAIL
             late = (block.timeout_goto if isinstance(block, Objective) else None) or failure
@@ -209,7 +216,11 @@ class _Flattening:
             before = len(sections)
             if block.routes:
                 leads = self.deciding(block, routes, leads)
-            self.block(block, inner, leads, sections)
+            if block.recover is None:
+                self.block(block, inner, leads, sections)
+            else:
+                recovery = named[block.recover], scope, routes
+                self.recovered(block, inner, leads, recovery, sections)
             self.held[scope.name(block)] = sections[before:]
 
     def deciding(self, block: Block, routes: Mapping[str, _Lead], leads: _Leads) -> _Leads:
@@ -220,6 +231,32 @@ class _Flattening:
         success, failure = _by_facts(own["success"], leads.success), _by_facts(own["failure"], leads.failure)
         late = isinstance(block, Objective) and block.timeout_goto is not None
         return _Leads(success, failure, leads.abort, leads.timed_out if late else failure)
+
+    def recovered(
+        self,
+        block: Block,
+        scope: Scope,
+        leads: _Leads,
+        recovery: tuple[Block, Scope, Mapping[str, _Lead]],
+        sections: list[Section],
+    ) -> None:
+        """Adds the runs of a block that recovers, and between them the sibling that does that."""
+        by, around, routes = recovery
+        runs = list(copies(block, scope))
+        for number, ((blocks, inside), again) in enumerate(zip(runs, (*runs[1:], None), strict=True), 1):
+            if again is None:
+                self.series(blocks, inside, leads.exits, sections)
+                return
+            here = around.copy(by, f"{block.name}{number}")
+            self.series(blocks, inside, leads._replace(failure=_Lead(self.entry(by, here))).exits, sections)
+            late = by.timeout_goto if isinstance(by, Objective) else None
+            back = _Lead(self.entry(again[0][0], again[1]))
+            ways = _Leads(
+                back, leads.failure, routes[by.abort or ABORT], routes[late] if late else leads.failure
+            )
+            before = len(sections)
+            self.block(by, self.handling(here, by.handlers, routes, by.name), ways, sections)
+            self.held.setdefault(around.name(by), []).extend(sections[before:])
 
     def handling(
         self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, _Lead], block: str

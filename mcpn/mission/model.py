@@ -37,6 +37,7 @@ from mcpn.mission.language.datatypes import (
     Rounds,
     Route,
     Seconds,
+    Times,
     Tries,
     Values,
     When,
@@ -126,6 +127,14 @@ class BlockElement(Element):
         "How many times it is done, one round after the other, up to the first that fails; each round has "
         "its own retries. Rounds are named visit_1, visit_2, and have the parameter round.",
     ] = None
+    recover: Annotated[
+        Route,
+        "When it fails, this sibling is run, then it is entered again. Its runs are named visit_run1, "
+        "visit_run2, those of the sibling back_off_visit1.",
+    ] = None
+    times: Annotated[
+        Times, "With recover: how many times at most in one run of what is around; then it has failed."
+    ] = 1
     routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
 

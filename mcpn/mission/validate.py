@@ -10,6 +10,7 @@ from typing import Any
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.expansion.clashes import clashes
 from mcpn.mission.expansion.faults import failure_errors
+from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import form_of
 from mcpn.mission.model import (
@@ -228,8 +229,10 @@ class _Checks:
             yield Problem(owner.source, f"{owner.name} has no blocks")
         yield from _duplicates("block", all_blocks)
         yield from clashes(blocks)
+        around = owner.handlers if isinstance(owner, Mission) else ()
         for siblings in _families(blocks):
             yield from self.routing(siblings)
+            yield from recoveries(siblings, around if siblings is blocks else ())
         if isinstance(owner, Mission):
             yield from self.handlers(owner.name, owner.handlers, {block.name: None for block in blocks})
         for block in all_blocks:
@@ -345,8 +348,8 @@ class _Checks:
             for each in child.routes:
                 message = f"{child.name} has a route, though it is a child of a parallel block"
                 yield Problem(each.source, f"{message}: routes stand on {block.name}")
-            if child.success is not None or child.failure is not None:
-                routes = (("success", child.success), ("failure", child.failure))
+            if any(route is not None for route in (child.success, child.failure, child.recover)):
+                routes = (("success", child.success), ("failure", child.failure), ("recover", child.recover))
                 route = " and ".join(name for name, target in routes if target is not None)
                 message = f"{child.name} has a route ({route}), though it is a child of a parallel block"
                 remedy = f'routes stand on {block.name}; a child that may fail has mandatory="false"'

@@ -7,6 +7,7 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
+from mcpn.mission.expansion.recovery import problems
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -57,6 +58,7 @@ class MissionDrawing(RobotDrawing):
             self.protocols.append((protocol, self.islands, size))
             self.unused.append(protocol.name)
         blocks, _ = self.series(self.shape.depth, self.islands, budget)
+        handlers = self.handlers([b.name for b in blocks])
         return Mission(
             name="mission",
             description=self.description(),
@@ -73,7 +75,7 @@ class MissionDrawing(RobotDrawing):
                 ),
             ),
             protocols=tuple(protocol for protocol, _, _ in self.protocols),
-            handlers=self.handlers([b.name for b in blocks]),
+            handlers=() if any(problems(blocks, handlers)) else handlers,
         )
 
     def event(self, name: str) -> DeclaredEvent:
@@ -105,7 +107,16 @@ class MissionDrawing(RobotDrawing):
             block, size = self.block(depth, islands, budget - taken - left)
             blocks.append(block)
             taken += size
-        return tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks)), taken
+        return self.recovering(tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))), taken
+
+    def recovering(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        """A series, perhaps with a block that recovers by another one, where it may."""
+        if len(blocks) < 2 or not self.rarely(self.shape.recovers):
+            return blocks
+        block, by = self.draw(st.permutations(blocks))[:2]
+        found = replace(block, recover=by.name, times=self.number(1, 2))
+        recovering = tuple(found if other is block else other for other in blocks)
+        return blocks if any(problems(recovering, ())) else recovering
 
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         """A block of a series with its routes and handlers."""

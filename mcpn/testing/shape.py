@@ -30,6 +30,7 @@ class Shape:
         aborts: How many of ten routes lead to abort that might lead to succeed or fail, and how many of ten
             blocks route what aborts in them: with none nothing aborts.
         timeouts: How many of ten objectives end by themselves when their time is over.
+        recovers: How many of ten series have a block that recovers by another one.
         early: How many of ten parallel blocks end as soon as some children have, how many of ten fail so.
         events: Most declared events; with some, blocks and the mission handle them.
         interrupted: Whether most blocks handle each event, most handlers happen once, and half of the blocks
@@ -66,6 +67,7 @@ class Shape:
     aborts: int = 0
     timeouts: int = 0
     early: int = 0
+    recovers: int = 0
     events: int = 0
     interrupted: bool = False
     facts: int = 0

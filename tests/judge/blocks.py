@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from mcpn.mission.model import (
     ABORT,
@@ -66,8 +67,8 @@ class Node:
     mandatory: bool = True
     needed: int | None = None
     hasty: bool = False
-    success: str = SUCCEED
-    failure: str = FAIL
+    success: str | Node = SUCCEED
+    failure: str | Node = FAIL
     abort: str = ABORT
     timeout: float | None = None
     timed_out: str | None = None
@@ -150,8 +151,11 @@ class _Writing:
 
     def series(self, parent: Node, blocks: tuple[Block, ...], scope: _Scope) -> None:
         """Writes out blocks that run one after the other, or as branches."""
-        for block, after in zip(blocks, (*blocks[1:], None), strict=True):
-            following = after.name if after is not None and not parent.parallel else SUCCEED
+        aside = {block.recover for block in blocks}
+        by_name = {block.name: block for block in blocks}
+        for number, block in enumerate(blocks):
+            after = [b.name for b in blocks[number + 1 :] if b.name not in aside and not parent.parallel]
+            following = after[0] if after else SUCCEED
             node = self.block(block, parent, scope)
             node.success, node.failure = block.success or following, block.failure or FAIL
             node.abort = block.abort or ABORT
@@ -159,13 +163,33 @@ class _Writing:
             node.deciding = block.routes
             node.mandatory, node.handlers = block.mandatory, block.handlers
             parent.children[block.name] = node
+            if block.recover is not None:
+                self.recoveries(node, block, by_name[block.recover], scope)
+
+    def recoveries(self, node: Node, block: Block, by: Block, scope: _Scope) -> None:
+        """Lets each run of a block but the last lead by its failure to a recovery, that to the next run."""
+        assert node.parent is not None
+        runs = list(node.children.values())
+        for number, (run, again) in enumerate(pairwise(runs), 1):
+            recovery = self.block(by, node.parent, scope.copy(f"{block.name}{number}"))
+            run.failure, recovery.success, recovery.failure = recovery, again, node.failure
+            recovery.abort, recovery.handlers = by.abort or ABORT, by.handlers
+            recovery.deciding = tuple(route for route in block.routes if route.on == "failure")
+            recovery.timed_out = by.timeout_goto if isinstance(by, Objective) else None
+            node.parent.children[f"{block.name} {number}"] = recovery
 
     def block(self, block: Block, parent: Node, scope: _Scope) -> Node:
         """A block without what its parent sees of it: rounds, in each its tries, in each the block."""
         node = Node(f"{scope.prefix}{block.name}{scope.suffix}", parent)
         if isinstance(block, Objective) and block.timeout_goto is not None:
             node.timed_out = TIMED_OUT  # of a copy; what its parent sees of a block comes later
-        if block.repeat is not None:
+        if block.recover is not None:
+            once = replace(block, recover=None, times=1)
+            runs = [scope.copy(f"run{n}") for n in range(1, block.times + 2)]
+            self.copies(node, [self.block(once, node, run) for run in runs])
+            for run in node.children.values():
+                run.success = SUCCEED
+        elif block.repeat is not None:
             once = replace(block, repeat=None)
             rounds = [scope.copy(n, {ROUND: str(n)}) for n in range(1, block.repeat + 1)]
             self.copies(node, [self.block(once, node, round_) for round_ in rounds])

@@ -18,6 +18,21 @@ EARLY = missions(sections=7, hardware=2, producers=2, branches=3, events=2, abor
 EARLY_WIDE = missions(sections=8, branches=8, hardware=1, producers=1, objectives=2, events=1, early=8)
 COMMON_CAUSES = missions(sections=5, faults=2, aborts=1)
 """One event takes several hardware resources out of service."""
+RECOVERING = st.integers(0, 1).flatmap(
+    lambda facts: missions(
+        sections=5,
+        objectives=4,
+        hardware=2,
+        producers=2,
+        events=1,
+        aborts=1,
+        recovers=9,
+        facts=facts,
+        loops=False,
+        timeouts=2,
+    )
+)
+"""Blocks that recover by a sibling."""
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
 WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
@@ -47,6 +62,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     EARLY,
     EARLY_WIDE,
     COMMON_CAUSES,
+    RECOVERING,
     TIMED,
     WORLD,
     WORLD_ABORTED,

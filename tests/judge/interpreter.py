@@ -333,7 +333,7 @@ def changed(state: State, facts: Mapping[str, str]) -> State:
     return replace(state, facts=frozenset({**dict(state.facts), **facts}.items())) if facts else state
 
 
-def led(state: State, node: Node, by: str) -> str:
+def led(state: State, node: Node, by: str) -> str | Node:
     """Where an outcome of a block leads: the first of its routes whose facts are so, else the default."""
     if by == TIMED_OUT and node.timed_out is not None:
         return node.timed_out

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import event, given
 
-from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive
+from mcpn.mission.model import Handler, Mission, Objective, Parallel, Recursive, walk
 from mcpn.net.compose import compose
 from tests.draws import composed, fewer
 from tests.judge import drawn
@@ -75,6 +75,12 @@ def test_facts_where_nothing_contends(of: Mission) -> None:
 @given(drawn.COMMON_CAUSES)
 def test_missions_with_common_causes(of: Mission) -> None:
     event("a fault affects something" if of.faults else "no fault")
+    check(of)
+
+
+@given(drawn.RECOVERING)
+def test_blocks_that_recover(of: Mission) -> None:
+    event(f"recovers: {any(block.recover for block in walk(of.blocks))}")
     check(of)
 
 

@@ -84,7 +84,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "attribute misspelt": (
         body("<objective name='o' activites='go'/>"),
         8,
-        "retries, success, timeout, timeout_goto (did you mean activities?)",
+        "recover, repeat, retries, success, timeout, timeout_goto, times (did you mean activities?)",
     ),
     "names with a comma": (
         robot("<activity name='a' consumes='S, H'/>"),
@@ -185,6 +185,56 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         body("<objective name='x' activities='go' success_when='any'/>"),
         8,
         "success_when",
+    ),
+    "recover of nobody": (
+        body(f"<objective name='x' activities='go' recover='back'/>{OK}"),
+        8,
+        "recover of x names back; expected one of o",
+    ),
+    "recover by itself": (body("<objective name='x' activities='go' recover='x'/>"), 8, "names x; expected"),
+    "recover by an exit": (
+        body(f"<objective name='x' activities='go' recover='fail'/>{OK}"),
+        8,
+        "recover of x names fail; expected one of o",
+    ),
+    "times without recover": (
+        body("<objective name='x' activities='go' times='2'/>"),
+        8,
+        "x has times, though it has no recover",
+    ),
+    "recover no times": (
+        body("<objective name='x' activities='go' recover='o' times='0'/>"),
+        8,
+        "times of x is 0, expected a whole number from 1 to",
+    ),
+    "recover by one that recovers": (
+        body(
+            "<objective name='x' activities='go' recover='y'/>\n"
+            f"<objective name='y' activities='go' recover='o'/>{OK}"
+        ),
+        8,
+        "x recovers by y, which itself recovers by o",
+    ),
+    "recover where a route leads back": (
+        body(
+            "<objective name='x' activities='go' recover='o'/>\n"
+            f"<objective name='y' activities='go' failure='x'/>{OK}"
+        ),
+        8,
+        "x recovers by o, and a route leads back to x: put it into an objective of its own",
+    ),
+    "recover where an event leads back": (
+        body(
+            f"<objective name='x' activities='go' recover='o'><on event='leak' goto='x'/></objective>{OK}",
+            LEAK,
+        ),
+        8,
+        "a route leads back to x",
+    ),
+    "recover of a branch": (
+        body(f"<parallel name='p'>\n<objective name='x' activities='go' recover='o'/>{OK}</parallel>"),
+        9,
+        "recover",
     ),
     "objective with no activity named": (body("<objective name='o' activities=' '/>"), 8, "no activity"),
     "parallel in parallel": (
@@ -344,7 +394,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
     "round with the name of a block": (
         body("<objective name='o' activities='go' repeat='2'/>\n<objective name='o_2' activities='go'/>"),
         8,
-        "o_2, a round or a try of o, would have the name of another block: o_2",
+        "o_2, a round, a try or a run of o, would have the name of another block: o_2",
     ),
     "try with the name of another's round": (
         body(
@@ -352,7 +402,7 @@ BROKEN: dict[str, tuple[str, int, str]] = {
             "<objective name='a_b' activities='go'/></each>"
         ),
         9,
-        "a_b_1, a round or a try of a, would have the name of another block: a_b",
+        "a_b_1, a round, a try or a run of a, would have the name of another block: a_b",
     ),
     "event twice": (robot("<event name='e'/>\n<event name='e'/>"), 8, "event e is declared twice"),
     "event of two robots": (

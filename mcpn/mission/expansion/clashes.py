@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from itertools import islice, product
 
 from mcpn.errors import Problem
+from mcpn.mission.expansion.recovery import recovering, suffixes
 from mcpn.mission.expansion.scope import MAX_OBJECTIVES
 from mcpn.mission.language.datatypes import MAX_ROUNDS
-from mcpn.mission.model import Block, Each, Holder, walk
+from mcpn.mission.model import Block, Each, Holder, Parallel, walk
 
 
 def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:
@@ -19,21 +20,28 @@ def clashes(blocks: tuple[Block, ...]) -> Iterator[Problem]:
         other = named.setdefault(name, block)
         if other.name != block.name:  # else it is the same, or declared twice
             where = f" ({other.source})" if other.source else ""
-            message = f"{name}, a round or a try of {block.name}, would have the name of another block"
+            message = f"{name}, a round, a try or a run of {block.name}, would have the name of another block"
             yield Problem(block.source, f"{message}: {other.name}{where}")
             return
 
 
 def _copies(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, str]]:
     """Every block with the name of each of its copies in its own text."""
-    stack: list[tuple[Block, tuple[str, ...]]] = [(block, ("",)) for block in blocks]
+    stack: list[tuple[tuple[Block, ...], tuple[str, ...]]] = [(blocks, ("",))]
     while stack:
-        block, values = stack.pop()
-        rounds = [f"_{n}" for n in range(1, min(block.repeat or 0, MAX_ROUNDS) + 1)] or [""]
-        most = min(block.retries, MAX_ROUNDS)
-        tries = [f"_try{n}" for n in range(1, most + 2)] if most > 0 else [""]
-        for value, number, attempt in product(values, rounds, tries):
-            yield block, f"{block.name}{value}{number}{attempt}"
-        if isinstance(block, Holder):
-            inner = tuple(f"_{value}" for value in block.values) if isinstance(block, Each) else ("",)
-            stack.extend((child, inner) for child in block.blocks)
+        siblings, values = stack.pop()
+        aside = recovering(siblings)
+        for block in reversed(siblings):
+            runs = [f"_run{n}" for n in range(1, block.times + 2)] if block.recover else [""]
+            rounds = [f"_{n}" for n in range(1, min(block.repeat or 0, MAX_ROUNDS) + 1)] or [""]
+            most = min(block.retries, MAX_ROUNDS)
+            tries = [f"_try{n}" for n in range(1, most + 2)] if most > 0 else [""]
+            runs += [f"_{suffix}" for suffix in suffixes(aside.get(block.name, ()))]
+            for value, run, number, attempt in product(values, runs, rounds, tries):
+                yield block, f"{block.name}{value}{run}{number}{attempt}"
+            if isinstance(block, Holder):
+                inner = tuple(f"_{value}" for value in block.values) if isinstance(block, Each) else ("",)
+                branches = ((child,) for child in block.blocks)
+                stack.extend(
+                    (of, inner) for of in (branches if isinstance(block, Parallel) else (block.blocks,))
+                )

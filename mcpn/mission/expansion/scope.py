@@ -99,15 +99,21 @@ def _saying(around: Mapping[str, Parameter], inner: tuple[Parameter, ...]) -> Ma
 
 def several(block: Block) -> bool:
     """Whether a block stands for several copies, one after the other."""
-    return block.repeat is not None or block.retries > 0 or isinstance(block, Each)
+    return bool(block.recover or block.repeat is not None or block.retries) or isinstance(block, Each)
 
 
 def copies(block: Block, scope: Scope) -> Iterator[tuple[tuple[Block, ...], Scope]]:
-    """The rounds of a block, else its tries, else its values: what is done each time, and its scope."""
+    """The runs of a block that recovers, else its rounds, else its tries, else its values.
+
+    Each is what is done then, and its scope.
+    """
     alone = replace(block, success=None, failure=None, abort=None, routes=(), handlers=())
     if isinstance(alone, Objective) and alone.timeout_goto is not None:
         alone = replace(alone, timeout_goto=TIMED_OUT)  # it leaves the copies
-    if block.repeat is not None:
+    if block.recover is not None:
+        for number in range(1, block.times + 2):
+            yield (replace(alone, recover=None, times=1),), scope.copy(block, f"run{number}")
+    elif block.repeat is not None:
         for number in range(1, block.repeat + 1):
             value = Parameter(name=ROUND, value=str(number), source=block.source)
             yield (replace(alone, repeat=None),), scope.copy(block, str(number), value)

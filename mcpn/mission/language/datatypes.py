@@ -136,6 +136,7 @@ TRIES = COUNT.within(f"a whole number from 0 to {MAX_ROUNDS}", lambda tries: 0 <
 ROUNDS = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda rounds: 1 <= rounds <= MAX_ROUNDS)
 ENTRIES = COUNT.within("a whole number from 1 to 9", lambda times: 1 <= times <= 9)
 """How often something may come about; a formula says each time once more."""
+TIMES = COUNT.within(f"a whole number from 1 to {MAX_ROUNDS}", lambda times: 1 <= times <= MAX_ROUNDS)
 ROUTE = NAME.to("block")
 
 
@@ -197,6 +198,7 @@ Seconds = Annotated[float | None, SECONDS]
 Probability = Annotated[float | None, PROBABILITY]
 Tries = Annotated[int, TRIES]
 Rounds = Annotated[int | None, ROUNDS]
+Times = Annotated[int, TIMES]
 
 BY_CLASS = {str: TEXT, bool: BOOLEAN}
 """What an attribute holds whose type does not say more."""

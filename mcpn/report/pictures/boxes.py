@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from mcpn.mission.expansion.recovery import recovering, suffixes
 from mcpn.mission.expansion.scope import Scope, copies, several
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
@@ -25,7 +26,8 @@ class Box:
         success: The route on success as written; ``None`` for the default.
         failure: The same for failure.
         abort: The same for abort.
-        timeout_goto: The same where its time is over.
+        recover: The sibling that is run when it fails, before it is entered again.
+        timeout_goto: The route where its time is over.
         handlers: What it does on declared events.
         children: What it holds, in document order.
     """
@@ -40,6 +42,7 @@ class Box:
     success: str | None = None
     failure: str | None = None
     abort: str | None = None
+    recover: str | None = None
     timeout_goto: str | None = None
     handlers: tuple[Handler, ...] = ()
     children: tuple[Box, ...] = ()
@@ -78,7 +81,8 @@ class _Building:
         self.keys: dict[str, int] = {}
 
     def mission(self, mission: Mission) -> Box:
-        children = tuple(self.box(block, [Scope()]) for block in mission.blocks)
+        blocks, aside = mission.blocks, recovering(mission.blocks)
+        children = tuple(self.box(block, _scopes(block, aside, [Scope()])) for block in blocks)
         return Box(
             -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
         )
@@ -97,7 +101,7 @@ class _Building:
             children = block.blocks
         else:
             children, scopes = block.blocks, [scope.into(block) for scope in scopes]
-        kind = _KINDS[type(block)]
+        kind, aside = _KINDS[type(block)], recovering(children)
         return Box(
             key,
             kind,
@@ -109,10 +113,17 @@ class _Building:
             block.success,
             block.failure,
             block.abort,
+            block.recover,
             block.timeout_goto if isinstance(block, Objective) else None,
             block.handlers,
-            tuple(self.box(child, scopes, kind) for child in children),
+            tuple(self.box(child, _scopes(child, aside, scopes), kind) for child in children),
         )
+
+
+def _scopes(block: Block, aside: Mapping[str, list[Block]], scopes: list[Scope]) -> list[Scope]:
+    """The scopes in which a block stands, those in which it recovers siblings among them."""
+    more = tuple(suffixes(aside.get(block.name, ())))
+    return [*scopes, *(scope.copy(block, suffix) for scope in scopes for suffix in more)]
 
 
 def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
@@ -121,7 +132,7 @@ def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
         yield scope
         return
     for blocks, inner in copies(block, scope):
-        if isinstance(block, Each) and block.repeat is None and not block.retries:
+        if isinstance(block, Each) and not (block.recover or block.repeat is not None or block.retries):
             yield inner
         else:
             yield from _expanded(blocks[0], inner)
@@ -148,5 +159,7 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         yield f"at most {block.timeout:g} s"
         if within == "parallel" and block.timeout_goto is not None:
             yield f"timeout leads to {block.timeout_goto}"
+    if block.recover:
+        yield f"recovers {'once' if block.times == 1 else f'{block.times} times'}"
     if block.retries:
         yield f"up to {block.retries + 1} tries"

@@ -285,6 +285,8 @@ def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
         routes.append(("success", "success", success))
     if child.abort is not None:
         routes.append(("event", "abort", child.abort))
+    if child.recover is not None:
+        routes.append(("event", "recover", child.recover))
     if child.timeout_goto is not None:
         routes.append(("event", "timeout", child.timeout_goto))
     return routes + [("event", f"on {h.event}" + (" once" if h.once else ""), h.goto) for h in child.handlers]

@@ -1,0 +1,95 @@
+"""Blocks that recover: when one fails, a sibling is run and the block entered again, so many times at most.
+
+It is written out: the runs of the block one after the other, and between them copies of the sibling. Copies
+count the recoveries of one entry of the block; those of one run of what is around are as many, since no route
+may lead back to the block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from mcpn.errors import Problem
+from mcpn.mission.model import SUCCEED, Block, Handler, Objective
+
+
+def recovering(siblings: Sequence[Block]) -> dict[str, list[Block]]:
+    """By name of a sibling that is run so, the blocks that it recovers."""
+    found: dict[str, list[Block]] = {}
+    for block in siblings:
+        if block.recover is not None:
+            found.setdefault(block.recover, []).append(block)
+    return found
+
+
+def suffixes(recovered: Sequence[Block]) -> Iterator[str]:
+    """What tells the copies of a sibling apart that recovers some blocks."""
+    for block in recovered:
+        yield from (f"{block.name}{number}" for number in range(1, block.times + 1))
+
+
+def following(siblings: Sequence[Block]) -> dict[str, str]:
+    """Where success leads by default, by name: to the next sibling that does not recover others."""
+    aside, after, found = recovering(siblings), SUCCEED, dict[str, str]()
+    for block in reversed(siblings):
+        found[block.name] = after
+        after = after if block.name in aside else block.name
+    return found
+
+
+def entered(siblings: Sequence[Block], around: Sequence[Handler]) -> set[str]:
+    """The siblings that are the first, or that a route of one of them, or of a handler around, names."""
+    routes = _routes(siblings)
+    return {siblings[0].name, *(handler.goto for handler in around)}.union(*routes.values())
+
+
+def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[Problem]:
+    """What is wrong with the recoveries among siblings that stand under some handlers."""
+    named = {block.name: block for block in siblings}
+    for block in siblings:
+        if block.recover is None:
+            if block.times != 1:
+                yield Problem(block.source, f"{block.name} has times, though it has no recover")
+            continue
+        by = named.get(block.recover)
+        if by is None or by is block:
+            others = ", ".join(name for name in named if name != block.name)
+            expected = f"expected one of {others}" if others else "expected a sibling, of which there is none"
+            yield Problem(block.source, f"recover of {block.name} names {block.recover}; {expected}")
+        elif by.recover is not None:
+            message = f"{block.name} recovers by {by.name}, which itself recovers by {by.recover}"
+            yield Problem(block.source, f"{message}: only one of them can")
+        elif block.name in _behind(block.name, _routes(siblings), around):
+            message = f"{block.name} recovers by {by.name}, and a route leads back to {block.name}"
+            remedy = "put it into an objective of its own, whose runs are counted one by one"
+            yield Problem(block.source, f"{message}: {remedy}")
+
+
+def _behind(name: str, routes: Mapping[str, Sequence[str]], around: Sequence[Handler]) -> Collection[str]:
+    """The siblings that routes lead to from one of them, other than by its recovery."""
+    stack = [*routes[name], *(handler.goto for handler in around)]
+    seen = set[str]()
+    while stack:
+        if (at := stack.pop()) in routes and at not in seen:
+            seen.add(at)
+            stack.extend(routes[at])
+    return seen
+
+
+def _routes(siblings: Sequence[Block]) -> dict[str, list[str]]:
+    """By name the routes of siblings, and those by which a recovery of one may be left elsewhere."""
+    after, own = following(siblings), {block.name: _elsewhere(block) for block in siblings}
+    found = {}
+    for block in siblings:
+        routes = [block.success or after[block.name], block.failure, *own[block.name]]
+        routes += [route.goto for route in block.routes]
+        if block.recover is not None:
+            routes += own.get(block.recover, [])
+        found[block.name] = [route for route in routes if route is not None]
+    return found
+
+
+def _elsewhere(block: Block) -> list[str | None]:
+    """Where a block leads otherwise than by success and failure."""
+    late = block.timeout_goto if isinstance(block, Objective) else None
+    return [block.abort, late, *(handler.goto for handler in block.handlers)]
