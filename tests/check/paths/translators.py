@@ -120,7 +120,7 @@ def by_spin(formula: Written) -> Büchi:
         elif line.strip() == "skip":
             moves.append((state, lambda letter: True, "ended"))
         else:
-            assert line.strip() in ("do", "od;", "}", "", "false;") or line.startswith("never"), line
+            assert line.strip() in ("do", "od;", "}", "", ":: false") or line.startswith("never"), line
     accepting = {of for label, of in labels.items() if label.startswith("accept")} | {-1}
     moves.append((-1, lambda letter: True, "ended"))
     edges = [
@@ -131,10 +131,12 @@ def by_spin(formula: Written) -> Büchi:
 
 
 def _guard(text: str) -> Guard:
-    python = text.replace("&&", " and ").replace("||", " or ").replace("!", " not ")
-    assert re.fullmatch(r"[pq1()\sandortf]*", python.replace("true", "t")), text
+    """A guard of p, q, constants and connectives, as C and SPIN write it."""
+    assert re.fullmatch(r"(?:p|q|1|0|true|false|[()!&|\s])*", text), text
+    python = text.replace("true", "1").replace("false", "0")
+    python = python.replace("&&", " and ").replace("||", " or ").replace("!", " not ")
     code = compile(python.strip(), "<guard>", "eval")
-    return lambda letter: bool(eval(code, {"p": "p" in letter, "q": "q" in letter, "true": True}))
+    return lambda letter: bool(eval(code, {"p": "p" in letter, "q": "q" in letter}))
 
 
 def by_lbt(formula: Written) -> Büchi:
