@@ -1,7 +1,7 @@
 """The kit in pytest: ``--mcpn-templates MODULE:NAME`` adds a test for each property of a set of templates.
 
-``pytest -p mcpn.pytest_plugin`` loads it. It is no entry point, so that pytest imports nothing of mcpn unasked.
-What fails is shown with the smallest mission that was found, as a file, and its run.
+``pytest -p mcpn.pytest_plugin`` loads it; it is no entry point, so that pytest imports nothing of mcpn
+unasked. What fails is shown with the smallest mission that was found, as a file, and its run.
 """
 
 from __future__ import annotations
