@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 import pytest
 from hypothesis import HealthCheck, event, given, settings
@@ -15,16 +15,22 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import spaces_of
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import Form, generate
+from mcpn.controller.targets.c import write_c
+from mcpn.controller.targets.json import document
+from mcpn.controller.targets.python import write_python
+from mcpn.controller.targets.scxml import write_scxml
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import FactChange
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
+from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.conftest import ROOT
 
 DUMPSTER = ROOT / "tests" / "natural" / "dumpster.xml"
+FORMS: tuple[Form, ...] = ("hierarchical", "flat", "modular")
 ENGINES: tuple[Engine, ...] = ("explicit", "symbolic", "local")
 
 
@@ -261,10 +267,30 @@ def test_formulas_say_what_is_wrong(formula: str, said: str, tmp_path: Path) -> 
         parse(formula, Names(mission_net.net, mission_net))
 
 
-@pytest.mark.parametrize("form", ["hierarchical", "flat", "modular", "auto"])
-def test_controllers_refuse_missions_with_facts(form: Form | Literal["auto"]) -> None:
+@pytest.mark.parametrize("form", FORMS)
+def test_controllers_keep_facts(form: Form) -> None:
+    mission_net = compose(closing(read_mission(DUMPSTER)))
+    runtime = Runtime.from_document(document(generate(mission_net, form), mission_net))
+    runtime.handle("MISSION_EV_START")
+    while runtime.outcome is None:
+        (objective,) = runtime.state.objectives
+        runtime.handle(f"OBJ_{objective}_EV_OK")
+        if objective == "open_dumpster":
+            assert runtime.facts["dumpster"] == "open"
+    assert runtime.facts == {
+        "near_door": "open",
+        "far_door": "closed",
+        "dumpster": "closed",
+        "holding": "false",
+        "in_dumpster": "both",
+    }
+
+
+@pytest.mark.parametrize("write", [write_c, write_python, write_scxml])
+def test_other_targets_refuse_missions_with_facts(write: Callable[..., object]) -> None:
+    mission_net = compose(read_mission(DUMPSTER))
     with pytest.raises(LimitError, match="the mission has facts"):
-        generate(compose(read_mission(DUMPSTER)), form)
+        write(generate(mission_net), mission_net)
 
 
 def test_what_has_been_done_is_known(tmp_path: Path) -> None:

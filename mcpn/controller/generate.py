@@ -85,8 +85,6 @@ def generate(
         :mod:`mcpn.controller.targets`: the files that robots read.
     """
     spaces, mission_net = spaces_of(of), spaces_of(of).mission
-    if mission_net.usage.world.facts:
-        raise LimitError("the mission has facts, and controllers know none yet")
     if form == "flat":
         faulty = sum(h.faulty for h in mission_net.mission.hardware)
         limit = MAX_STABLE_STATES if max_states is None else max_states

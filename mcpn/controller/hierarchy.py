@@ -29,6 +29,8 @@ from mcpn.controller.actions import PlannedAction
 from mcpn.controller.machine import Machine, controller, event_at
 from mcpn.controller.sizes import refuse_entries
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.robot import Fact
+from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.net.forgetful import ALWAYS, Guard
@@ -41,7 +43,7 @@ from mcpn.space.stable.alternatives import AlternativesGraph
 KINDS = ("hardware", "objectives", "activities", "alternatives")
 """Kinds of elements that machines speak of in their actions."""
 
-NAMED = (*KINDS, "once")
+NAMED = (*KINDS, "once", "facts")
 """Kinds of names that differ between sections of one type."""
 
 
@@ -55,6 +57,8 @@ class Move:
         target: Number of the state that it goes to, or the outcome with which it leaves the section.
         actions: In order.
         guard: When it is taken; at most one of those of a state and event is.
+        gained: What becomes true of facts.
+        lost: What is no more true of them.
     """
 
     source: int
@@ -62,6 +66,8 @@ class Move:
     target: int | str
     actions: tuple[PlannedAction, ...]
     guard: Guard = ALWAYS
+    gained: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +77,14 @@ class Entry:
     Args:
         target: The first state inside.
         actions: In order.
+        gained: What becomes true of facts.
+        lost: What is no more true of them.
     """
 
     target: int
     actions: tuple[PlannedAction, ...]
+    gained: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -85,10 +95,12 @@ class SectionMachine:
         hardware: The section's hardware that can fail, by its bit in the numbers of entries.
         events: By number.
         states: What each state inside is.
-        entries: By number whose bits say which hardware is out of service; ``None`` where the mission
-            cannot come so.
+        entries: By number whose bits say which hardware is out of service, and then what is true of facts;
+            ``None`` where the mission cannot come so.
         moves: Sorted by source, then event.
         once: The section's handlers that happen once.
+        facts: What may be true of the section's facts.
+        entering: How many of these, the first ones, have a bit in the numbers of entries.
     """
 
     hardware: tuple[str, ...]
@@ -97,6 +109,8 @@ class SectionMachine:
     entries: tuple[Entry | None, ...]
     moves: tuple[Move, ...]
     once: tuple[str, ...] = ()
+    facts: tuple[str, ...] = ()
+    entering: int = 0
 
 
 @dataclass(frozen=True)
@@ -224,7 +238,8 @@ def flat_controller(mission_net: MissionNet, alternatives: AlternativesGraph) ->
     """
     hardware = tuple(h.name for h in mission_net.mission.hardware if h.faulty)
     refuse_entries(hardware)
-    machine = cut(controller(mission_net, alternatives), hardware)
+    facts = mission_net.usage.world.facts
+    machine = cut(controller(mission_net, alternatives), hardware, facts=facts)
     name = mission_net.mission.name
     leads = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
     routes = {outcome: leads[outcome] for outcome in mission_net.ends}
@@ -246,22 +261,29 @@ def section_machine(
     Raises:
         LimitError: It has more than :data:`MOST_ENTRIES` states of its hardware.
     """
-    refuse_entries(part.faulty)
-    return replace(cut(controller(local, alternatives), part.faulty, guards), once=part.once)
+    refuse_entries((*part.faulty, *part.flags))
+    facts = {fact.name: fact for fact in part.facts}
+    return replace(cut(controller(local, alternatives), part.faulty, guards, facts), once=part.once)
 
 
 def cut(
-    machine: Machine, hardware: tuple[str, ...], guards: Mapping[int, Guard] | None = None
+    machine: Machine,
+    hardware: tuple[str, ...],
+    guards: Mapping[int, Guard] | None = None,
+    facts: Mapping[str, Fact] | None = None,
 ) -> SectionMachine:
     """The inside of a machine: what is before the start and after the end becomes entries and outcomes."""
+    true = _TrueOfFacts(machine, facts or {})
+    told = (*hardware, *true.at_entries)
+    refuse_entries(told)
     graph, transitions = machine.graph, machine.graph.net.transitions
     ended = np.array([state.outcome is not None for state in machine.states], np.bool_)
     within = ~ended
     within[list(machine.waiting)] = False
     inside = np.flatnonzero(within)
     number_of = np.cumsum(within) - 1
-    bit = {name: 1 << i for i, name in enumerate(hardware)}
-    entries: list[Entry | None] = [None] * (1 << len(hardware))
+    bit = {name: 1 << i for i, name in enumerate(told)}
+    entries: list[Entry | None] = [None] * (1 << len(told))
     moving = within[graph.sources]
     labels = np.flatnonzero(np.bincount(graph.labels[moving])).tolist()
     events = tuple(sorted({event_at(graph.net, t) for t in labels}))
@@ -277,19 +299,64 @@ def cut(
         np.where(ended[targets], -1 - targets, number_of[targets]),
         machine.orders[edges],
         graph.labels[edges],
+        graph.sources[edges],
+        targets,
     )
     states, lists, guards = machine.states, machine.lists, guards or {}
     moves = tuple(
-        Move(source, event, to if to >= 0 else _outcome(states[-1 - to]), lists[order], guards.get(t, ALWAYS))
-        for source, event, to, order, t in zip(*(c.tolist() for c in columns), strict=True)
+        Move(
+            source,
+            event,
+            to if to >= 0 else _outcome(states[-1 - to]),
+            lists[order],
+            guards.get(t, ALWAYS),
+            *true.changes(before, after),
+        )
+        for source, event, to, order, t, before, after in zip(*(c.tolist() for c in columns), strict=True)
     )
     for edge in np.flatnonzero(~moving).tolist():
         if transitions[graph.labels[edge]].event == START:
             source, target = int(graph.sources[edge]), int(graph.targets[edge])
             assert states[target].outcome is None, "a section that is entered has something to do"
-            mask = sum(bit[name] for name in states[source].out_of_service)
-            entries[mask] = Entry(int(number_of[target]), lists[int(machine.orders[edge])])
-    return SectionMachine(hardware, events, tuple(states[n] for n in inside.tolist()), tuple(entries), moves)
+            mask = sum(bit[name] for name in (*states[source].out_of_service, *true.of(source)))
+            order, changes = int(machine.orders[edge]), true.changes(source, target)
+            entries[mask] = Entry(int(number_of[target]), lists[order], *changes)
+    within_states = tuple(states[n] for n in inside.tolist())
+    names, entering = true.names, len(true.at_entries)
+    return SectionMachine(hardware, events, within_states, tuple(entries), moves, (), names, entering)
+
+
+class _TrueOfFacts:
+    """What is true of facts in the states of a machine.
+
+    Args:
+        machine: The machine.
+        facts: Its facts, by name.
+
+    Attributes:
+        at_entries: What may be so before the start.
+        names: What may be so; those first.
+    """
+
+    def __init__(self, machine: Machine, facts: Mapping[str, Fact]) -> None:
+        self._states = machine.states
+        self._flags = {name: flags(fact) for name, fact in facts.items()}
+        every = [flag for fact in facts.values() for flag in all_flags(fact)]
+        before = {flag for number in machine.waiting for flag in self.of(number)} if facts else set[str]()
+        self.at_entries = tuple(flag for flag in every if flag in before)
+        self.names = (*self.at_entries, *(flag for flag in every if flag not in before))
+
+    def of(self, number: int) -> frozenset[str]:
+        """What is true in a state."""
+        said = self._states[number].facts.items() if self._flags else ()
+        return frozenset(flag for name, value in said for flag in self._flags[name][value])
+
+    def changes(self, before: int, after: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """What becomes true from one state to the next, and what is no more."""
+        if not self._flags:
+            return (), ()
+        was, now = self.of(before), self.of(after)
+        return tuple(sorted(now - was)), tuple(sorted(was - now))
 
 
 def _outcome(state: Situation) -> str:

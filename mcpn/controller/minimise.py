@@ -40,6 +40,8 @@ def partition(machine: SectionMachine) -> list[int]:
                     (
                         m.event,
                         m.guard,
+                        m.gained,
+                        m.lost,
                         m.actions,
                         classes[m.target] if isinstance(m.target, int) else m.target,
                     )
@@ -77,6 +79,8 @@ def is_bisimulation(machine: SectionMachine, classes: Sequence[int]) -> bool:
             return False
         for event, move in mine.items():
             same = theirs[event]
+            if (move.gained, move.lost) != (same.gained, same.lost):
+                return False
             if move.actions != same.actions or type(move.target) is not type(same.target):
                 return False
             if isinstance(move.target, int) and isinstance(same.target, int):
@@ -98,12 +102,10 @@ def quotient(machine: SectionMachine, classes: Sequence[int]) -> SectionMachine:
         states=tuple(machine.states[number] for number in first.values()),
         entries=tuple(e and replace(e, target=classes[e.target]) for e in machine.entries),
         moves=tuple(
-            Move(
-                classes[m.source],
-                m.event,
-                classes[m.target] if isinstance(m.target, int) else m.target,
-                m.actions,
-                m.guard,
+            replace(
+                m,
+                source=classes[m.source],
+                target=classes[m.target] if isinstance(m.target, int) else m.target,
             )
             for m in machine.moves
             if m.source in kept
@@ -121,6 +123,7 @@ def _shown(machine: SectionMachine, number: int) -> Hashable:
         tuple(state.waiting.items()),
         state.refused,
         state.out_of_service,
+        tuple(state.facts.items()),
     )
 
 

@@ -96,10 +96,11 @@ class Rules:
     Args:
         hardware: The section's hardware that can fail.
         once: Its handlers that happen once.
+        facts: What may be true of its facts.
         events: By number.
         bits: How many bits a state has.
         idle: The bits that are set before the entry, with all hardware in service.
-        status: By element, of the hardware, then of the handlers.
+        status: By element, of the hardware, then of the handlers, then of what may be true of facts.
         shown: What states say, in the mission's order.
         entries: The rules of the entry.
         rules: The rules inside, sorted by event.
@@ -108,6 +109,7 @@ class Rules:
 
     hardware: tuple[str, ...]
     once: tuple[str, ...]
+    facts: tuple[str, ...]
     events: tuple[Event, ...]
     bits: int
     idle: tuple[int, ...]

@@ -139,11 +139,14 @@ class _Maker:
         shown = [
             (kind, name, literal(place))
             for place, (role, name) in self.net.roles.items()
-            if (kind := said_as(role)) is not None and kind != "out_of_service"
+            if (kind := said_as(role)) is not None and kind not in ("out_of_service", "facts")
         ]
+        reverse = dict[str, bool]()
         saying = {("hardware", name): place for place, name in self.net.saying("oos").items()}
         saying |= {("once", name): place for place, name in self.net.saying("happened").items()}
-        carried = [literal(saying[element]) for element in part.carried]
+        for flag in part.flags:
+            saying["fact", flag], reverse[flag] = self.net.true_of_fact(flag)
+        carried = [literal(saying[of]) ^ reverse.get(of[1], False) for of in part.carried]
         spoken = {told >> 1 for told in (*(told for *_, told in shown), *carried)}
         found, bits = reduced(cubes, spoken)
         number = {level: bit for bit, level in enumerate(sorted(bits))}
@@ -166,6 +169,7 @@ class _Maker:
         return Rules(
             part.faulty,
             part.once,
+            part.flags,
             events,
             len(number),
             those(sum(1 << level for level in self.encoding.marked_levels(self.net.net.initial))),

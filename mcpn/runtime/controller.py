@@ -154,7 +154,13 @@ class Controller:
     def happened(self) -> frozenset[str]:
         """Handlers that happen once and have; a flat controller has this in its state alone."""
         with self._lock:
-            return frozenset(self._happened)
+            return frozenset(self._happened - self._tables.true)
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """The value of each fact, as far as the events say it."""
+        with self._lock:
+            return self._tables.values(self._happened)
 
     @property
     def outcome(self) -> str | None:
@@ -166,17 +172,11 @@ class Controller:
     def possible(self) -> tuple[str, ...]:
         """The events that can be taken now, sorted."""
         with self._lock:
-            tables, gone = self._tables, self._out_of_service
-            events = set[str]()
-            covered = set[str]()
+            events = {*self._tables.beside(self._section, self._out_of_service, self._happened)}
             if self._section:
                 events.update(self._section.possible(self._state, self._happened))
-                covered.update(self._section.hardware)
             elif self._phase == BEFORE:
                 events.add(START)
-            for name in tables.hardware:
-                if name not in covered:
-                    events.add(f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS")
             return tuple(sorted(events))
 
     @property
@@ -298,8 +298,8 @@ class Controller:
             step = section.move(self._state, event, self._happened)
             if step is None:
                 return None
-            target, actions, happening = step
-            self._happened |= happening
+            target, actions, happening, ended = step
+            self._happened = (self._happened | happening) - ended
             self._note(failing, repaired)
             if isinstance(target, str):
                 actions += self._enter(section.routes[target])
@@ -309,6 +309,10 @@ class Controller:
             if (hardware in self._out_of_service) == (failing is not None):
                 return None
             self._note(failing, repaired)
+        elif event in tables.changing:
+            if not tables.changes(event, self._happened):
+                return None
+            self._happened = tables.changed(event, self._happened)
         elif event == START and self._phase == BEFORE:
             actions = self._enter(tables.initial.name)
         else:
@@ -328,7 +332,8 @@ class Controller:
             self._section, self._state, self._phase = None, 0, ENDS[route]
             return ()
         section = self._tables.sections[route]
-        state, actions = section.entry(self._out_of_service, self._happened)
+        state, actions, begun, ended = section.entry(self._out_of_service, self._happened)
+        self._happened = (self._happened | begun) - ended
         self._section, self._state, self._phase = section, state, RUNNING
         return actions
 

@@ -1,7 +1,8 @@
 """What sections of one type do: a table of states and edges, or rules on bits.
 
 Both are asked alike. States are numbers; handlers that happen once, hardware and events are spoken of by
-their numbers in the type; actions are lists, by number.
+their numbers in the type; actions are lists, by number. What may be true of facts is numbered behind handlers
+that happen once: it has ``happened`` while it is true.
 """
 
 from __future__ import annotations
@@ -13,8 +14,12 @@ from typing import Any, Protocol
 
 from mcpn.runtime.shape import LISTS, MODES
 
-Step = tuple[int | str, int, Set[int]]
-"""The state after an event, or the outcome with which the section is left; the actions; what has happened."""
+Step = tuple[int | str, int, Set[int], Set[int]]
+"""The state after an event, or the outcome with which the section is left; the actions; what has happened, or
+become true of facts; what is no more true of them."""
+
+Entered = tuple[int, int, Set[int], Set[int]]
+"""The same of an entry."""
 
 
 class MachineProtocol(Protocol):
@@ -24,7 +29,7 @@ class MachineProtocol(Protocol):
     once: list[str]
     lists: list[list[dict[str, str]]]
 
-    def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
+    def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
 
     def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
@@ -65,12 +70,16 @@ class TableMove:
         actions: The number of its list of actions.
         open: Handlers that must not have happened yet, and happen with it, by their numbers.
         happened: Those that must have happened before.
+        gained: What becomes true of facts.
+        lost: What is no more true of them.
     """
 
     target: int | str
     actions: int
     open: frozenset[int]
     happened: frozenset[int]
+    gained: frozenset[int]
+    lost: frozenset[int]
 
     def allowed(self, happened: Set[int]) -> bool:
         """Whether it can be taken with some handlers that have happened."""
@@ -82,27 +91,38 @@ class TypeTables:
 
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
-        self.once: list[str] = row.get("once", [])
+        self.facts: list[str] = row.get("facts", [])
+        self.once: list[str] = row.get("once", []) + self.facts
+        self.entering = range(len(row.get("once", [])), len(row.get("once", [])) + row.get("entering", 0))
         self.states: list[Mapping[str, Any]] = row["states"]
         lists = _Lists()
         self.lists = lists.lists
-        self.entries = [e and (e["to"], lists.number(e["actions"])) for e in row["entries"]]
         self.moves: list[dict[int, list[TableMove]]] = [{} for _ in self.states]
         bit = {handler: number for number, handler in enumerate(self.once)}
+
+        def those(said: Mapping[str, Any], key: str) -> frozenset[int]:
+            return frozenset(bit[name] for name in said.get(key, ()))
+
+        self.entries: list[Entered | None] = [
+            e and (e["to"], lists.number(e["actions"]), those(e, "gained"), those(e, "lost"))
+            for e in row["entries"]
+        ]
         for edge in row["edges"]:
-            guard = (frozenset(bit[h] for h in edge.get(key, ())) for key in ("open", "happened"))
-            move = TableMove(edge["to"], lists.number(edge["actions"]), *guard)
+            said = (those(edge, key) for key in ("open", "happened", "gained", "lost"))
+            move = TableMove(edge["to"], lists.number(edge["actions"]), *said)
             self.moves[edge["from"]].setdefault(edge["event"], []).append(move)
 
-    def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
+    def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
-        return self.entries[sum(1 << i for i in gone)]
+        first = len(self.hardware) - self.entering.start
+        bits = [*gone, *(first + i for i in happened if i in self.entering)]
+        return self.entries[sum(1 << bit for bit in bits)]
 
     def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
         """What an event does; ``None`` where it cannot be taken."""
         for move in self.moves[state].get(event, ()):
             if move.allowed(happened):
-                return move.target, move.actions, move.open
+                return move.target, move.actions, move.open | move.gained, move.lost
         return None
 
     def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
@@ -149,7 +169,8 @@ class RuleTables:
 
     def __init__(self, row: Mapping[str, Any]) -> None:
         self.hardware: list[str] = row["hardware"]
-        self.once: list[str] = row.get("once", [])
+        self.facts: list[str] = row.get("facts", [])
+        self.once: list[str] = row.get("once", []) + self.facts
         self.bits: int = row["bits"]
         lists = _Lists()
         self.lists = lists.lists
@@ -165,7 +186,7 @@ class RuleTables:
         for rule in row["rules"]:
             self.rules[rule["event"]].append((Bits.of(rule["if"]), self.effects[rule["do"]]))
 
-    def entry(self, gone: Set[int], happened: Set[int]) -> tuple[int, int] | None:
+    def entry(self, gone: Set[int], happened: Set[int]) -> Entered | None:
         """The first state and the actions, with some hardware out of service, if it may be entered so."""
         state = self.idle
         for of, true in ((self.of_hardware, gone), (self.of_once, happened)):
@@ -173,7 +194,7 @@ class RuleTables:
                 state ^= of[i][0]
         for bits, (changes, actions, _) in self.entries:
             if bits.hold(state):
-                return state ^ changes, actions
+                return state ^ changes, actions, *self._true(state ^ changes)
         return None
 
     def move(self, state: int, event: int, happened: Set[int]) -> Step | None:
@@ -181,9 +202,13 @@ class RuleTables:
         for bits, (changes, actions, to) in self.rules[event]:
             if bits.hold(state):
                 after = state ^ changes
-                now = {i for i, (_, when) in enumerate(self.of_once) if when.hold(after)}
-                return after if to is None else to, actions, now
+                return after if to is None else to, actions, *self._true(after)
         return None
+
+    def _true(self, state: int) -> tuple[Set[int], Set[int]]:
+        """What a state says that has happened and is true of facts, and what is not true of them."""
+        now = {i for i, (_, when) in enumerate(self.of_once) if when.hold(state)}
+        return now, {*range(len(self.once) - len(self.facts), len(self.once))} - now
 
     def possible(self, state: int, happened: Set[int]) -> Iterator[int]:
         """The events that can be taken."""

@@ -17,7 +17,7 @@ class ControllerFileError(ValueError):
     """A file is no controller that this runtime can run."""
 
 
-FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4), 4
+FORMAT, VERSIONS, MODULAR = "mcpn-controller", (2, 3, 4, 5, 6), (4, 6)
 ENDS = {"succeed": "success", "fail": "failure", "abort": "abort"}
 VERBS = {
     "stop": {"activity"},
@@ -78,7 +78,7 @@ def check_shape(document: Any) -> None:
     if type(version) is not int or version not in VERSIONS:
         raise ControllerFileError(f"version {version!r} found, {' or '.join(map(str, VERSIONS))} expected")
     _CONTROLLER(document, "the controller")
-    rules = version == MODULAR
+    rules = version in MODULAR
     exits = []
     for number, row in enumerate(document["types"]):
         where = f"types[{number}]"
@@ -216,7 +216,7 @@ _SECTION = _record(
         "type": _number,
         "routes": _map(_text),
         "events": _names,
-        "names": _record({}, dict.fromkeys(KINDS, _map(_text))),
+        "names": _record({}, dict.fromkeys((*KINDS, "facts"), _map(_text))),
     }
 )
 _CONTROLLER = _record(
@@ -241,20 +241,25 @@ _CONTROLLER = _record(
             )
         ),
         "digest": _text,
-    }
+    },
+    {
+        "facts": _map(_map(_names)),
+        "changing": _map(_record({"true": _names, "false": _names})),
+    },
 )
 _STATE = _record(
     {**dict.fromkeys(LISTS, _TEXTS), **dict.fromkeys(MODES, _map(_text)), "out_of_service": _TEXTS}
 )
+_ENTRY = _record({"to": _number, "actions": _ACTIONS}, {"gained": _names, "lost": _names})
 _MACHINE = _record(
     {
         "hardware": _names,
         "events": _names,
         "states": _list(_STATE),
-        "entries": _list(_perhaps(_record({"to": _number, "actions": _ACTIONS}))),
+        "entries": _list(_perhaps(_ENTRY)),
         "edges": _list(_object),
     },
-    {"once": _names},
+    {"once": _names, "facts": _names, "entering": _number},
 )
 _RULES = _record(
     {
@@ -268,11 +273,11 @@ _RULES = _record(
         "entries": _list(_record({"if": _NUMBERS, "do": _number})),
         "rules": _list(_record({"event": _number, "if": _NUMBERS, "do": _number})),
     },
-    {"once": _names},
+    {"once": _names, "facts": _names},
 )
 _EDGE = _record(
     {"from": _number, "event": _number, "to": _target, "actions": _ACTIONS},
-    {"open": _names, "happened": _names},
+    {"open": _names, "happened": _names, "gained": _names, "lost": _names},
 )
 
 
@@ -281,11 +286,15 @@ _EDGE = _record(
 
 def _check_machine(row: Mapping[str, Any], where: str) -> None:
     states, events, once = len(row["states"]), len(row["events"]), set(row.get("once", ()))
-    if len(row["entries"]) != 1 << len(row["hardware"]):
-        raise _wrong(len(row["entries"]), f"{where}.entries", "one for each state of the hardware")
+    facts = row.get("facts", [])
+    _below(row.get("entering", 0), len(facts) + 1, f"{where}.entering")
+    if len(row["entries"]) != 1 << len(row["hardware"]) + row.get("entering", 0):
+        raise _wrong(len(row["entries"]), f"{where}.entries", "one for each state of the hardware and facts")
     for number, entry in enumerate(row["entries"]):
         if entry is not None:
             _below(entry["to"], states, f"{where}.entries[{number}].to")
+            for said in (*entry.get("gained", ()), *entry.get("lost", ())):
+                _member(said, facts, f"{where}.entries[{number}]")
     for number, edge in enumerate(row["edges"]):
         at = f"{where}.edges[{number}]"
         _EDGE(edge, at)
@@ -296,6 +305,9 @@ def _check_machine(row: Mapping[str, Any], where: str) -> None:
         for key in ("open", "happened"):
             for handler in edge.get(key, ()):
                 _member(handler, once, f"{at}.{key}")
+        for key in ("gained", "lost"):
+            for said in edge.get(key, ()):
+                _member(said, facts, f"{at}.{key}")
 
 
 def _check_rules(row: Mapping[str, Any], where: str) -> None:
@@ -308,8 +320,9 @@ def _check_rules(row: Mapping[str, Any], where: str) -> None:
         _below(bit, bits, f"{where}: a bit")
     for literal in literals:
         _below(literal, 2 * bits, f"{where}: a literal")
-    if len(row["status"]) != len(row["hardware"]) + len(row.get("once", ())):
-        raise _wrong(len(row["status"]), f"{where}.status", "one for each of the hardware and handlers")
+    carried = len(row["hardware"]) + len(row.get("once", ())) + len(row.get("facts", ()))
+    if len(row["status"]) != carried:
+        raise _wrong(len(row["status"]), f"{where}.status", "one for each of hardware, handlers, facts")
     for number, rule in enumerate((*row["entries"], *row["rules"])):
         at = f"{where}.entries and rules[{number}]"
         _below(rule["do"], effects, f"{at}.do")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -105,28 +105,32 @@ class TableSection:
         self.number = {text: number for number, text in enumerate(self.events)}
         own = self.names.get("hardware", {})
         self.hardware = [own.get(h, h) for h in machine.hardware]
-        once = self.names.get("once", {})
-        self.once = [once.get(handler, handler) for handler in machine.once]
+        told = {**self.names.get("once", {}), **self.names.get("facts", {})}
+        self.once = [told.get(handler, handler) for handler in machine.once]
         self._actions: dict[int, tuple[Action, ...]] = {}
         self._states: dict[int, Inside] = {}
 
-    def entry(self, out_of_service: Set[str], happened: Set[str]) -> tuple[int, tuple[Action, ...]]:
-        """The first state inside and the actions, with some hardware out of service."""
+    def entry(
+        self, out_of_service: Set[str], happened: Set[str]
+    ) -> tuple[int, tuple[Action, ...], Set[str], Set[str]]:
+        """The first state inside, the actions, and what becomes true of facts, and what is no more."""
         step = self.machine.entry(_numbers(self.hardware, out_of_service), _numbers(self.once, happened))
         if step is None:
             gone = sorted(out_of_service)
             raise ControllerFileError(f"section {self.name} has no entry with {gone} out of service")
-        return step[0], self.actions(step[1])
+        return step[0], self.actions(step[1]), self._named(step[2]), self._named(step[3])
 
     def move(
         self, state: int, event: str, happened: Set[str] = frozenset()
-    ) -> tuple[int | str, tuple[Action, ...], Set[str]] | None:
-        """Where an event leads, the actions, and which handlers happen; ``None`` where it cannot be taken.
+    ) -> tuple[int | str, tuple[Action, ...], Set[str], Set[str]] | None:
+        """Where an event leads, the actions, what happens, and what is no more true of facts.
+
+        It is ``None`` where the event cannot be taken.
 
         Args:
             state: The state inside.
             event: Its text.
-            happened: Handlers that happen once and have happened.
+            happened: Handlers that happen once and have happened, and what is true of facts.
         """
         number = self.number.get(event)
         if number is None:
@@ -134,8 +138,11 @@ class TableSection:
         step = self.machine.move(state, number, _numbers(self.once, happened))
         if step is None:
             return None
-        target, actions, happening = step
-        return target, self.actions(actions), {self.once[i] for i in happening}
+        target, actions, happening, ended = step
+        return target, self.actions(actions), self._named(happening), self._named(ended)
+
+    def _named(self, numbers: Set[int]) -> Set[str]:
+        return {self.once[i] for i in numbers}
 
     def possible(self, state: int, happened: Set[str] = frozenset()) -> list[str]:
         """Events of the section that are possible in a state, with some handlers that have happened."""
@@ -238,19 +245,49 @@ class Tables:
         self.digest = digest_of(document)
         if document["digest"] != self.digest:
             raise ControllerFileError("its digest is of another text: the controller has been changed")
-        make = RuleTables if document["version"] == MODULAR else TypeTables
+        make = RuleTables if document["version"] in MODULAR else TypeTables
         self.mission: str = document["mission"]
         self.hardware: list[str] = document["hardware"]
         self.laws = Laws(document)
         types = [make(row) for row in document["types"]]
         sections = [TableSection(row, types[row["type"]], self.laws) for row in document["sections"]]
         self.sections = {section.name: section for section in sections}
-        self.once = {handler for section in sections for handler in section.once}
+        # By fact and value, what is then true that was not at the start; by event, what it makes so or not.
+        self.facts: dict[str, dict[str, list[str]]] = document.get("facts", {})
+        self.changing: dict[str, dict[str, list[str]]] = document.get("changing", {})
+        self.true = {said for values in self.facts.values() for true in values.values() for said in true}
+        self.once = {handler for section in sections for handler in section.once} | self.true
         self.initial = self.sections[document["initial"]]
         # OOS and RD of all hardware that can fail, by text: what is free of sections reacts to them too.
         self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
         self.repairs = {f"{name}_EV_RD": name for name in self.hardware}
-        self.known = {START, *self.failures, *self.repairs, *(e for s in sections for e in s.events)}
+        beside = (*self.changing, *self.failures, *self.repairs)
+        self.known = {START, *beside, *(e for s in sections for e in s.events)}
+
+    def beside(self, section: TableSection | None, gone: Set[str], true: Set[str]) -> Iterator[str]:
+        """The events that may happen beside a section: of hardware, and those that change facts."""
+        hardware, events = (section.hardware, section.number) if section else ((), ())
+        for name in self.hardware:
+            if name not in hardware:
+                yield f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS"
+        yield from (e for e in self.changing if e not in events and self.changes(e, true))
+
+    def values(self, true: Set[str]) -> dict[str, str]:
+        """The value of each fact, by what is true of them."""
+        found = {}
+        for name, values in self.facts.items():
+            now = {said for said in true if any(said in of for of in values.values())}
+            found[name] = next(value for value, of in values.items() if now == set(of))
+        return found
+
+    def changes(self, event: str, true: Set[str]) -> bool:
+        """Whether an event that changes facts would change something."""
+        return self.changed(event, true) != true
+
+    def changed(self, event: str, true: Set[str]) -> set[str]:
+        """What is true of facts after an event that changes some."""
+        said = self.changing[event]
+        return {*true, *said["true"]}.difference(said["false"])
 
 
 START = "MISSION_EV_START"

@@ -149,7 +149,9 @@ class OfController:
 
     def seen(self, at: str) -> Seen:
         self.runtime.restore(at)
-        return seen_of(self.runtime.state, self.runtime.out_of_service, {}, self.runtime.outcome)
+        return seen_of(
+            self.runtime.state, self.runtime.out_of_service, self.runtime.facts, self.runtime.outcome
+        )
 
     def possible(self, at: str) -> set[Happening]:
         self.runtime.restore(at)
@@ -181,8 +183,6 @@ def graphs(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Play
 def controllers(mission_net: MissionNet, max_states: int) -> Iterator[tuple[str, Player[Any]]]:
     """The simulator, and every form of controller, minimised and not; the modular one if there is one."""
     yield "simulator", OfSimulator(mission_net)
-    if mission_net.usage.world.facts:
-        return  # controllers refuse such missions: tests/test_facts.py
     for form in FORMS:
         controller = generate(mission_net, form, max_states=max_states)
         yield f"{form} controller", OfController(mission_net, controller)

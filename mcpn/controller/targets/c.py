@@ -11,7 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mcpn.controller.modular import AnyController, ModularController
-from mcpn.controller.targets.names import C_PREFIX_RESERVED, C_SIGNIFICANT, c_string, comment, identifiers
+from mcpn.controller.targets.names import (
+    C_PREFIX_RESERVED,
+    C_SIGNIFICANT,
+    c_string,
+    comment,
+    identifiers,
+    refuse_facts,
+)
 from mcpn.controller.targets.render import render, rows
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
 from mcpn.net.compose import MissionNet
@@ -67,6 +74,7 @@ def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
+    refuse_facts(mission_net, "C")
     numbers: RuleNumbers | MachineNumbers
     if isinstance(controller, ModularController):
         numbers = RuleNumbers(controller, mission_net)

@@ -35,6 +35,11 @@ One object with these keys:
   - ``effects``: ``changes``, ``actions``, and where the section is left, ``to``, the outcome;
   - ``entries`` and ``rules``: where the literals ``if`` are true, ``do`` an effect (an index); the latter on
     an ``event`` (an index); those of one event that fit a state do the same;
+- where the mission has facts (version 5, of rules 6): ``facts``, by name and value what is then true of it
+  that was not at the start, as texts; ``changing``, by event what it makes ``true`` and ``false``. Types have
+  ``facts``, what may be true of theirs; machines ``entering``, how many of these, the first ones, have bits
+  in the numbers of entries, behind those of the hardware; entries and edges ``gained`` and ``lost``; rules
+  have a ``status`` for each of ``facts``, behind ``once``;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
   ends when its time is over has ``timeout``, in seconds;
 - ``digest``: SHA-256, in hexadecimal digits, of the object without it as JSON in UTF-8 with sorted keys, no
@@ -49,8 +54,10 @@ handlers that have happened, too: an edge can be taken where its ``open`` have n
 ``happened`` have, and then adds its ``open`` to the set; at most one edge of a state and an event can. In the
 modular form a section is entered in the state ``idle``, changed by ``status`` as hardware and handlers are,
 by an entry that fits; an event takes a rule of it that fits, and what the state then says of ``once`` has
-happened. An action ``arm`` starts the timer of an objective, ``disarm`` ends it; when it has run for the
-objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
+happened. Keep what is true of facts: nothing at first; an entry or edge adds its ``gained`` and takes its
+``lost`` away, after a rule the state says it; an event of ``changing`` that the section has not may be taken
+at any time where it changes something. An action ``arm`` starts the timer of an objective, ``disarm`` ends
+it; when it has run for the objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
 """
 
 from __future__ import annotations
@@ -63,11 +70,14 @@ from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
 from mcpn.mission.robot import Parameter
+from mcpn.mission.world.conditions import all_flags, flags
+from mcpn.mission.world.usage import FactUsage
 from mcpn.net.compose import MissionNet
+from mcpn.net.events import Event, What
 from mcpn.runtime.shape import FORMAT, digest_of
 
 FILE_NAME = "controller.json"
-VERSION, WITH_ONCE, OF_RULES = 2, 3, 4
+VERSION, WITH_ONCE, OF_RULES, WITH_FACTS, OF_RULES_WITH_FACTS = 2, 3, 4, 5, 6
 
 
 def write_json(controller: AnyController, mission_net: MissionNet) -> str:
@@ -87,7 +97,7 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
     """The controller as a JSON object."""
     found = {
         "format": FORMAT,
-        "version": _version(controller),
+        "version": _version(controller, facts=bool(mission_net.usage.world.facts)),
         "mission": controller.mission,
         "form": controller.form,
         "minimised": controller.minimised,
@@ -109,14 +119,35 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
         ],
         "types": [_type(type_) for type_ in controller.types],
         **laws(mission_net),
+        **_world(mission_net.usage.world),
     }
     return found | {"digest": digest_of(found)}
 
 
-def _version(controller: AnyController) -> int:
+def _version(controller: AnyController, *, facts: bool) -> int:
+    facts = any(type_.facts for type_ in controller.types) or facts
     if isinstance(controller, ModularController):
-        return OF_RULES
+        return OF_RULES_WITH_FACTS if facts else OF_RULES
+    if facts:
+        return WITH_FACTS
     return WITH_ONCE if any(machine.once for machine in controller.types) else VERSION
+
+
+def _world(world: FactUsage) -> dict[str, Any]:
+    """What is true of facts by their values, and what events change beside a section."""
+    if not world.facts:
+        return {}
+    changing = {}
+    for event, changes in world.changing.items():
+        every = {flag for name in changes for flag in all_flags(world.facts[name])}
+        true = {flag for name, value in changes.items() for flag in flags(world.facts[name])[value]}
+        said = {"true": sorted(true), "false": sorted(every - true)}
+        changing[str(Event(What.DECLARED, event))] = said
+    facts = {
+        name: {value: sorted(said) for value, said in flags(fact).items()}
+        for name, fact in world.facts.items()
+    }
+    return {"facts": facts, "changing": changing}
 
 
 def _type(type_: SectionMachine | Rules) -> dict[str, Any]:
@@ -127,6 +158,7 @@ def _rules(rules: Rules) -> dict[str, Any]:
     return {
         "hardware": list(rules.hardware),
         **({"once": list(rules.once)} if rules.once else {}),
+        **({"facts": list(rules.facts)} if rules.facts else {}),
         "events": [str(event) for event in rules.events],
         "bits": rules.bits,
         "idle": list(rules.idle),
@@ -151,10 +183,17 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
     return {
         "hardware": list(machine.hardware),
         **({"once": list(machine.once)} if machine.once else {}),
+        **({"facts": list(machine.facts), "entering": machine.entering} if machine.facts else {}),
         "events": [str(event) for event in machine.events],
         "states": [_state(state) for state in machine.states],
         "entries": [
-            entry and {"to": entry.target, "actions": [_action(a) for a in entry.actions]}
+            entry
+            and {
+                "to": entry.target,
+                "actions": [_action(a) for a in entry.actions],
+                **({"gained": list(entry.gained)} if entry.gained else {}),
+                **({"lost": list(entry.lost)} if entry.lost else {}),
+            }
             for entry in machine.entries
         ],
         "edges": [
@@ -165,6 +204,8 @@ def _machine(machine: SectionMachine) -> dict[str, Any]:
                 "actions": [_action(a) for a in move.actions],
                 **({"open": list(move.guard.open)} if move.guard.open else {}),
                 **({"happened": list(move.guard.happened)} if move.guard.happened else {}),
+                **({"gained": list(move.gained)} if move.gained else {}),
+                **({"lost": list(move.lost)} if move.lost else {}),
             }
             for move in machine.moves
         ],

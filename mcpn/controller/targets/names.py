@@ -6,6 +6,9 @@ import re
 from collections.abc import Collection, Iterable
 from keyword import kwlist, softkwlist
 
+from mcpn.errors import LimitError
+from mcpn.net.compose import MissionNet
+
 C_KEYWORDS = frozenset(
     word
     for line in (
@@ -95,3 +98,13 @@ def comment(text: str) -> str:
     """A text for one line of a comment, in which nothing can end the comment."""
     # Backslashes first, so that the slashes that stand for them end nothing either.
     return re.sub(r"[^\x20-\x7e]", "?", text).replace("\\", "/").replace("*/", "* /").replace("/*", "/ *")
+
+
+def refuse_facts(mission_net: MissionNet, target: str) -> None:
+    """Refuses a mission with facts, which a target does not know.
+
+    Raises:
+        LimitError: The mission has facts.
+    """
+    if mission_net.usage.world.facts:
+        raise LimitError(f"the mission has facts, and controllers in {target} know none yet: JSON does")

@@ -27,7 +27,7 @@ from lxml import etree
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
-from mcpn.controller.targets.names import comment, identifiers
+from mcpn.controller.targets.names import comment, identifiers, refuse_facts
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
@@ -44,6 +44,7 @@ def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[st
         controller: The controller.
         mission_net: The mission's net.
     """
+    refuse_facts(mission_net, "SCXML")
     name = identifiers([controller.mission])[controller.mission].lower()
     return {f"{name}.scxml": _Document(controller, mission_net).text()}
 
