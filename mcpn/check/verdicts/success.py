@@ -14,7 +14,7 @@ from mcpn.space.run import Run
 MOST_READ = 200
 """Objectives of a mission up to which the run that shows success leaves none out that need not fail."""
 
-_TRY = re.compile(r"_try[0-9]+(?=\.|$)")
+_TRY = re.compile(r"_run[0-9]+(?=[._]|$)|_try[0-9]+(?=[.]|$)")
 
 
 def without_skipping(mission_net: MissionNet, space: Space[S], goal: S) -> list[Edge] | None:
@@ -33,7 +33,7 @@ def without_skipping(mission_net: MissionNet, space: Space[S], goal: S) -> list[
 def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
     """Objectives that begin on a run and never succeed on it, in the order in which they begin.
 
-    All tries of an objective are one.
+    All tries of an objective are one, and all runs of one that recovers.
     """
     objectives, net = mission_net.saying("objective"), mission_net.net
     begun, succeeded = dict[str, None](), set[str]()
@@ -46,7 +46,7 @@ def skipped(mission_net: MissionNet, run: Run) -> tuple[str, ...]:
 
 
 def _untried(name: str) -> str:
-    """The name of an objective without the numbers of its tries."""
+    """The name of an objective without the numbers of its tries and runs."""
     return _TRY.sub("", name)
 
 
