@@ -25,7 +25,7 @@ MOST_LEFT = 100_000
 
 
 @dataclass(frozen=True)
-class Finding:
+class SearchResult:
     """Whether a goal is reachable, and how that was found.
 
     Args:
@@ -84,7 +84,7 @@ class Portfolio:
         goals: Sequence[Goal],
         rounds: Sequence[Round] = ROUNDS,
         go_on: Callable[[], bool] = lambda: True,
-    ) -> Iterator[tuple[int, Finding]]:
+    ) -> Iterator[tuple[int, SearchResult]]:
         """Decides goals, the easy ones first.
 
         Args:
@@ -98,7 +98,7 @@ class Portfolio:
         waiting = []
         for index, goal in enumerate(goals):
             if holds(goal, self.net, self.net.initial):
-                yield index, Finding(True, (), (INITIAL_STATE,))
+                yield index, SearchResult(True, (), (INITIAL_STATE,))
             else:
                 waiting.append(index)
         if not self.searches.fits:
@@ -114,7 +114,7 @@ class Portfolio:
             for position, run in walked.items():
                 yield (
                     waiting[position],
-                    Finding(True, _direct(self.net, run, goals[waiting[position]]), (RANDOM_WALK,)),
+                    SearchResult(True, _direct(self.net, run, goals[waiting[position]]), (RANDOM_WALK,)),
                 )
             waiting = [index for position, index in enumerate(waiting) if position not in walked]
             left = []
@@ -145,7 +145,7 @@ class _Task:
         self.techniques = () if self.reduction is None else (REDUCTION,)
         self.ways = (EXPLICIT,) if net.priorities else (EXPLICIT, STUBBORN_SETS)
 
-    def search(self, budget: Round, seed: int, alone: bool) -> Finding | None:
+    def search(self, budget: Round, seed: int, alone: bool) -> SearchResult | None:
         """Walks and searches, within a budget; nothing where neither decides."""
         if self.reduction is not None:
             if not self.searches.fits:
@@ -158,30 +158,30 @@ class _Task:
         if run.outcome == "reached":
             return self._reached(run.run, *self.ways)
         if run.outcome == "unreachable":
-            return Finding(False, None, (*self.techniques, *self.ways))
+            return SearchResult(False, None, (*self.techniques, *self.ways))
         return self._by_equation(budget, seed) if budget.equation else None
 
-    def _by_equation(self, budget: Round, seed: int) -> Finding | None:
+    def _by_equation(self, budget: Round, seed: int) -> SearchResult | None:
         from mcpn.space.search.equation import StateEquation
 
         solution = StateEquation(self.searches.net).solve(self.inner)
         if solution.kind == "unreachable":
             traps = (TRAPS,) if solution.traps else ()
-            return Finding(False, None, (*self.techniques, STATE_EQUATION, *traps))
+            return SearchResult(False, None, (*self.techniques, STATE_EQUATION, *traps))
         if solution.kind == "possible":
             walked = self.searches.walk([self.inner], steps=budget.steps, seed=seed, counts=solution.counts)
             if walked:
                 return self._reached(walked[0], STATE_EQUATION, RANDOM_WALK)
         return None
 
-    def _reached(self, run: Run, *ways: str) -> Finding:
+    def _reached(self, run: Run, *ways: str) -> SearchResult:
         if self.reduction is not None:
             run = shortened(self.net, self.reduction.lift(run))
             if self.goal == DEADLOCK:
                 run = shortened(self.net, _gone_on(self.net, run))
         run = _direct(self.net, run, self.goal)
         assert leads_to(self.net, run, self.goal), "a run to a goal replays"
-        return Finding(True, run, (*self.techniques, *ways))
+        return SearchResult(True, run, (*self.techniques, *ways))
 
 
 def _reduced(net: PetriNet, goal: Goal) -> Reduction | None:

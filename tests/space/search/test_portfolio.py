@@ -15,7 +15,7 @@ from mcpn.net.formats import read_net
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.search import portfolio
 from mcpn.space.search.goal import DEADLOCK, AtMost, Goal, marked
-from mcpn.space.search.portfolio import INITIAL_STATE, REDUCTION, ROUNDS, Finding, Portfolio, Round
+from mcpn.space.search.portfolio import INITIAL_STATE, REDUCTION, ROUNDS, Portfolio, Round, SearchResult
 from mcpn.space.search.searches import Searches, replay
 from tests.net.nets import nets, state_machines
 from tests.space.search.goals import all_markings, goals, is_goal
@@ -36,7 +36,7 @@ LED = (Round(3, 1, equation=True), Round(6, 1, equation=True), Round(0, 100_000)
 WAYS = (ROUNDS[:1], NO_WALKS, SHORT_WALKS, EQUATION, LED)
 
 
-def decide(net: PetriNet, asked: Sequence[Goal], rounds: tuple[Round, ...]) -> dict[int, Finding]:
+def decide(net: PetriNet, asked: Sequence[Goal], rounds: tuple[Round, ...]) -> dict[int, SearchResult]:
     """What is found by walks of no more firings than the rounds say, where they say few."""
     with pytest.MonkeyPatch.context() as patch:
         if rounds is not WAYS[0]:
@@ -44,7 +44,7 @@ def decide(net: PetriNet, asked: Sequence[Goal], rounds: tuple[Round, ...]) -> d
         return dict(Portfolio(net).decide(asked, rounds))
 
 
-def confirm(net: PetriNet, goal: Goal, found: Finding, *, reachable: bool) -> None:
+def confirm(net: PetriNet, goal: Goal, found: SearchResult, *, reachable: bool) -> None:
     assert found.reachable == reachable
     if found.reachable:
         assert found.run is not None
@@ -81,7 +81,7 @@ def test_what_holds_at_first_needs_no_search() -> None:
         assume(place is not None)
         assert place is not None
         ((_, found),) = Portfolio(net).decide([marked(place)], ())
-        assert found == Finding(True, (), (INITIAL_STATE,))
+        assert found == SearchResult(True, (), (INITIAL_STATE,))
 
     check()
 
@@ -139,7 +139,7 @@ def test_a_run_to_a_deadlock_goes_on_until_nothing_may_fire(rounds: tuple[Round,
 def test_what_no_budget_decides_is_left_out() -> None:
     net = line("ab", ("b", "a"), first=40)
     goal = AtMost(((1, -1),), -40)
-    assert decide(net, [goal, marked(0)], (Round(0, 0),)) == {1: Finding(True, (), (INITIAL_STATE,))}
+    assert decide(net, [goal, marked(0)], (Round(0, 0),)) == {1: SearchResult(True, (), (INITIAL_STATE,))}
     rounds = (Round(0, 0), Round(0, 0), Round(0, 100_000))
     assert decide(net, [goal], rounds).keys() == {0}
     # Nobody goes on: what is not decided in the first round is left.
