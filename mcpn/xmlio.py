@@ -10,12 +10,13 @@ from mcpn.errors import InputError, Source
 from mcpn.files import read_bounded
 
 
-def parse_xml(path: Path, limit: int) -> etree._Element:
+def parse_xml(path: Path, limit: int, text: str | None = None) -> etree._Element:
     """The root element of an XML file.
 
     Args:
         path: The file.
         limit: How many bytes it may have.
+        text: Read this instead of what the file holds; errors say the file.
 
     Returns:
         The root; its elements carry their lines.
@@ -23,9 +24,10 @@ def parse_xml(path: Path, limit: int) -> etree._Element:
     Raises:
         InputError: The file cannot be read, is not well-formed XML, or has a document type declaration.
     """
-    data = read_bounded(path, limit)
+    data = read_bounded(path, limit) if text is None else text.encode()
     # huge_tree stays off: libxml2 then refuses elements nested more than 256 deep.
     parser = etree.XMLParser(
+        encoding=None if text is None else "utf-8",
         resolve_entities=False,
         no_network=True,
         load_dtd=False,

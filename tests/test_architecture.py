@@ -34,6 +34,7 @@ WAY = [
     "testing",
     "pytest_plugin",
     "face",
+    "editor",
     "cli",
 ]
 MODULES = sorted(PACKAGE.rglob("*.py"))

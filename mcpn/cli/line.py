@@ -31,6 +31,7 @@ COMMANDS = {
     "controller": "outputs",
     "convert": "outputs",
     "init": "begin",
+    "lsp": "editor",
     "monitor": "monitor",
     "report": "report",
     "schema": "begin",

@@ -21,18 +21,22 @@ from mcpn.mission.schema import find_misfits
 from mcpn.mission.validate import find_errors
 from mcpn.xmlio import parse_xml
 
+NOTHING: Mapping[Path, str] = {}
 MAX_FILE_BYTES = 16 << 20
 MAX_IMPORTS = 1000
 MAX_DEPTH = 64
 MAX_ELEMENTS = 200_000
 
 
-def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> Mission:
+def read_mission(
+    path: Path | str, *, import_root: Path | str | None = None, unsaved: Mapping[Path, str] = NOTHING
+) -> Mission:
     """Reads a mission with its imports, and checks it.
 
     Args:
         path: The mission file.
         import_root: The directory that imports must stay in; that of the file by default.
+        unsaved: By resolved file the text that is read instead of what the file holds.
 
     Returns:
         A valid mission, every element with its file and line.
@@ -43,7 +47,7 @@ def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> 
     """
     main = Path(path)
     root = Path(import_root) if import_root is not None else main.parent
-    reader = _Reader(main, root.resolve())
+    reader = _Reader(main, root.resolve(), unsaved)
     mission = reader.mission()
     problems = reader.problems
     if mission is not None and reader.complete:
@@ -53,14 +57,27 @@ def read_mission(path: Path | str, *, import_root: Path | str | None = None) -> 
     return mission
 
 
+def misfits_of(path: Path, *, unsaved: Mapping[Path, str] = NOTHING) -> list[Problem]:
+    """What of one file does not fit the language, whatever its root; what it refers to is not looked at.
+
+    Args:
+        path: A file of a mission, a robot or protocols.
+        unsaved: As of :func:`read_mission`.
+    """
+    reader = _Reader(path, path.parent, unsaved)
+    reader.load()
+    return reader.problems
+
+
 def _by_place(problem: Problem) -> tuple[str, int, str]:
     source = problem.source or Source("")
     return source.file, source.line or 0, problem.message
 
 
 class _Reader:
-    def __init__(self, main: Path, root: Path) -> None:
+    def __init__(self, main: Path, root: Path, unsaved: Mapping[Path, str] = NOTHING) -> None:
         self.root = root
+        self.unsaved = unsaved
         self.problems: list[Problem] = []
         self.complete = True
         self.elements = 0
@@ -117,7 +134,8 @@ class _Reader:
     def load(self) -> etree._Element | None:
         """The root of the file if that fits the schema, or ``None`` after noting why it does not."""
         try:
-            element = parse_xml(self.path, MAX_FILE_BYTES)
+            typed = self.unsaved.get(self.path.resolve()) if self.unsaved else None
+            element = parse_xml(self.path, MAX_FILE_BYTES, typed)
         except InputError as error:
             self.problems.extend(error.problems)
             self.complete = False

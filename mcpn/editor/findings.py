@@ -1,0 +1,67 @@
+"""What the states of a mission say of its names, for an editor: found by a process that can be ended.
+
+``python -m mcpn.editor.findings mission.xml`` prints one JSON object: ``names``, Markdown by objective and
+hardware; ``problems``, each with file, line and message, of verdicts and requirements that do not hold and of
+what never happens.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from mcpn.errors import McpnError
+
+
+def findings(file: Path) -> dict[str, Any]:
+    """Modes and cut sets by objective, what each hardware resource can make fail, and problems."""
+    from mcpn.report.words import modes_in_words
+    from mcpn.study import open_study
+
+    study = open_study(file)
+    checked = study.verdicts()
+    names = {
+        objective: [f"Mode: {way or 'the alternatives named like their activities'}." for way in ways]
+        for objective, modes in checked.modes.items()
+        if (ways := modes_in_words(modes))
+    }
+    if checked.passed:
+        causes = study.causes()
+        for goal in (causes.mission, *causes.objectives.values()):
+            for cut in goal.cut_sets:
+                names.setdefault(goal.name, []).append(f"Fails if lost: {', '.join(cut)}.")
+                for hardware in cut:
+                    alone = "alone" if len(cut) == 1 else f"with {', '.join(h for h in cut if h != hardware)}"
+                    names.setdefault(hardware, []).append(f"Its loss, {alone}, makes {goal.name} fail.")
+    problems = [
+        {"file": at and at.file, "line": at and at.line, "message": problem.message}
+        for problem in (*checked.unselectable, *checked.futile)
+        for at in (problem.source,)
+    ]
+    problems += [
+        {"file": str(file), "line": 1, "message": f"{name}: {checked.verdicts[name].explanation}"}
+        for name in checked.failing
+    ]
+    for answer in checked.requirements:
+        source = answer.asked.requirement.source
+        if not answer.met and source is not None:
+            message = f"requirement {answer.asked.name} is not met"
+            problems.append({"file": source.file, "line": source.line, "message": message})
+    return {"names": {name: "\n\n".join(said) for name, said in names.items()}, "problems": problems}
+
+
+def main() -> int:
+    """Prints the findings of the file that the command line names; 1 where there are none."""
+    try:
+        found = findings(Path(sys.argv[1]))
+    except McpnError as error:
+        sys.stderr.write(f"{error}\n")
+        return 1
+    sys.stdout.write(json.dumps(found))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,83 @@
+"""The missions that an open file is part of, with the texts that are typed and not saved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from mcpn.editor.scan import scan
+from mcpn.errors import InputError, LimitError, Problem
+from mcpn.mission.facts.usage import Usage
+from mcpn.mission.facts.warnings import static_warnings
+from mcpn.mission.flatten import flatten
+from mcpn.mission.model import Import, Mission
+from mcpn.mission.xml import misfits_of, read_mission
+
+MOST_FILES = 200
+"""In how many files beside an open one, or above it, missions are looked for that import it."""
+
+
+class Project:
+    """Files of missions as an editor has them.
+
+    Args:
+        unsaved: By file its text, where that is typed and not saved; files are resolved.
+    """
+
+    def __init__(self, unsaved: Mapping[Path, str]) -> None:
+        self.unsaved = unsaved
+
+    def text(self, file: Path) -> str | None:
+        """The text of a file; ``None`` where there is none to read."""
+        if file in self.unsaved:
+            return self.unsaved[file]
+        try:
+            return file.read_text("utf-8")
+        except (OSError, ValueError):
+            return None
+
+    def missions(self, file: Path) -> list[Path]:
+        """The missions that a file is part of: itself, or those near it that import it."""
+        if self._root(file) == Mission.TAG:
+            return [file]
+        near = [f for folder in (file.parent, file.parent.parent) for f in sorted(folder.glob("*.xml"))]
+        near = [f for f in near[:MOST_FILES] if f != file and self._root(f) == Mission.TAG]
+        return [mission for mission in near if file in self.files(mission)]
+
+    def files(self, mission: Path) -> list[Path]:
+        """A mission's file and those that it imports, at any depth."""
+        found = [mission]
+        for file in found:
+            for element in scan(self.text(file) or ""):
+                if element.tag == Import.TAG and (href := element.texts.get("href")):
+                    target = (file.parent / href).resolve()
+                    if target not in found and target.is_file():
+                        found.append(target)
+        return found
+
+    def problems(self, file: Path) -> tuple[list[Problem], list[Problem]]:
+        """What is wrong in the missions that a file is part of, and what is suspicious, as ``check`` says it.
+
+        Of a file of no mission what does not fit the language is told.
+        """
+        errors, warnings = dict[Problem, None](), dict[Problem, None]()
+        missions = self.missions(file)
+        for mission in missions:
+            try:
+                valid = read_mission(mission, unsaved=self.unsaved)
+                warnings |= dict.fromkeys(static_warnings(Usage(valid, flatten(valid))))
+            except InputError as error:
+                errors |= dict.fromkeys(error.problems)
+            except LimitError as error:
+                errors[Problem(None, str(error))] = None
+        if not missions:
+            errors |= dict.fromkeys(misfits_of(file, unsaved=self.unsaved))
+        return list(errors), list(warnings)
+
+    def together(self, file: Path) -> Iterator[Path]:
+        """The files that name the same things as a file: those of its missions, or itself alone."""
+        files = [f for mission in self.missions(file) for f in self.files(mission)]
+        yield from dict.fromkeys([file, *files])
+
+    def _root(self, file: Path) -> str:
+        return next((element.tag for element in scan((self.text(file) or "")[:10_000])), "")

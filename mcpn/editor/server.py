@@ -1,0 +1,167 @@
+"""The server: what a client of the Language Server Protocol sends and gets (``mcpn lsp``)."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, cast
+
+from lsprotocol import types as lsp
+from pygls.lsp.server import LanguageServer
+from pygls.uris import to_fs_path
+from pygls.workspace import TextDocument
+
+from mcpn import __version__
+from mcpn.editor.answers import SOURCE, Answers
+from mcpn.editor.project import Project
+
+SYNC = lsp.TextDocumentSyncKind.Incremental
+
+
+class MissionServer(LanguageServer):
+    """Answers a client about files of missions; what their states say is found beside it after a save."""
+
+    def __init__(self) -> None:
+        super().__init__("mcpn", __version__, text_document_sync_kind=SYNC)
+        self.told: dict[Path, set[Path]] = {}
+        self.names: dict[str, str] = {}
+        self.problems: dict[Path, list[lsp.Diagnostic]] = {}
+        self.under_way: asyncio.Task[None] | None = None
+
+    def answers(self) -> Answers:
+        """Answers about the files as they are typed now."""
+        unsaved = {
+            path: document.source
+            for uri, document in self.workspace.text_documents.items()
+            if (path := file_of(uri)) is not None
+        }
+        project = Project(unsaved)
+
+        def document(file: Path) -> TextDocument:
+            for uri, known in self.workspace.text_documents.items():
+                if file_of(uri) == file:
+                    return cast(TextDocument, known)
+            return TextDocument(file.as_uri(), project.text(file) or "")
+
+        return Answers(project, document)
+
+    def tell(self, file: Path) -> None:
+        """Sends the problems of a file and of those that belong to it."""
+        found = self.answers().diagnostics(file)
+        for other in self.told.get(file, set()) - found.keys():
+            found[other] = []
+        self.told[file] = set(found)
+        for other, diagnostics in found.items():
+            more = self.problems.get(other, []) if not any(map(_is_error, diagnostics)) else []
+            self.text_document_publish_diagnostics(
+                lsp.PublishDiagnosticsParams(other.as_uri(), [*diagnostics, *more])
+            )
+
+    def explore(self, file: Path) -> None:
+        """Begins to find out what the states say, in a process of its own; an older one is ended."""
+        if self.under_way is not None:
+            self.under_way.cancel()
+        self.under_way = asyncio.ensure_future(self._explored(file))
+
+    async def _explored(self, file: Path) -> None:
+        for mission in Project({}).missions(file):
+            process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-m", "mcpn.editor.findings", str(mission)),
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.DEVNULL,
+            )
+            try:
+                out, _ = await process.communicate()
+            finally:
+                with suppress(ProcessLookupError):
+                    process.kill()
+            if process.returncode == 0:
+                self._found(json.loads(out))
+        self.tell(file)
+
+    def _found(self, said: dict[str, Any]) -> None:
+        self.names, self.problems = said["names"], {}
+        for problem in said["problems"]:
+            if problem["file"] is not None:
+                line = max(0, (problem["line"] or 1) - 1)
+                at = lsp.Range(lsp.Position(line, 0), lsp.Position(line + 1, 0))
+                self.problems.setdefault(Path(problem["file"]).resolve(), []).append(
+                    lsp.Diagnostic(at, problem["message"], lsp.DiagnosticSeverity.Warning, source=SOURCE)
+                )
+
+
+def file_of(uri: str) -> Path | None:
+    """The file of an address; ``None`` where it is of none."""
+    path = to_fs_path(uri)
+    return None if path is None else Path(path).resolve()
+
+
+def _is_error(diagnostic: lsp.Diagnostic) -> bool:
+    return diagnostic.severity == lsp.DiagnosticSeverity.Error
+
+
+def server() -> MissionServer:
+    """A server with all that it answers."""
+    made = MissionServer()
+
+    @made.feature(lsp.TEXT_DOCUMENT_DID_OPEN)
+    async def opened(ls: MissionServer, params: lsp.DidOpenTextDocumentParams) -> None:
+        if (file := file_of(params.text_document.uri)) is not None:
+            ls.tell(file)
+            ls.explore(file)
+
+    @made.feature(lsp.TEXT_DOCUMENT_DID_CHANGE)
+    def changed(ls: MissionServer, params: lsp.DidChangeTextDocumentParams) -> None:
+        if (file := file_of(params.text_document.uri)) is not None:
+            ls.tell(file)
+
+    @made.feature(lsp.TEXT_DOCUMENT_DID_SAVE)
+    async def saved(ls: MissionServer, params: lsp.DidSaveTextDocumentParams) -> None:
+        if (file := file_of(params.text_document.uri)) is not None:
+            ls.problems = {}
+            ls.tell(file)
+            ls.explore(file)
+
+    @made.feature(
+        lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=["<", " ", '"', "'"])
+    )
+    def completion(ls: MissionServer, params: lsp.CompletionParams) -> list[lsp.CompletionItem]:
+        file = file_of(params.text_document.uri)
+        return [] if file is None else ls.answers().completion(file, params.position)
+
+    @made.feature(lsp.TEXT_DOCUMENT_HOVER)
+    def hover(ls: MissionServer, params: lsp.HoverParams) -> lsp.Hover | None:
+        file = file_of(params.text_document.uri)
+
+        def known(name: str) -> str:
+            return "\n\n".join(said for of, said in ls.names.items() if of.rpartition(".")[2] == name)
+
+        return None if file is None else ls.answers().hover(file, params.position, known)
+
+    @made.feature(lsp.TEXT_DOCUMENT_DEFINITION)
+    def definition(ls: MissionServer, params: lsp.DefinitionParams) -> list[lsp.Location]:
+        file, answers = file_of(params.text_document.uri), ls.answers()
+        found = [] if file is None else answers.meant(file, params.position)
+        return [answers.place(symbol) for symbol in found if symbol.declares]
+
+    @made.feature(lsp.TEXT_DOCUMENT_REFERENCES)
+    def references(ls: MissionServer, params: lsp.ReferenceParams) -> list[lsp.Location]:
+        file, answers = file_of(params.text_document.uri), ls.answers()
+        found = [] if file is None else answers.meant(file, params.position)
+        declared = params.context.include_declaration
+        return [answers.place(symbol) for symbol in found if declared or not symbol.declares]
+
+    @made.feature(lsp.TEXT_DOCUMENT_RENAME)
+    def rename(ls: MissionServer, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
+        file = file_of(params.text_document.uri)
+        return None if file is None else ls.answers().renamed(file, params.position, params.new_name)
+
+    @made.feature(lsp.TEXT_DOCUMENT_CODE_ACTION, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix]))
+    def mends(ls: MissionServer, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
+        file = file_of(params.text_document.uri)
+        return [] if file is None else ls.answers().mends(file, params.range)
+
+    return made

@@ -1,0 +1,67 @@
+"""Elements, names and places in texts, against lxml and against the model of missions."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import event, given
+from hypothesis import strategies as st
+from lxml import etree
+
+from mcpn.editor.scan import enclosing, scan
+from mcpn.editor.symbols import symbols
+from mcpn.mission.model import Mission
+from mcpn.mission.renaming import renamed
+from mcpn.mission.writer import write_mission
+from mcpn.mission.xml import read_mission
+from mcpn.testing import missions
+from tests.conftest import ROOT
+
+FILES = sorted((ROOT / "experiments").glob("*/*.xml"))
+
+
+def test_a_scan_finds_what_a_parser_finds() -> None:
+    for path in FILES:
+        text = path.read_text()
+        parsed = [e for e in etree.fromstring(text.encode()).iter() if isinstance(e.tag, str)]
+        scanned = scan(text)
+        assert [e.tag for e in scanned] == [etree.QName(e).localname for e in parsed], path
+        for element, of in zip(scanned, parsed, strict=True):
+            known = {str(name): str(value) for name, value in of.attrib.items()}
+            found = {name: etree.fromstring(f'<a b="{v}"/>').get("b") for name, v in element.texts.items()}
+            assert {name: value for name, value in found.items() if not name.startswith("xmlns")} == known
+            parent = of.getparent()
+            assert (element.parent.tag if element.parent else None) == (
+                None if parent is None else etree.QName(parent).localname
+            )
+            for attribute in element.attributes:
+                assert text[attribute.begin : attribute.end] == attribute.value
+
+
+@given(st.text("<>/\"'= abm!-?\n", max_size=60))
+def test_any_text_is_scanned(text: str) -> None:
+    for element in scan(text):
+        assert 0 <= element.begin < element.end <= len(text)
+        assert all(text[a.begin : a.end] == a.value for a in element.attributes)
+    enclosing(text, len(text) // 2)
+
+
+@given(mission=missions(), data=st.data())
+def test_another_name_in_all_its_places_is_the_mission_of_that_name(
+    mission: Mission, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    text = write_mission(mission).decode()
+    known = symbols("m.xml", text)
+    symbol = data.draw(st.sampled_from([s for s in known if s.declares and s.kind != "alternative"]))
+    event(symbol.kind)
+    for place in sorted((s for s in known if symbol.means(s)), key=lambda s: -s.begin):
+        text = f"{text[: place.begin]}other_{place.name}{text[place.end :]}"
+    path = tmp_path_factory.mktemp("renamed") / "m.xml"
+    path.write_text(text)
+    found = read_mission(path)  # whatever the name, nothing refers to the old one
+    alone = sum(s.declares and (s.kind, s.name) == (symbol.kind, symbol.name) for s in known) == 1
+    if alone and symbol.kind != "activity":  # an alternative may have the name of its activity
+
+        def rename(kind: str, name: str) -> str:
+            return f"other_{name}" if (kind, name) == (symbol.kind, symbol.name) else name
+
+        assert found == renamed(mission, rename)

@@ -1,0 +1,140 @@
+"""The server for editors, by a client that shares no code with it."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.conftest import ROOT
+from tests.editor.client import Client
+
+pytest.importorskip("pygls", reason="needs mcpn[editor]")
+
+
+@pytest.fixture
+def client() -> Iterator[Client]:
+    made = Client()
+    yield made
+    assert made.close() == 0
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    shutil.copytree(ROOT / "experiments" / "ulysse", tmp_path / "ulysse")
+    return (tmp_path / "ulysse").resolve()
+
+
+def place(path: Path, text: str, part: str, within: int = 1) -> dict[str, Any]:
+    """The parameters that ask about a part of a text."""
+    before = text[: text.index(part) + within]
+    position = {"line": before.count("\n"), "character": len(before) - before.rfind("\n") - 1}
+    return {"textDocument": {"uri": path.as_uri()}, "position": position}
+
+
+def said(text: str, range_: dict[str, Any]) -> str:
+    """The text of a range in one line."""
+    line: str = text.splitlines()[range_["start"]["line"]]
+    assert range_["start"]["line"] == range_["end"]["line"]
+    begin, end = (int(range_[side]["character"]) for side in ("start", "end"))
+    return line[begin:end]
+
+
+def test_problems_as_typed_and_their_mends(client: Client, folder: Path) -> None:
+    robot = folder / "robot.xml"
+    text = robot.read_text().replace('consumes="GPS_position"', 'consumes="GPS_psition"')
+    client.open(robot, text)
+    while robot.as_uri() not in client.diagnostics:
+        client.receive()
+    (problem, *_) = client.diagnostics[robot.as_uri()]
+    assert problem["severity"] == 1
+    assert "GPS_psition" in problem["message"]
+    assert said(text, problem["range"]) == "GPS_psition"
+    actions = client.ask(
+        "textDocument/codeAction",
+        textDocument={"uri": robot.as_uri()},
+        range=problem["range"],
+        context={"diagnostics": [problem]},
+    )
+    assert "Change GPS_psition to GPS_position" in [action["title"] for action in actions]
+    change = {"range": problem["range"], "text": "GPS_position"}
+    document = {"uri": robot.as_uri(), "version": 2}
+    client.tell("textDocument/didChange", textDocument=document, contentChanges=[change])
+    client.diagnostics.clear()
+    client.ask("textDocument/hover", **place(robot, text, "<hardware", 3))
+    assert client.diagnostics[robot.as_uri()] == []
+
+
+def test_names_across_files(client: Client, folder: Path) -> None:
+    robot, protocols = folder / "robot.xml", folder / "protocols.xml"
+    text = protocols.read_text()
+    client.open(protocols)
+    name = "thruster_actuator"
+    (found,) = client.ask(
+        "textDocument/definition",
+        **place(
+            robot, robot.read_text(), f' {name}"' if f' {name}"' in robot.read_text() else f'"{name}"', 3
+        ),
+    )
+    assert found["uri"] == robot.as_uri()
+    assert said(robot.read_text(), found["range"]) == name
+    uses = client.ask(
+        "textDocument/references",
+        **place(robot, robot.read_text(), f'name="{name}"', 8),
+        context={"includeDeclaration": True},
+    )
+    assert len(uses) == sum(
+        path.read_text().count(name) for path in (robot, protocols, folder / "mission.xml")
+    )
+    edit = client.ask(
+        "textDocument/rename", **place(robot, robot.read_text(), f'name="{name}"', 8), newName="propeller"
+    )
+    assert sum(map(len, edit["changes"].values())) == len(uses)
+    assert (
+        client.ask("textDocument/rename", **place(protocols, text, "objective name", 13), newName="1 x")
+        is None
+    )
+
+
+def test_words_of_the_language(client: Client, folder: Path) -> None:
+    mission = folder / "mission.xml"
+    text = '<mission xmlns="urn:mcpn:mission:1" name="m"><import href="robot.xml"/>\n<objective name="o" \n'
+    client.open(mission, text + '\n<parallel name="p">\n<\n')
+    at = {"textDocument": {"uri": mission.as_uri()}}
+    names = client.ask("textDocument/completion", **at, position={"line": 1, "character": 20})
+    assert {"activities", "timeout", "retries"} <= {item["label"] for item in names}
+    assert "name" not in {item["label"] for item in names}
+    assert all(item["documentation"] for item in names)
+    tags = client.ask("textDocument/completion", **at, position={"line": 4, "character": 1})
+    assert {item["label"] for item in tags} >= {"objective", "use"}
+    assert "parallel" not in {item["label"] for item in tags}
+    words = text.replace('name="o" \n', 'name="o" activities="')
+    client.tell(
+        "textDocument/didChange",
+        textDocument={"uri": mission.as_uri(), "version": 2},
+        contentChanges=[{"text": words}],
+    )
+    end = {"line": 1, "character": len(words.splitlines()[1])}
+    activities = client.ask("textDocument/completion", **at, position=end)
+    assert "move" in {item["label"] for item in activities} or len(activities) > 3
+    hover = client.ask("textDocument/hover", **at, position={"line": 1, "character": 14})
+    assert hover["contents"]["value"].startswith("**name**")
+
+
+def test_what_states_say_comes_after_a_save(client: Client, folder: Path) -> None:
+    protocols = folder / "protocols.xml"
+    client.open(protocols)
+    for _ in range(200):
+        if "Fails if lost: thruster_actuator." in (hovered(client, protocols) or ""):
+            return
+        time.sleep(0.2)
+    pytest.fail("the states say nothing")
+
+
+def hovered(client: Client, protocols: Path) -> str | None:
+    found = client.ask("textDocument/hover", **place(protocols, protocols.read_text(), 'name="diving"', 8))
+    return None if found is None else str(found["contents"]["value"])
