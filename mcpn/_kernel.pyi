@@ -382,7 +382,10 @@ class BigSteps:
     Each is of every stable marking that marks some places and leaves some others empty; several that fit one
     marking make the same of it. They stand in bytes, as 32-bit numbers: how many levels of a store it
     touches, and for each, in their order, the level times 4 with what happens to it: 0 it goes from marked to
-    unmarked, 1 back, 2 it stays marked, 3 unmarked.
+    unmarked, 1 back, 2 it stays marked, 3 unmarked. Or a function tells of a set of markings at once: 2^32 -
+    1, how many numbers it has, and four for each of its parts, of which the last is the whole: a level, what
+    happens to it, the part for the levels below (0: they stay as they are), and the part for what else may
+    happen to that level (0: nothing); parts are numbered from 1 on, and name those before them.
 
     Args:
         net: The net, with priorities.
@@ -405,11 +408,23 @@ class BigSteps:
     def start(self, store: Store) -> Zdd | None:
         """The stable marking behind the initial one; ``None`` where it is not one, or a firing is unsafe."""
 
-    def cover(self, markings: Zdd, event: int, most: int) -> tuple[bytes, int] | None:
-        """Big steps of an event that fit some stable markings, which enable it, and how many they are.
+    def cover(self, markings: Zdd, event: int, most: int) -> tuple[bytes, int, bool] | None:
+        """Big steps of an event that fit some stable markings, which enable it; how many; whether all.
 
-        ``None`` where it has no outcome, or may have two, or a firing is unsafe, or where they are more than
-        ``most``.
+        They are ``most`` at most; ``None`` where it has no outcome, or may have two, or a firing is unsafe.
+        """
+
+    def after(self, markings: Zdd, event: int) -> Zdd | None:
+        """The stable markings behind an event from some that enable it, run from all of them at once.
+
+        ``None`` where that does not prove that each has one outcome: in some marking no transition may fire
+        alone, a firing is unsafe, or evolution does not end.
+        """
+
+    def function(self, markings: Zdd, event: int) -> bytes | None:
+        """What an event makes of each of some stable markings that enable it, as one function of these.
+
+        ``None``, too, where that is too large.
         """
 
 def choices(store: Store, ways: bytes, as_: str, marked: Sequence[int]) -> list[int]:

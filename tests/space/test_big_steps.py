@@ -15,6 +15,7 @@ from mcpn.mission.model import Mission, Objective, Parallel
 from mcpn.net.compose import compose
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
+from mcpn.space.diagrams.order import Order, clustered
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace
 from mcpn.space.markings.explicit import KernelNet
 from mcpn.space.stable import big_steps
@@ -52,10 +53,14 @@ def listed(net: PetriNet) -> Listed | None:
     return states, edges
 
 
-def stepped(net: PetriNet) -> tuple[BigStepSpace, dict[int, bytes]] | None:
-    """The same by big steps."""
-    encoding = Encoding(net, tuple(range(len(net.places))), DEFAULT_MEMORY)
-    found = reach_in_big_steps(KernelNet(net), encoding)
+def stepped(
+    net: PetriNet, few: int = big_steps.FEW_STEPS, order: Order | None = None
+) -> tuple[BigStepSpace, dict[int, bytes]] | None:
+    """The same by big steps; of events that have more than a few, by what they make of sets of states."""
+    encoding = Encoding(net, order or tuple(range(len(net.places))), DEFAULT_MEMORY)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(big_steps, "FEW_STEPS", few)
+        found = reach_in_big_steps(KernelNet(net), encoding)
     if found is None:
         return None
     states, steps = found
@@ -69,9 +74,13 @@ def places_of(space: BigStepSpace, states: Zdd) -> set[tuple[int, ...]]:
     return {tuple(p for p, tokens in marking if tokens) for marking in marked}
 
 
-def agree(net: PetriNet) -> None:
+FEW = st.sampled_from((0, 1, 2, big_steps.FEW_STEPS))
+"""Big steps of an event that are found one by one before it is run from whole sets."""
+
+
+def agree(net: PetriNet, few: int, order: Order | None = None) -> None:
     """Big steps are as the listing has it, and where it comes to trouble they are refused."""
-    one, other = listed(net), stepped(net)
+    one, other = listed(net), stepped(net, few, order)
     event("no outcome, or two" if one is None else f"states: {min(len(one[0]), 20) // 5 * 5} or more")
     assert (one is None) == (other is None)
     if one is None or other is None:
@@ -91,23 +100,23 @@ def agree(net: PetriNet) -> None:
                 break
 
 
-@given(nets())
-def test_big_steps_of_nets(net: PetriNet) -> None:
-    agree(replace(net, priorities=True))
+@given(nets(), FEW)
+def test_big_steps_of_nets(net: PetriNet, few: int) -> None:
+    agree(replace(net, priorities=True), few)
 
 
 @fewer(0.3)
-@given(missions() | missions(events=2, sections=4) | stacked_missions())
-def test_big_steps_of_missions(of: Mission) -> None:
+@given(missions() | missions(events=2, sections=4) | stacked_missions(), FEW, st.booleans())
+def test_big_steps_of_missions(of: Mission, few: int, by_clusters: bool) -> None:
     net = composed(of).net
     if settled(KernelNet(net), orders="one", max_states=50_000).states < 400:
-        agree(net)
+        agree(net, few, clustered(net) if by_clusters else None)
 
 
 @fewer(0.3)
-@given(missions() | stacked_missions(), st.data())
-def test_closures_are_those_of_one_step_after_the_other(of: Mission, data: st.DataObject) -> None:
-    found = stepped(composed(of).net)
+@given(missions() | stacked_missions(), FEW, st.data())
+def test_closures_are_those_of_one_step_after_the_other(of: Mission, few: int, data: st.DataObject) -> None:
+    found = stepped(composed(of).net, few)
     if found is None:
         return
     space, steps = found
@@ -145,6 +154,28 @@ def test_few_big_steps_tell_of_many_states() -> None:
     assert sum(map(rows_in, other[1].values())) * 4 < len(one[1])
 
 
+def test_branches_that_share_a_producer_are_a_sum() -> None:
+    """Run from whole sets, an event that concerns all branches is a function that grows as they do."""
+
+    def sizes(count: int) -> tuple[int, int]:
+        branches = tuple(Objective(name=f"o{i}", activities=(f"work{i}",)) for i in range(count))
+        works = (activity(f"work{i}", ("position", f"h{i}"), ("position",)) for i in range(count))
+        localise = activity("localise", ("gps",), ("imu",), produces=("position",))
+        of = mission(
+            robot(hw("gps", "imu", *(f"h{i}" for i in range(count))), localise, *works),
+            Parallel(name="p", blocks=branches),
+        )
+        net = compose(of).net
+        found = stepped(net, 0, clustered(net))
+        assert found is not None
+        return found[0].everything.count(), max(map(len, found[1].values()))
+
+    (few, short), (many, long) = sizes(2), sizes(5)
+    assert few == 260  # as `mcpn alternatives --engine explicit` lists them
+    assert many == 90_524
+    assert long < short * 10
+
+
 def rows_in(steps: bytes) -> int:
     """How many big steps stand in some bytes."""
     numbers, count, at = struct.unpack(f"={len(steps) // 4}I", steps), 0, 0
@@ -179,14 +210,26 @@ def test_what_is_asked_wrongly_is_refused() -> None:
     with pytest.raises(ValueError, match="no such event"):
         kernel.cover(start, 0, 10)  # an internal transition
     label = next(i for i, t in enumerate(prepared.transitions) if not net.transitions[t].internal)
-    assert kernel.cover(start, label, 0) is None
-    with pytest.raises(ValueError, match="trouble"):
-        kernel.cover(start, label, 10)
+    with pytest.raises(ValueError, match="no such event"):
+        kernel.after(start, 0)
+    with pytest.raises(ValueError, match="no such event"):
+        kernel.function(start, 0)
+    assert kernel.cover(start, label, 0) == (b"", 0, False)
+    with pytest.raises(ValueError, match="without a level"):
+        BigSteps(prepared.kernel, prepared.initial, [*places[:-1], -1], [], 1 << 30, 100)
     for bad in (
         b"123",
         struct.pack("=2I", 2, 1),
         struct.pack("=2I", 1, len(places) * 4),
         struct.pack("=3I", 2, 5, 4),
+        struct.pack("=I", 2**32 - 1),
+        struct.pack("=2I", 2**32 - 1, 0),  # a function without a part
+        struct.pack("=3I", 2**32 - 1, 4, 0),
+        struct.pack("=6I", 2**32 - 1, 4, len(places), 2, 0, 0),
+        struct.pack("=6I", 2**32 - 1, 4, 0, 4, 0, 0),
+        struct.pack("=6I", 2**32 - 1, 4, 0, 2, 1, 0),  # a part behind itself
+        struct.pack("=10I", 2**32 - 1, 8, 1, 2, 0, 0, 1, 2, 1, 0),  # on one level twice
+        struct.pack("=10I", 2**32 - 1, 8, 1, 2, 0, 0, 0, 3, 0, 1),  # alternatives on two levels
     ):
         with pytest.raises(ValueError, match=r"big steps|levels"):
             choices(store, bad, "ahead", [])

@@ -43,8 +43,8 @@ std::optional<std::vector<Level>> BigSteps::start(Store& store) {
   return levels;
 }
 
-std::optional<std::vector<BigSteps::Way>> BigSteps::cover(Store& store, Node markings, std::uint32_t event,
-                                                          std::size_t most) {
+std::optional<std::pair<std::vector<BigSteps::Way>, bool>> BigSteps::cover(Store& store, Node markings, std::uint32_t event,
+                                                                           std::size_t most) {
   store_ = &store;
   std::vector<Way> found;
   std::vector<Level> marked;
@@ -52,7 +52,7 @@ std::optional<std::vector<BigSteps::Way>> BigSteps::cover(Store& store, Node mar
   Places places;
   Held left(store, markings);
   while (left) {
-    if (found.size() == most) return std::nullopt;
+    if (found.size() == most) return std::pair(std::move(found), false);
     marked.clear();
     store.pick(left, marked);
     std::fill(held.begin(), held.end(), false);
@@ -70,7 +70,7 @@ std::optional<std::vector<BigSteps::Way>> BigSteps::cover(Store& store, Node mar
     const Held here(store, store.filter(left, where));
     left = store.minus(left, here);
   }
-  return found;
+  return std::pair(std::move(found), true);
 }
 
 // Partners say the same of their level: it is named once.

@@ -25,10 +25,10 @@ class BigSteps {
            std::uint64_t max_bytes, std::uint64_t max_transient);
 
   // The marked levels of the stable marking behind the initial one. Nothing here and below where it came to trouble:
-  // an outcome is open, or a firing unsafe; or where there are too many.
+  // an outcome is open, or a firing unsafe.
   std::optional<std::vector<Level>> start(Store& store);
-  // The big steps of an event, so many at most, from a set of stable markings that enable it.
-  std::optional<std::vector<Way>> cover(Store& store, Node markings, std::uint32_t event, std::size_t most);
+  // The big steps of an event from a set of stable markings that enable it, so many at most, and whether these are all.
+  std::optional<std::pair<std::vector<Way>, bool>> cover(Store& store, Node markings, std::uint32_t event, std::size_t most);
 
  private:
   Way way(const BigStep& step) const;

@@ -81,9 +81,11 @@ void Stubborn::begin(const Word* marking) {
 bool Stubborn::apart(std::uint32_t t, std::uint32_t u) const {
   for (const std::uint32_t p : net_.firings_[t].need)
     for (const std::uint32_t q : net_.firings_[u].need)
-      if (p != q && meet(units_of_[p], units_of_[q])) return true;
+      if (p != q && share_unit(p, q)) return true;
   return false;
 }
+
+bool Stubborn::share_unit(std::uint32_t p, std::uint32_t q) const { return meet(units_of_[p], units_of_[q]); }
 
 std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first,
                                              Reads* reads) {
@@ -115,7 +117,7 @@ std::optional<std::uint32_t> Stubborn::alone(const Word* marking, const std::vec
   relax(marking, end, here_);
   for (std::uint32_t t = first; t < end; t = next_bit(enabled.data(), words, t + 1))
     if (judge(t, here_)) {
-      if (reads) note_absence(end, *reads);
+      if (reads) note_absence(end, [&](const Places& need) { return reads->missing(need, marked_.data()); });
       return t;
     }
   return std::nullopt;
@@ -144,30 +146,6 @@ void Stubborn::relax(const Word* marking, std::uint32_t end, std::vector<Word>& 
       if (u < end && !has_bit(may.data(), u) && net_.covers(marked_.data(), u)) {
         set_bit(may.data(), u);
         queue_.push_back(u);
-      }
-  }
-}
-
-// Those that judge found absent may not fire, wherever places that they need are as empty as here, and those absent that
-// put into these. The others would only leave it more to judge. Nor does it matter of one that does the same as another
-// one that is brought about, and that clashes with none here.
-void Stubborn::note_absence(std::uint32_t end, Reads& reads) {
-  for (const std::uint32_t u : missed_) {
-    bool twin = false;
-    for (std::uint32_t v = 0; !twin && (v = next_bit(brought_.data(), brought_.size(), v)) != kNoBit; ++v)
-      twin = alike(u, v);
-    if (!twin || !free(u, end, here_)) absent_.push_back(u);
-  }
-  std::fill(brought_.begin(), brought_.end(), 0);
-  for (const std::uint32_t u : absent_) set_bit(brought_.data(), u);
-  while (!absent_.empty()) {
-    const std::uint32_t u = absent_.back();
-    absent_.pop_back();
-    const std::uint32_t empty = reads.missing(net_.firings_[u].need, marked_.data());
-    for (const std::uint32_t t : givers_[empty])
-      if (t < end && !has_bit(brought_.data(), t)) {
-        set_bit(brought_.data(), t);
-        absent_.push_back(t);
       }
   }
 }

@@ -31,6 +31,21 @@ class Stubborn {
   // A transition that may fire alone, of those enabled in a marking, of which the first one is given.
   // Where reads are given, it notes what tells so of other markings, too.
   std::optional<std::uint32_t> alone(const Word* marking, const std::vector<Word>& enabled, std::uint32_t first, Reads* reads = nullptr);
+  // Those that may fire alone wherever they are enabled.
+  const std::vector<Word>& always() const { return always_; }
+  // Whether one that is enabled in a marking may fire alone. If so it may in every marking that leaves some places empty,
+  // too: those that are chosen, each of the places that a transition needs, of which those in reach may be marked.
+  template <class Choose> bool alone_from(const Word* marking, std::uint32_t t, Choose choose) {
+    const std::uint32_t end = net_.rank_end_[t];
+    relax(marking, end, here_);
+    if (!judge(t, here_)) return false;
+    note_absence(end, [&](const Places& need) { return choose(need, marked_); });
+    return true;
+  }
+  // Whether two transitions take and put the same, so that it makes no difference which of them fires.
+  bool alike(std::uint32_t t, std::uint32_t u) const { return does_[t] == does_[u]; }
+  // Whether two places are in one unit.
+  bool share_unit(std::uint32_t p, std::uint32_t q) const;
   // Why the one that was found, if any, may fire alone.
   Means means(std::optional<std::uint32_t> found, const std::vector<Word>& enabled, std::uint32_t first) const;
 
@@ -40,13 +55,11 @@ class Stubborn {
  private:
   enum class Known : std::uint8_t { kNot, kAlone, kBesideOthers };
 
-  // Whether two transitions take and put the same, so that it makes no difference which of them fires.
-  bool alike(std::uint32_t t, std::uint32_t u) const { return does_[t] == does_[u]; }
   bool apart(std::uint32_t t, std::uint32_t u) const;
   void relax(const Word* marking, std::uint32_t end, std::vector<Word>& may);
   bool judge(std::uint32_t t, const std::vector<Word>& may);
   bool free(std::uint32_t t, std::uint32_t end, const std::vector<Word>& may);
-  void note_absence(std::uint32_t end, Reads& reads);
+  template <class Choose> void note_absence(std::uint32_t end, Choose choose);
 
   const SafeNet& net_;
   std::size_t units_ = 0;
@@ -67,5 +80,29 @@ class Stubborn {
   std::vector<std::uint32_t> absent_;                   // those that judge looked for, and that may not fire
   std::vector<std::uint32_t> missed_;                   // those that would be brought about if they were in reach
 };
+
+// Those that judge found absent may not fire, wherever places that they need are as empty as here, and those absent that
+// put into these. The others would only leave it more to judge. Nor does it matter of one that does the same as another
+// one that is brought about, and that clashes with none here.
+template <class Choose> void Stubborn::note_absence(std::uint32_t end, Choose choose) {
+  for (const std::uint32_t u : missed_) {
+    bool twin = false;
+    for (std::uint32_t v = 0; !twin && (v = next_bit(brought_.data(), brought_.size(), v)) != kNoBit; ++v)
+      twin = alike(u, v);
+    if (!twin || !free(u, end, here_)) absent_.push_back(u);
+  }
+  std::fill(brought_.begin(), brought_.end(), 0);
+  for (const std::uint32_t u : absent_) set_bit(brought_.data(), u);
+  while (!absent_.empty()) {
+    const std::uint32_t u = absent_.back();
+    absent_.pop_back();
+    const std::uint32_t empty = choose(net_.firings_[u].need);
+    for (const std::uint32_t t : givers_[empty])
+      if (t < end && !has_bit(brought_.data(), t)) {
+        set_bit(brought_.data(), t);
+        absent_.push_back(t);
+      }
+  }
+}
 
 }  // namespace mcpn

@@ -11,7 +11,9 @@
 #include <string>
 #include <tuple>
 
+#include "diagrams/relation.hpp"
 #include "markings/big_steps.hpp"
+#include "markings/set_evolution.hpp"
 #include "python/module.hpp"
 #include "python/sets.hpp"
 
@@ -22,8 +24,20 @@ namespace {
 
 constexpr std::size_t kBranches = 100;  // of an event, for each level that its ways touch, before it is made in parts
 
+constexpr std::size_t kMostParts = 16'000'000;  // of a function
+
 using Ways = std::vector<BigSteps::Way>;
 using Numbers = std::vector<std::uint32_t>;
+
+constexpr std::uint32_t kFunction = ~std::uint32_t(0);  // stands before how many numbers the table of a function has
+
+constexpr Level kNoLevel = ~Level(0);
+
+struct BigStepsOf { Ways ways; std::vector<Numbers> functions; };
+
+nb::bytes bytes_of(const Numbers& rows) {
+  return nb::bytes(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(rows[0]));
+}
 
 // A row for each way: how many levels it touches, and for each the level with the touch in its two lowest bits.
 nb::bytes packed(const Ways& ways) {
@@ -32,19 +46,29 @@ nb::bytes packed(const Ways& ways) {
     rows.push_back(std::uint32_t(way.size()));
     for (const Touched& at : way) rows.push_back(at.level << 2 | std::uint32_t(at.touch));
   }
-  return nb::bytes(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(rows[0]));
+  return bytes_of(rows);
 }
 
-Ways unpacked(const nb::bytes& data, Level levels) {
+BigStepsOf unpacked(const nb::bytes& data, Level levels) {
   const std::size_t size = data.size() / sizeof(std::uint32_t);
   if (data.size() % sizeof(std::uint32_t)) throw std::invalid_argument("no big steps");
   Numbers rows(size);
   std::memcpy(rows.data(), data.c_str(), data.size());
-  Ways ways;
+  BigStepsOf found;
   for (std::size_t at = 0; at < size;) {
+    const bool function = rows[at] == kFunction;
+    at += function;
+    if (at == size) throw std::invalid_argument("no big steps");
     const std::size_t count = rows[at++];
     if (count > size - at) throw std::invalid_argument("no big steps");
-    BigSteps::Way& way = ways.emplace_back();
+    if (function) {
+      const std::span table(rows.data() + at, count);
+      if (!Relations::is_table(table, levels)) throw std::invalid_argument("no function on these levels");
+      found.functions.emplace_back(table.begin(), table.end());
+      at += count;
+      continue;
+    }
+    BigSteps::Way& way = found.ways.emplace_back();
     for (const std::size_t end = at + count; at < end; ++at) {
       const Touched touched{rows[at] >> 2, Touch(rows[at] & 3)};
       if (touched.level >= levels || (!way.empty() && way.back().level >= touched.level))
@@ -52,7 +76,7 @@ Ways unpacked(const nb::bytes& data, Level levels) {
       way.push_back(touched);
     }
   }
-  return ways;
+  return found;
 }
 
 Touch undone(Touch touch) {
@@ -78,24 +102,40 @@ std::vector<std::uint64_t> events_of(PyStore& s, std::span<const BigSteps::Way> 
   return events;
 }
 
+// The event of a function, each way to touch a level changed, and some levels that it does not touch marked.
+template <class Change> std::uint32_t event_of(Store& store, const Numbers& table, Change change, const std::vector<Level>& also) {
+  Relations relations(kMostParts);
+  BigSteps::Way marked;
+  for (const Level level : also) marked.push_back({level, Touch::read});
+  const Relations::Id whole = relations.then(relations.way(marked), relations.from_table(table, change));
+  return relations.suffix(store, whole);
+}
+
 // Events that do what some ways do, or undo it, or conditions that one of them is enabled; some more levels are marked.
 std::vector<std::uint64_t> choices(PyStore& s, const nb::bytes& data, const std::string& as,
                                    const std::vector<std::int64_t>& marked) {
   if (as != "ahead" && as != "back" && as != "where") throw std::invalid_argument("ahead, back or where");
-  Ways ways = unpacked(data, s.store.levels);
+  BigStepsOf steps = unpacked(data, s.store.levels);
+  Ways& ways = steps.ways;
+  const std::vector<Numbers>& functions = steps.functions;
   const std::vector<Level> also = s.sorted(marked);
+  const auto changed = [&](Touch touch) {
+    return as == "ahead" ? touch : as == "back" ? undone(touch) : Touched{0, touch}.asked();
+  };
   for (BigSteps::Way& way : ways) {
-    if (as != "ahead")
-      for (Touched& at : way) at.touch = as == "back" ? undone(at.touch) : at.asked();
+    for (Touched& at : way) at.touch = changed(at.touch);
     for (const Level level : also) {
       const auto at = std::lower_bound(way.begin(), way.end(), level, [](const Touched& a, Level b) { return a.level < b; });
       if (at != way.end() && at->level == level) throw std::invalid_argument("a level is named twice");
       way.insert(at, {level, Touch::read});
     }
   }
-  if (ways.empty()) throw std::invalid_argument("no way is given");
+  if (ways.empty() && functions.empty()) throw std::invalid_argument("no way is given");
   std::vector<std::uint64_t> made;
-  s.run([&] { made = events_of(s, ways); });
+  s.run([&] {
+    if (!ways.empty()) made = events_of(s, ways);
+    for (const Numbers& table : functions) made.push_back(s.id(event_of(s.store, table, changed, also)));
+  });
   return made;
 }
 
@@ -103,7 +143,8 @@ class PyBigSteps {
  public:
   PyBigSteps(const SafeNet& net, const Numbers& initial, const std::vector<std::int64_t>& places,
              const std::vector<std::tuple<std::uint32_t, Level>>& partners, std::uint64_t max_bytes, std::uint64_t max_transient)
-      : net_(net), levels_(places.size()), steps_(net, checked(initial), levelled(places), partnered(partners), max_bytes, max_transient) {}
+      : net_(net), levels_(places.size()), steps_(net, checked(initial), levelled(places), partnered(partners), max_bytes, max_transient),
+        evolution_(net, checked(initial), by_place(net.places(), levelled(places), partnered(partners))) {}
 
   std::optional<Handle> start(const std::shared_ptr<PyStore>& s) {
     check(*s);
@@ -114,19 +155,51 @@ class PyBigSteps {
     });
     return open(marked.has_value()) ? std::optional(found) : std::nullopt;
   }
-  std::optional<std::tuple<nb::bytes, std::size_t>> cover(const Handle& markings, std::uint32_t event, std::size_t most) {
+  std::optional<std::tuple<nb::bytes, std::size_t, bool>> cover(const Handle& markings, std::uint32_t event, std::size_t most) {
     check(*markings.owner);
     if (!net_.is_event(event)) throw std::invalid_argument("no such event");
-    std::optional<Ways> ways;
+    std::optional<std::pair<Ways, bool>> found;
     markings.owner->run([&] {
       markings.owner->store.begin();
-      ways = steps_.cover(markings.owner->store, markings.node, event, most);
+      found = steps_.cover(markings.owner->store, markings.node, event, most);
     });
-    if (!open(ways.has_value())) return std::nullopt;
-    return std::tuple(packed(*ways), ways->size());
+    if (!open(found.has_value())) return std::nullopt;
+    return std::tuple(packed(found->first), found->first.size(), found->second);
+  }
+  std::optional<Handle> after(const Handle& markings, std::uint32_t event) {
+    check(*markings.owner);
+    if (!net_.is_event(event)) throw std::invalid_argument("no such event");
+    bool found = false;
+    const Handle made = computed(markings.owner, [&](Store& store) {
+      const std::optional<Node> node = evolution_.after(store, markings.node, event);
+      found = node.has_value();
+      return node.value_or(0);
+    });
+    return found ? std::optional(made) : std::nullopt;
+  }
+  std::optional<nb::bytes> function(const Handle& markings, std::uint32_t event) {
+    check(*markings.owner);
+    if (!net_.is_event(event)) throw std::invalid_argument("no such event");
+    std::optional<Numbers> table;
+    markings.owner->run([&] {
+      markings.owner->store.begin();
+      table = evolution_.function(markings.owner->store, markings.node, event);
+    });
+    if (!table) return std::nullopt;
+    table->insert(table->begin(), {kFunction, std::uint32_t(table->size())});
+    return bytes_of(*table);
   }
 
  private:
+  static SetEvolution::Levels by_place(std::size_t places, const Numbers& levelled, const std::vector<std::pair<std::uint32_t, Level>>& partners) {
+    SetEvolution::Levels levels(places, {kNoLevel, false});
+    for (Level at = 0; at < levelled.size(); ++at)
+      if (levelled[at] != BigSteps::kNoPlace) levels[levelled[at]] = {at, false};
+    for (const auto& [place, at] : partners) levels[place] = {at, true};
+    for (const auto& [level, reverse] : levels)
+      if (level == kNoLevel) throw std::invalid_argument("a place without a level");
+    return levels;
+  }
   Numbers checked(const Numbers& places) const {
     for (const std::uint32_t p : places)
       if (p >= net_.places()) throw std::invalid_argument("no such place");
@@ -157,6 +230,7 @@ class PyBigSteps {
   const SafeNet& net_;
   const std::size_t levels_;
   BigSteps steps_;
+  SetEvolution evolution_;
   bool ended_ = false;
 };
 
@@ -169,7 +243,9 @@ void bind_steps(nb::module_& module) {
            nb::arg("net"), nb::arg("initial"), nb::arg("places"), nb::arg("partners"), nb::arg("max_bytes"), nb::arg("max_transient"),
            nb::keep_alive<1, 2>())
       .def("start", &PyBigSteps::start, nb::arg("store"))
-      .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"));
+      .def("cover", &PyBigSteps::cover, nb::arg("markings"), nb::arg("event"), nb::arg("most"))
+      .def("after", &PyBigSteps::after, nb::arg("markings"), nb::arg("event"))
+      .def("function", &PyBigSteps::function, nb::arg("markings"), nb::arg("event"));
   module.def("choices", [](const std::shared_ptr<PyStore>& s, const nb::bytes& ways, const std::string& as,
                            const std::vector<std::int64_t>& marked) { return choices(*s, ways, as, marked); },
              nb::arg("store"), nb::arg("ways"), nb::arg("as_"), nb::arg("marked"));

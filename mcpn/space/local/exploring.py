@@ -14,7 +14,7 @@ from functools import cached_property
 from mcpn._kernel import Zdd
 from mcpn.net.petri import PetriNet
 from mcpn.space.diagrams.encoding import Encoding
-from mcpn.space.diagrams.order import candidates
+from mcpn.space.diagrams.order import clustered
 from mcpn.space.diagrams.spaces import DiagramAlternatives
 from mcpn.space.diagrams.symbolic import DEFAULT_MEMORY, SymbolicSpace, reach
 from mcpn.space.markings.explicit import KernelNet
@@ -89,7 +89,7 @@ def explore_local(net: PetriNet, dying: PetriNet | None = None) -> Explored:
         LimitError: A limit was hit.
     """
     of = net if dying is None else dying
-    name, places = next(iter(candidates(of)))
+    name, places = "clusters", clustered(of)
     encoding = Encoding(of, places, DEFAULT_MEMORY)
     big_steps = reach_in_big_steps(KernelNet(net), encoding)
     if big_steps is None:

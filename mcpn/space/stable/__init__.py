@@ -13,7 +13,7 @@ Which module is which step of the argument (``papers/mcpn.md``, section 3):
 4. :mod:`~mcpn.space.stable.completion` runs events to completion without that diagram, in enough orders of
    internal transitions to prove each outcome (stubborn sets, Proposition 3).
    :mod:`~mcpn.space.stable.alternatives` builds the alternatives graph so, or by reduction of the markings
-   graph; :mod:`~mcpn.space.stable.big_steps` does it for many stable states at once (Proposition 4).
+   graph; :mod:`~mcpn.space.stable.big_steps` does it for many stable states at once (Propositions 4, 5).
    :mod:`~mcpn.space.stable.listing` lists the states of any engine as such a graph.
 
 Where the proof fails, :mod:`~mcpn.space.stable.falsification` looks for the nearest counterexample,

@@ -6,6 +6,9 @@ its condition, and all markings that agree on them behave alike. So few big step
 transient marking is kept. Each is tried in enough orders of internal transitions to prove that the event has
 one outcome in all of these markings (:mod:`mcpn.space.stable.completion`).
 
+An event of which there are many big steps, as it concerns all branches of a mission, is run to completion from
+whole sets of states (``kernel/src/markings/set_evolution.cpp``), and what it makes of all of them is one function.
+
 Big steps of an event that fit one state make the same of it. Together they are a decision diagram over what
 they do to each level of the store (``kernel/src/diagrams/choices.cpp``).
 """
@@ -30,6 +33,8 @@ Steps: TypeAlias = Mapping[int, bytes | None]
 
 MOST_STEPS = 200_000
 """Big steps of all events together."""
+FEW_STEPS = 200
+"""Big steps of one event that are found one by one before it is run from whole sets of states."""
 MOST_KEPT = 100_000
 """Transient markings that the proof may keep behind one event."""
 
@@ -53,7 +58,7 @@ def reach_in_big_steps(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, di
 
 def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, bytes]] | None:
     """As :func:`reach_in_big_steps`, but a limit of the kernel that is hit is an error."""
-    net, store, count = prepared.net, encoding.store, len(prepared.net.places)
+    count = len(prepared.net.places)
     kernel = KernelSteps(
         prepared.kernel,
         prepared.initial,
@@ -62,30 +67,111 @@ def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, byte
         DEFAULT_MEMORY,
         MOST_KEPT,
     )
-    events = [(label, t) for label, t in enumerate(prepared.transitions) if not net.transitions[t].internal]
-    steps: dict[int, bytes] = {}
-    known: dict[int, list[int]] = {}  # conditions that tell where an event's big steps are known
-    ahead: list[int] = []
-    reached = fresh = kernel.start(store)
-    left = MOST_STEPS
-    while fresh:
-        for label, t in events:
-            safe = net.safe_transitions[t]
-            asked = encoding.restricted(fresh, (*safe.consume, *safe.read)).without(known.setdefault(t, []))
-            if not asked:
-                continue
-            covering = kernel.cover(asked, label, left)
-            if covering is None:
-                return None
-            ways, count = covering
-            left -= count
-            steps[t] = steps.get(t, b"") + ways
-            ahead += choices(store, ways, "ahead", ())
-            known[t] += choices(store, ways, "where", ())
-        assert reached is not None, "there is a fresh state"
-        wider = reached.saturate(ahead)
-        fresh, reached = wider - reached, wider
-    return None if reached is None else (reached, steps)
+    return _Reaching(prepared, encoding, kernel).found()
+
+
+class _Reaching:
+    """A search for all stable states.
+
+    The big steps of an event are found one by one, until they are many. From then on it is run to completion
+    from whole sets of states; what it makes of each state is told when all are known. Where that cannot be
+    done its big steps are found one by one after all.
+
+    Args:
+        prepared: A net with priorities.
+        encoding: It on the levels of a store.
+        kernel: The same in the kernel.
+    """
+
+    def __init__(self, prepared: KernelNet, encoding: Encoding, kernel: KernelSteps) -> None:
+        net = prepared.net
+        self._events = [
+            (label, t) for label, t in enumerate(prepared.transitions) if not net.transitions[t].internal
+        ]
+        self._safe = net.safe_transitions
+        self._encoding, self._kernel = encoding, kernel
+        self._steps: dict[int, bytes] = {}
+        self._known: dict[int, list[int]] = {t: [] for _, t in self._events}
+        """By transition, conditions that tell where its big steps are known."""
+        self._ahead: dict[int, list[int]] = {}
+        self._left = MOST_STEPS
+        self._done: dict[int, Zdd] = {}
+        """By transition that is run from whole sets, the states from which it was."""
+        self._single = set[int]()
+        """Transitions that cannot be."""
+
+    def found(self) -> tuple[Zdd, dict[int, bytes]] | None:
+        """All stable states and the big steps between them, as :func:`reach_in_big_steps` finds them."""
+        reached = fresh = self._kernel.start(self._encoding.store)
+        while fresh:
+            assert reached is not None, "there is a fresh state"
+            wider = reached
+            for label, t in self._events:
+                if t not in self._done and not self._cover(label, t, fresh):
+                    return None
+                if t in self._done:
+                    after = self._after_all(label, t, wider)
+                    if after is not None:
+                        wider |= after
+                    elif not self._cover(label, t, wider):
+                        return None
+            wider = wider.saturate(list(chain.from_iterable(self._ahead.values())))
+            fresh, reached = wider - reached, wider
+        return None if reached is None or not self._tell(reached) else (reached, self._steps)
+
+    def _enabling(self, states: Zdd, t: int) -> Zdd:
+        return self._encoding.restricted(states, (*self._safe[t].consume, *self._safe[t].read))
+
+    def _cover(self, label: int, t: int, states: Zdd) -> bool:
+        """Finds big steps of an event one by one; false where they are too many, or tell of no outcome."""
+        asked = self._enabling(states, t).without(self._known[t])
+        if not asked:
+            return True
+        most = self._left if t in self._single else min(FEW_STEPS, self._left)
+        covering = self._kernel.cover(asked, label, most)
+        if covering is None:
+            return False
+        ways, count, complete = covering
+        if not complete and t not in self._single and most < self._left:
+            self._done[t] = self._encoding.store.empty()
+            self._steps.pop(t, None), self._ahead.pop(t, None)
+            return True
+        if not complete:
+            return False
+        store = self._encoding.store
+        self._left -= count
+        self._steps[t] = self._steps.get(t, b"") + ways
+        self._ahead.setdefault(t, []).extend(choices(store, ways, "ahead", ()))
+        self._known[t] += choices(store, ways, "where", ())
+        return True
+
+    def _after_all(self, label: int, t: int, states: Zdd) -> Zdd | None:
+        """The states after an event from all from which it was not run yet; ``None`` where it cannot be."""
+        asked = self._enabling(states - self._done[t], t)
+        after = self._kernel.after(asked, label) if asked else asked
+        if after is None:
+            self._alone(t)
+        else:
+            self._done[t] = states
+        return after
+
+    def _alone(self, t: int) -> None:
+        del self._done[t]
+        self._known[t] = []
+        self._single.add(t)
+
+    def _tell(self, states: Zdd) -> bool:
+        """Tells what events make of each state that were run from sets; false where that is too much."""
+        for label, t in self._events:
+            if t in self._done:
+                function = self._kernel.function(self._enabling(states, t), label)
+                if function is not None:
+                    self._steps[t] = function
+                    continue
+                self._alone(t)
+                if not self._cover(label, t, states):
+                    return False
+        return True
 
 
 class BigStepSpace(DiagramAlternatives):

@@ -1,0 +1,226 @@
+#include "markings/set_evolution.hpp"
+
+#include <algorithm>
+
+#include "markings/bits.hpp"
+
+namespace mcpn {
+
+namespace {
+
+constexpr std::size_t kMostFirings = 5'000;    // behind one event
+constexpr std::size_t kMostParts = 2'000'000;  // of functions
+constexpr std::size_t kMostCases = 1'000;      // that tell apart where a transition may fire alone
+constexpr std::size_t kAtATime = 16;           // functions that are composed before they are with those before them
+
+bool by_level(const Touched& a, const Touched& b) {
+  return a.level != b.level ? a.level < b.level : a.touch < b.touch;
+}
+
+bool holds(const std::vector<std::uint32_t>& places, std::uint32_t p) {
+  return std::find(places.begin(), places.end(), p) != places.end();
+}
+
+// Partners say the same of their level: it is named once. Whether no level is named in two ways.
+bool sort(Relations::Way& way) {
+  std::sort(way.begin(), way.end(), by_level);
+  const auto same = [](const Touched& a, const Touched& b) { return a.level == b.level && a.touch == b.touch; };
+  way.erase(std::unique(way.begin(), way.end(), same), way.end());
+  const auto level = [](const Touched& a, const Touched& b) { return a.level == b.level; };
+  return std::adjacent_find(way.begin(), way.end(), level) == way.end();
+}
+
+std::uint32_t suffix_of(Store& store, const Relations::Way& way) {
+  std::uint32_t made = 0;
+  for (auto at = way.rbegin(); at != way.rend(); ++at) made = store.suffix(at->level, at->touch, made);
+  return made;
+}
+
+}  // namespace
+
+SetEvolution::SetEvolution(const SafeNet& net, const Places& initial, Levels levels)
+    : net_(net), levels_(std::move(levels)), stubborn_(net, initial), relations_(kMostParts),
+      steps_(net.firings_.size()), has_won_(net.firings_.size() / 64 + 1) {}
+
+std::optional<Node> SetEvolution::after(Store& store, Node markings, std::uint32_t event) {
+  begin(store);
+  Held at(store, markings);
+  if (!run(store, at, event)) return std::nullopt;
+  return Node(at);
+}
+
+std::optional<std::vector<std::uint32_t>> SetEvolution::function(Store& store, Node markings, std::uint32_t event) {
+  begin(store);
+  const Held all(store, markings);
+  Held at(store, markings);
+  if (!run(store, at, event)) return std::nullopt;
+  relations_.clear();
+  among_.clear();
+  try {
+    Id whole = among(store, all, 0), some = Relations::kSame;
+    for (std::size_t i = 0; i < fired_.size(); ++i) {
+      const Step& does = step(store, fired_[i]);
+      some = relations_.then(some, relations_.either(relations_.way(does.way), relations_.unless(does.asked)));
+      if (i && i % kAtATime && i + 1 < fired_.size()) continue;
+      whole = relations_.then(whole, some);
+      some = Relations::kSame;
+    }
+    return relations_.table(whole);
+  } catch (const Relations::Full&) {
+    return std::nullopt;
+  }
+}
+
+void SetEvolution::begin(Store& store) {
+  if (store_ != &store) {
+    store_ = &store;
+    std::fill(steps_.begin(), steps_.end(), Step());
+    of_place_.assign(store.levels, false);
+    for (const auto& [level, reverse] : levels_) of_place_[level] = true;
+  }
+  won_.clear();
+  std::fill(has_won_.begin(), has_won_.end(), 0);
+  fired_.clear();
+}
+
+bool SetEvolution::run(Store& store, Held& markings, std::uint32_t event) {
+  if (!fire(store, markings, markings, event)) return false;
+  while (!won_.empty()) {
+    if (fired_.size() > kMostFirings) return false;
+    if (store.stop || (store.asked_to_stop && store.asked_to_stop())) throw Interrupted();
+    std::uint32_t end = ~std::uint32_t(0);
+    for (const std::uint32_t t : won_) end = std::min(end, net_.rank_end_[t]);
+    bool any = false;
+    if (!fire_first(store, markings, end, any) && any) return false;
+  }
+  return true;
+}
+
+// Fires a transition of the first rank of those that have won a token, the newest first, where one may fire alone wherever it is
+// enabled. Whether it did; and whether any is enabled.
+bool SetEvolution::fire_first(Store& store, Held& markings, std::uint32_t end, bool& any) {
+  for (const bool always : {true, false})
+    for (std::size_t i = won_.size(); i-- > 0;) {
+      const std::uint32_t t = won_[i];
+      if (net_.rank_end_[t] != end || has_bit(stubborn_.always().data(), t) != always) continue;
+      const Held enabled(store, step(store, t).never ? 0 : store.filter(markings, step(store, t).enabled));
+      any |= enabled != 0;
+      if (enabled && !alone(store, enabled, t)) continue;
+      won_.erase(won_.begin() + std::ptrdiff_t(i));
+      has_won_[t / 64] &= ~(Word(1) << t % 64);
+      if (enabled) return fire(store, markings, enabled, t);
+    }
+  return false;
+}
+
+// Fires a transition in the markings that enable it; false where that is unsafe in one, or leaves it enabled.
+bool SetEvolution::fire(Store& store, Held& markings, Node enabled, std::uint32_t t) {
+  const Step& does = step(store, t);
+  if (does.unsafe || net_.firings_[t].take.empty()) return false;
+  if (!does.safe_at_once && store.filter(enabled, does.safe) != enabled) return false;
+  markings = store.image(markings, does.fires);
+  fired_.push_back(t);
+  for (const std::uint32_t won : net_.winners_[t]) {
+    if (has_bit(has_won_.data(), won)) continue;
+    set_bit(has_won_.data(), won);
+    won_.push_back(won);
+  }
+  return true;
+}
+
+bool SetEvolution::alone(Store& store, Node enabled, std::uint32_t t) {
+  return has_bit(stubborn_.always().data(), t) || only(store, enabled, t) || unreached(store, enabled, t);
+}
+
+// Whether no other of its rank is enabled, but for those that take and put the same.
+bool SetEvolution::only(Store& store, Node enabled, std::uint32_t t) {
+  return std::none_of(won_.begin(), won_.end(), [&](std::uint32_t u) {
+    return u != t && net_.rank_end_[u] == net_.rank_end_[t] && !stubborn_.alike(t, u) && !step(store, u).never &&
+           store.filter(enabled, step(store, u).enabled) != 0;
+  });
+}
+
+// Whether in each marking what conflicts with it is out of reach. It is then in all that leave the same places empty.
+bool SetEvolution::unreached(Store& store, Node enabled, std::uint32_t t) {
+  std::vector<std::uint32_t>& known = step(store, t).alone;
+  Held left(store, enabled);
+  for (const std::uint32_t condition : known) {
+    const Held here(store, store.filter(left, condition));
+    left = store.minus(left, here);
+  }
+  std::vector<Level> marked;
+  std::vector<bool> held(store.levels);
+  std::vector<Word> marking(net_.words_);
+  while (left) {
+    if (known.size() == kMostCases) return false;
+    marked.clear();
+    store.pick(left, marked);
+    std::fill(held.begin(), held.end(), false);
+    for (const Level at : marked) held[at] = true;
+    std::fill(marking.begin(), marking.end(), 0);
+    for (std::uint32_t p = 0; p < levels_.size(); ++p)
+      if (held[levels_[p].first] != levels_[p].second) set_bit(marking.data(), p);
+    const std::vector<bool> support = store.support(left);
+    Way empty;
+    const bool found = stubborn_.alone_from(marking.data(), t, [&](const Places& need, const std::vector<Word>& reached) {
+      std::uint32_t best = kNoBit;
+      for (const std::uint32_t p : need) {
+        if (has_bit(reached.data(), p)) continue;
+        best = p;
+        if (!levels_[p].second && !support[levels_[p].first]) break;  // in all that are left
+      }
+      empty.push_back(literal(best, false));
+      return best;
+    });
+    if (!found) return false;
+    sort(empty);
+    known.push_back(suffix_of(store, empty));
+    const Held here(store, store.filter(left, known.back()));
+    left = store.minus(left, here);
+  }
+  return true;
+}
+
+SetEvolution::Step& SetEvolution::step(Store& store, std::uint32_t t) {
+  Step& step = steps_[t];
+  if (step.known) return step;
+  step.known = true;
+  const Firing& firing = net_.firings_[t];
+  for (const std::uint32_t p : firing.need) {
+    step.asked.push_back(literal(p, true));
+    const bool taken = holds(firing.take, p) && !holds(firing.put, p);
+    step.way.push_back({levels_[p].first, !taken ? literal(p, true).touch : levels_[p].second ? Touch::produce : Touch::consume});
+  }
+  step.safe_at_once = true;
+  for (const std::uint32_t p : firing.put) {
+    if (holds(firing.take, p)) continue;
+    step.way.push_back({levels_[p].first, levels_[p].second ? Touch::consume : Touch::produce});
+    step.safe_at_once &= std::any_of(firing.need.begin(), firing.need.end(), [&](std::uint32_t q) { return q != p && stubborn_.share_unit(p, q); });
+  }
+  step.never = !sort(step.asked);
+  step.unsafe = firing.overflow || !sort(step.way);
+  if (step.never || step.unsafe) return step;
+  Way safe = step.way;
+  for (Touched& at : safe) at.touch = at.asked();
+  step.enabled = suffix_of(store, step.asked);
+  step.safe = suffix_of(store, safe);
+  Relations one(kMostParts);
+  step.fires = one.suffix(store, one.either(one.way(step.way), one.unless(step.asked)));
+  return step;
+}
+
+// The function that leaves markings of a set as they are, and is of no others.
+SetEvolution::Id SetEvolution::among(Store& store, Node markings, Level from) {
+  if (markings == 0) return Relations::kNever;
+  while (from < store.levels && !of_place_[from]) ++from;
+  if (from == store.levels) return Relations::kSame;
+  const std::uint64_t key = std::uint64_t(markings) << 32 | from;
+  if (const auto known = among_.find(key); known != among_.end()) return known->second;
+  const bool here = store.level(markings) == from;
+  const Id without = among(store, here ? store.lo(markings) : markings, from + 1);
+  const Id made = relations_.looks(from, without, here ? among(store, store.hi(markings), from + 1) : Relations::kNever);
+  among_.emplace(key, made);
+  return made;
+}
+
+}  // namespace mcpn

@@ -1,0 +1,72 @@
+// What an event makes of a set of stable markings, all at once: internal transitions fire one after the other, each in
+// all markings of the set that enable it, and their images take the place of these.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "diagrams/relation.hpp"
+#include "diagrams/store.hpp"
+#include "markings/explorer.hpp"
+#include "markings/stubborn.hpp"
+
+namespace mcpn {
+
+// A transition of the first rank that is enabled in the set fires if in each marking that enables it it may fire alone.
+// So enough orders are tried of each, and each has one end (papers/mcpn.md, Proposition 5).
+class SetEvolution {
+ public:
+  using Places = std::vector<std::uint32_t>;
+  using Levels = std::vector<std::pair<Level, bool>>;  // by place, the level that tells of it, and whether by the reverse
+
+  SetEvolution(const SafeNet& net, const Places& initial, Levels levels);
+
+  // The stable markings behind an event from some that enable it. Nothing where in some marking no transition may fire
+  // alone, where a firing is unsafe, or where there is no end.
+  std::optional<Node> after(Store& store, Node markings, std::uint32_t event);
+  // The same as a function of these markings and no others, as a table of Relations; levels of no place are left alone.
+  // Nothing, too, where it has too many parts.
+  std::optional<std::vector<std::uint32_t>> function(Store& store, Node markings, std::uint32_t event);
+
+ private:
+  using Id = Relations::Id;
+  using Way = Relations::Way;
+  // Of a transition, as suffixes of a store: that it is enabled, that it may fire safely; its firing, and nothing
+  // where it is not enabled. Safe at once: no place that it puts into is marked where it is enabled.
+  struct Step {
+    Way asked, way;
+    std::uint32_t enabled = 0, safe = 0, fires = 0;
+    bool known = false, never = false, unsafe = false, safe_at_once = false;
+    std::vector<std::uint32_t> alone;  // conditions under which it may fire alone
+  };
+
+  bool run(Store& store, Held& markings, std::uint32_t event);
+  bool fire_first(Store& store, Held& markings, std::uint32_t end, bool& any);
+  bool fire(Store& store, Held& markings, Node enabled, std::uint32_t t);
+  bool alone(Store& store, Node enabled, std::uint32_t t);
+  bool only(Store& store, Node enabled, std::uint32_t t);
+  bool unreached(Store& store, Node enabled, std::uint32_t t);
+  Step& step(Store& store, std::uint32_t t);
+  void begin(Store& store);
+  Id among(Store& store, Node markings, Level from);
+  Touched literal(std::uint32_t place, bool marked) const {
+    return {levels_[place].first, marked != levels_[place].second ? Touch::read : Touch::zero};
+  }
+
+  const SafeNet& net_;
+  const Levels levels_;
+  Stubborn stubborn_;
+  Relations relations_;
+  const Store* store_ = nullptr;      // whose suffixes those of steps are
+  std::vector<Step> steps_;
+  std::vector<bool> of_place_;        // levels
+  std::vector<std::uint32_t> won_;    // that have won a token, and may be enabled; the newest last
+  std::vector<Word> has_won_;
+  std::vector<std::uint32_t> fired_;  // the event and what has fired since
+  std::unordered_map<std::uint64_t, Id> among_;
+};
+
+}  // namespace mcpn
