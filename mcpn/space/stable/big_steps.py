@@ -6,8 +6,8 @@ its condition, and all markings that agree on them behave alike. So few big step
 transient marking is kept. Each is tried in enough orders of internal transitions to prove that the event has
 one outcome in all of these markings (:mod:`mcpn.space.stable.completion`).
 
-An event of which there are many big steps, as it concerns all branches of a mission, is run to completion from
-whole sets of states (``kernel/src/markings/set_evolution.cpp``), and what it makes of all of them is one function.
+An event that concerns all branches of a mission has a product of big steps. It is run to completion from
+whole sets of states, and what it makes of them is one function (``kernel/src/markings/set_evolution.cpp``).
 
 Big steps of an event that fit one state make the same of it. Together they are a decision diagram over what
 they do to each level of the store (``kernel/src/diagrams/choices.cpp``).
