@@ -51,7 +51,7 @@ def with_branches(mission: Mission, count: int) -> Mission:
     block = Parallel(name="extra_block", blocks=tuple(branches))
     own = Recursive(name="own", blocks=mission.blocks)
     return replace(
-        mission, name=f"ulysse_{count}-branches", blocks=(own, block), robots=(*mission.robots, robot)
+        mission, name=f"ulysse_{count}_branches", blocks=(own, block), robots=(*mission.robots, robot)
     )
 
 

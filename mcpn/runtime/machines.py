@@ -86,6 +86,10 @@ class TableMove:
         return self.open.isdisjoint(happened) and self.happened <= happened
 
 
+_NOTHING: frozenset[int] = frozenset()
+"""One for all edges without guards, of which there may be very many."""
+
+
 class TypeTables:
     """The machine of a type, its edges by state and event."""
 
@@ -101,7 +105,7 @@ class TypeTables:
         bit = {handler: number for number, handler in enumerate(self.once)}
 
         def those(said: Mapping[str, Any], key: str) -> frozenset[int]:
-            return frozenset(bit[name] for name in said.get(key, ()))
+            return frozenset(bit[name] for name in said[key]) if key in said else _NOTHING
 
         self.entries: list[Entered | None] = [
             e and (e["to"], lists.number(e["actions"]), those(e, "gained"), those(e, "lost"))
