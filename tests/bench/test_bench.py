@@ -26,6 +26,7 @@ from mcpn.controller.targets.json import document
 from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Hardware
+from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.runtime import Controller
@@ -82,12 +83,15 @@ def test_frequencies_are_those_of_risk(mission: Mission) -> None:
         assert abs(mean - numbers.degraded_modes) <= 6 * max(deviation, 6 / runs)
 
 
+def one_sensor() -> Mission:
+    """An objective of two hours that a sensor, which fails every four hours, must outlive."""
+    of = small.robot((Hardware(name="H", failure_rate=0.25),), small.activity("a", ("H",)))
+    return small.mission(of, Objective(name="x", activities=("a",), duration=2.0, failure_probability=0.2))
+
+
 def test_one_objective_and_one_sensor() -> None:
     """By hand: the sensor outlives an exponential duration with 1 / (1 + rate * mean)."""
-    sensor = Hardware(name="H", failure_rate=0.25)
-    of = small.robot((sensor,), small.activity("a", ("H",)))
-    only = Objective(name="x", activities=("a",), duration=2.0, failure_probability=0.2)
-    found = bench(world(compose(small.mission(of, only))), 4000, 1)
+    found = bench(world(compose(one_sensor())), 4000, 1)
     low, high = interval(found.outcomes["success"], 4000, NEVER)
     assert low <= 0.8 / (1 + 0.25 * 2.0) <= high
     assert found.outcomes["success"] + found.outcomes["failure"] == 4000
@@ -213,15 +217,22 @@ def test_the_written_tests_pass_and_find_a_wrong_robot(tmp_path: Path) -> None:
 # --- the command ---
 
 
-def test_the_command_s_traces_are_replayed(tmp_path: Path) -> None:
+@pytest.fixture
+def written(tmp_path: Path) -> str:
+    path = tmp_path / "mission.xml"
+    path.write_bytes(write_mission(one_sensor()))
+    return str(path)
+
+
+def test_the_command_s_traces_are_replayed(written: str, tmp_path: Path) -> None:
     said: dict[str, Any] = json.loads(
-        mcpn("bench", str(GLIDER), "--runs", "200", "--traces", str(tmp_path / "t"), "--json").stdout
+        mcpn("bench", written, "--runs", "200", "--traces", str(tmp_path / "t"), "--json").stdout
     )
     assert sum(of["count"] for of in said["outcomes"].values()) == 200
     assert all(of["agrees"] for of in said["outcomes"].values())
-    assert said["traces"]
-    replayed = mcpn("simulate", str(GLIDER), "--events", said["traces"][0], "--json")
-    assert json.loads(replayed.stdout)["outcome"] == "abort"
+    assert len(said["traces"]) == 10
+    replayed = mcpn("simulate", written, "--events", said["traces"][0], "--json")
+    assert json.loads(replayed.stdout)["outcome"] == "failure"
 
 
 @pytest.mark.parametrize(
@@ -241,12 +252,12 @@ def test_scripts_that_are_none(script: str, message: str, tmp_path: Path) -> Non
     assert message in found.stderr
 
 
-def test_a_script_of_faults_is_played(tmp_path: Path) -> None:
+def test_a_script_of_faults_is_played(written: str, tmp_path: Path) -> None:
     path = tmp_path / "faults.txt"
-    path.write_text("0.1 buoyancy_pump_EV_OOS  # cannot dive any more\n")
-    said = json.loads(mcpn("bench", str(GLIDER), "--runs", "50", "--faults", str(path), "--json").stdout)
+    path.write_text("0 MISSION_EV_START\n0 H_EV_OOS  # at once\n")
+    said = json.loads(mcpn("bench", written, "--runs", "50", "--faults", str(path), "--json").stdout)
     assert said["no_risk"] == "a script of faults is played"
-    assert said["outcomes"]["success"]["count"] == 0
+    assert said["outcomes"]["failure"]["count"] == 50
 
 
 def test_a_mission_without_durations_is_told_where() -> None:
