@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -17,7 +18,7 @@ class ControllerPlace:
         snapshot: The runtime's.
         section: The section that runs, and the number of its state.
         inside: What runs.
-        happened: Handlers that happen once and have.
+        happened: Handlers that happen once and have, and what is true of facts.
         outcome: How the mission has ended.
         possible: The events that can be taken.
         edges: Where events lead, and the actions, as far as they have been asked.
@@ -69,8 +70,9 @@ class Places:
         snapshot = controller.snapshot()
         if snapshot not in self._known:
             where = controller.where
+            happened = frozenset(json.loads(snapshot)["happened"])
             section = None if where.section is None else (where.section, where.state)
             self._known[snapshot] = ControllerPlace(
-                snapshot, section, where.inside, controller.happened, controller.outcome, controller.possible
+                snapshot, section, where.inside, happened, controller.outcome, controller.possible
             )
         return self._known[snapshot]

@@ -154,7 +154,7 @@ class World:
                 if step is None or isinstance(step[0], str):
                     continue
                 if objective in section.state(step[0]).objectives:
-                    reached = step[0], happened | step[2]
+                    reached = step[0], (happened | step[2]) - step[3]
                     if reached not in known:
                         known.add(reached)
                         queue.append(reached)
