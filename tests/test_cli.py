@@ -28,6 +28,7 @@ def test_check_passes_on_ulysse() -> None:
         "transitions",
         "markings",
         "alternatives",
+        "requirements",
         "verdicts",
         "undecided",
         "warnings",

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from mcpn.runtime.controller import Controller, Step, Where
     from mcpn.runtime.hooks import HookError, HookErrors
     from mcpn.runtime.journal import Journal, Watchdog
-    from mcpn.runtime.monitors import Finding, Monitors
+    from mcpn.runtime.monitors import Decision, Monitors
     from mcpn.runtime.queue import AsyncController, EventQueue, QueueClosed, QueueFull
     from mcpn.runtime.shape import ControllerFileError
     from mcpn.runtime.snapshots import SnapshotError
@@ -40,8 +40,8 @@ __all__ = [
     "AsyncController",
     "Controller",
     "ControllerFileError",
+    "Decision",
     "EventQueue",
-    "Finding",
     "HookError",
     "HookErrors",
     "Journal",
@@ -62,8 +62,8 @@ _HOMES = {
     "AsyncController": "queue",
     "Controller": "controller",
     "ControllerFileError": "shape",
+    "Decision": "monitors",
     "EventQueue": "queue",
-    "Finding": "monitors",
     "HookError": "hooks",
     "HookErrors": "hooks",
     "Journal": "journal",

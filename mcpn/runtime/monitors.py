@@ -19,7 +19,7 @@ _log = logging.getLogger("mcpn.runtime")
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Decision:
     """An event after which a requirement is violated or satisfied, however it goes on.
 
     Args:
@@ -57,7 +57,7 @@ class Monitors:
     """
 
     def __init__(
-        self, document: Mapping[str, Any], *, on_found: Callable[[Finding], object] | None = None
+        self, document: Mapping[str, Any], *, on_found: Callable[[Decision], object] | None = None
     ) -> None:
         try:
             if (document["format"], document["version"]) != (FORMAT, VERSION):
@@ -93,7 +93,7 @@ class Monitors:
     def restart(self) -> None:
         """Begins again, before the first event."""
         self.count = 0
-        self.findings: list[Finding] = []
+        self.findings: list[Decision] = []
         self.unknown: list[tuple[int, str]] = []
         for machine in self._monitors:
             machine.state = 0
@@ -130,7 +130,7 @@ class Monitors:
         for machine in self._monitors:
             machine.state = state[machine.name]
 
-    def take(self, event: str) -> tuple[Finding, ...]:
+    def take(self, event: str) -> tuple[Decision, ...]:
         """Takes an event that has happened.
 
         Returns:
@@ -148,7 +148,7 @@ class Monitors:
         return tuple(self.findings[before:])
 
     def _found(self, machine: _Machine, event: str) -> None:
-        finding = Finding(machine.name, machine.words, machine.value, self.count, event)
+        finding = Decision(machine.name, machine.words, machine.value, self.count, event)
         self.findings.append(finding)
         if finding.value == VIOLATED:
             _log.warning("%s", finding)

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import event, given
 
 from mcpn.controller.monitors.writing import files, monitors_of
-from mcpn.runtime import Controller, ControllerFileError, Finding, Monitors, Refused
+from mcpn.runtime import Controller, ControllerFileError, Decision, Monitors, Refused
 from mcpn.runtime.__main__ import main
 from mcpn.runtime.monitors import events_of
 from mcpn.study import open_study
@@ -62,7 +62,7 @@ def survey(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_event_that_violates_is_named(survey: Path) -> None:
-    found: list[Finding] = []
+    found: list[Decision] = []
     monitors = Monitors.load(survey / "monitors.json", on_found=found.append)
     assert set(monitors.values.values()) == {"open"}
     assert "could" not in monitors.values
