@@ -16,9 +16,12 @@ from mcpn.controller.sizes import each_step, standing
 from mcpn.errors import LimitError
 from mcpn.net.events import Event
 from mcpn.net.sections import Element
+from mcpn.space.diagrams.encoding import Encoding
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.layout import idle_places
 from mcpn.space.local.section_type import SectionType
+from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.stable.big_steps import MOST_STEPS, is_function, reach_in_big_steps
 
 
 def modular_controller(composite: CompositeSpace) -> ModularController:
@@ -51,7 +54,13 @@ def big_steps(type_: SectionType, section: str) -> Mapping[int, bytes | None]:
             f"section {section}: its events have too many big steps to be told by rules, or one need not "
             "have one outcome where the mission never comes: it has no modular controller"
         )
-    return type_.steps
+    if not any(steps is not None and is_function(steps) for steps in type_.steps.values()):
+        return type_.steps
+    encoding = Encoding(type_.net.net, type_.encoding.places, type_.encoding.memory_limit)
+    found = reach_in_big_steps(KernelNet(type_.net.net), encoding, MOST_STEPS)
+    if found is None:
+        raise LimitError(f"section {section}: its events have too many big steps to be told by rules")
+    return found[1]
 
 
 @dataclass(slots=True)

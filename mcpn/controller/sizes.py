@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from mcpn.errors import LimitError
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
+from mcpn.space.stable.big_steps import FEW_STEPS, is_function
 
 MAX_TABLE_STATES = 1_000_000
 """States of a section that its machine lists at most."""
@@ -103,5 +104,7 @@ def foreseen(composite: CompositeSpace, max_states: int | None = None) -> str:
         return f"none: {found}"
     if error is None:
         return f"hierarchical, at most {sum(type_.size for type_ in names):,} states"
-    rows = (row for type_ in names for row in (type_.steps or {}).values() if row is not None)
+    rows = [row for type_ in names for row in (type_.steps or {}).values() if row is not None]
+    if many := sum(map(is_function, rows)):
+        return f"modular, rules of {many:,} events are more than {FEW_STEPS:,} each; {error}"
     return f"modular, at most {sum(map(count_steps, rows)):,} rules before any is split; {error}"

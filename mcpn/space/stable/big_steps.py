@@ -31,6 +31,8 @@ from mcpn.space.markings.explicit import KernelNet
 Steps: TypeAlias = Mapping[int, bytes | None]
 """By transition its big steps, on the levels of a store; ``None`` where its firing is all that happens."""
 
+FUNCTION = b"\xff\xff\xff\xff"
+"""What stands before a function."""
 MOST_STEPS = 200_000
 """Big steps of all events together."""
 FEW_STEPS = 200
@@ -39,24 +41,33 @@ MOST_KEPT = 100_000
 """Transient markings that the proof may keep behind one event."""
 
 
-def reach_in_big_steps(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, bytes]] | None:
+def is_function(steps: bytes) -> bool:
+    """Whether some big steps are told by one function of states, and not one by one."""
+    return steps[:4] == FUNCTION
+
+
+def reach_in_big_steps(
+    prepared: KernelNet, encoding: Encoding, few: int | None = None
+) -> tuple[Zdd, dict[int, bytes]] | None:
     """The stable states of a net, and the big steps between them.
 
     Args:
         prepared: A net with priorities.
         encoding: It, or the same with more places, which are empty, on the levels of a store.
+        few: Big steps of one event that are found one by one before it is run from whole sets of states; by
+            default :data:`FEW_STEPS`.
 
     Returns:
         The states, and the big steps by transition; ``None`` where there are too many big steps, or some
         event has no outcome or may have two.
     """
     try:
-        return _reach(prepared, encoding)
+        return _reach(prepared, encoding, FEW_STEPS if few is None else few)
     except (MemoryLimit, StateLimit):
         return None
 
 
-def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, bytes]] | None:
+def _reach(prepared: KernelNet, encoding: Encoding, few: int) -> tuple[Zdd, dict[int, bytes]] | None:
     """As :func:`reach_in_big_steps`, but a limit of the kernel that is hit is an error."""
     count = len(prepared.net.places)
     kernel = KernelSteps(
@@ -67,7 +78,7 @@ def _reach(prepared: KernelNet, encoding: Encoding) -> tuple[Zdd, dict[int, byte
         DEFAULT_MEMORY,
         MOST_KEPT,
     )
-    return _Reaching(prepared, encoding, kernel).found()
+    return _Reaching(prepared, encoding, kernel, few).found()
 
 
 class _Reaching:
@@ -81,9 +92,11 @@ class _Reaching:
         prepared: A net with priorities.
         encoding: It on the levels of a store.
         kernel: The same in the kernel.
+        few: Big steps of an event that are not yet many.
     """
 
-    def __init__(self, prepared: KernelNet, encoding: Encoding, kernel: KernelSteps) -> None:
+    def __init__(self, prepared: KernelNet, encoding: Encoding, kernel: KernelSteps, few: int) -> None:
+        self._few = few
         net = prepared.net
         self._events = [
             (label, t) for label, t in enumerate(prepared.transitions) if not net.transitions[t].internal
@@ -127,7 +140,7 @@ class _Reaching:
         asked = self._enabling(states, t).without(self._known[t])
         if not asked:
             return True
-        most = self._left if t in self._single else min(FEW_STEPS, self._left)
+        most = self._left if t in self._single else min(self._few, self._left)
         covering = self._kernel.cover(asked, label, most)
         if covering is None:
             return False
