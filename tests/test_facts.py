@@ -20,9 +20,9 @@ from mcpn.controller.targets.json import document
 from mcpn.controller.targets.python import write_python
 from mcpn.controller.targets.scxml import write_scxml
 from mcpn.errors import InputError, LimitError
-from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import FactChange
+from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime

@@ -1,8 +1,9 @@
 """Which engine a question is asked of, and why.
 
-Where nobody names an engine, static facts choose first, then who gives an answer. Stable states are listed
-with their proof where they are few: that is quick, and its runs are shortest. More are held by sections;
-where composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all markings.
+Where nobody names an engine, the static analysis chooses first, then who gives an answer. Stable states are
+listed with their proof where they are few: that is quick, and its runs are shortest. More are held by
+sections; where composition refuses a mission or hits a limit, diagrams hold the whole, as they hold all
+markings.
 """
 
 from __future__ import annotations

@@ -149,7 +149,7 @@ def tell_warnings(mission_net: MissionNet) -> list[str]:
     Returns:
         These warnings: a report need not repeat them.
     """
-    from mcpn.mission.facts.warnings import static_warnings
+    from mcpn.mission.static.warnings import static_warnings
     from mcpn.report.terminal import plain
 
     if sys.stderr is None:

@@ -13,9 +13,9 @@ from typing import Literal
 
 from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.run import Left
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, Section
 from mcpn.mission.graph import names_in
+from mcpn.mission.static.usage import Usage
 from mcpn.net.sections import section_part
 
 Verb = Literal["disarm", "stop", "release", "select", "start", "arm"]
@@ -48,7 +48,7 @@ class Ordering:
     """The order of actions, in the net of a mission or of one section of it.
 
     Args:
-        usage: Static facts of the mission.
+        usage: The static analysis of the mission.
         graph: The objectives graph: the mission's, or that of a section alone.
     """
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from mcpn.editor.scan import scan
 from mcpn.errors import InputError, LimitError, Problem
-from mcpn.mission.facts.usage import Usage
-from mcpn.mission.facts.warnings import static_warnings
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Import, Mission
+from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import misfits_of, read_mission
 
 MOST_FILES = 200

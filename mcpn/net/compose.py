@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
+from mcpn.mission.static.usage import Usage
 from mcpn.net.events import START
 from mcpn.net.petri import PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
@@ -26,7 +26,7 @@ class MissionNet(Drawn):
     Args:
         mission: The mission.
         graph: Its objectives graph.
-        usage: Its static facts.
+        usage: Its static analysis.
         net: Its Petri net.
         roles: By place index, in ascending order, what the place says when it is marked.
     """
@@ -167,7 +167,7 @@ def compose_parts(usage: Usage, parts: Parts, templates: TemplateSet | None = No
     """Composes a net of some parts of a mission, each drawn as it is in the net of the whole.
 
     Args:
-        usage: Static facts of the whole mission.
+        usage: The static analysis of the whole mission.
         parts: What to draw.
         templates: The set of templates; the paper's by default.
 

@@ -14,11 +14,11 @@ from functools import cached_property
 from typing import TypeAlias
 
 from mcpn.errors import InputError
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, Interruption, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.graph import TIMED_OUT, names_in
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
+from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.conditions import all_flags
 from mcpn.mission.world.decisions import FactCase
 from mcpn.mission.world.usage import touched_by
@@ -36,7 +36,7 @@ class Used:
     """What some activities use, with the facts about it that templates look at.
 
     Args:
-        usage: Static facts of the whole mission.
+        usage: The static analysis of the whole mission.
         activities: The activities that objectives run, in the order in which the objectives stand.
 
     Attributes:
@@ -125,7 +125,7 @@ class LocalPart:
 
     @property
     def usage(self) -> Usage:
-        """Static facts of the whole mission."""
+        """The static analysis of the whole mission."""
         return self.used.usage
 
     @property
@@ -259,7 +259,7 @@ class SectionParts:
     """Sections of a mission as parts of it; what those that run the same activities use is found once.
 
     Args:
-        usage: Static facts of the whole mission.
+        usage: The static analysis of the whole mission.
     """
 
     def __init__(self, usage: Usage) -> None:

@@ -13,7 +13,7 @@ from mcpn.check.engines import Engine
 from mcpn.controller.generate import generate
 from mcpn.controller.simulator import Simulation, resources
 from mcpn.controller.targets.json import document
-from mcpn.mission.facts.warnings import find_warnings
+from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose

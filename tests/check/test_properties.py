@@ -15,9 +15,9 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.verdicts.mission import INFORMATIVE, REQUIRED, MissionCheck, check
 from mcpn.check.verdicts.modes import functioning_modes
 from mcpn.errors import LimitError
-from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.model import SUCCEED, Block, Mission, Objective, Parallel
 from mcpn.mission.robot import Activity, Alternative, Hardware, Robot, Software
+from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event, What

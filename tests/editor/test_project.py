@@ -9,9 +9,9 @@ import pytest
 from mcpn.editor.project import Project
 from mcpn.editor.scan import scan
 from mcpn.errors import InputError
-from mcpn.mission.facts.usage import Usage
-from mcpn.mission.facts.warnings import static_warnings
 from mcpn.mission.flatten import flatten
+from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.warnings import static_warnings
 from mcpn.mission.xml import read_mission
 from tests.conftest import ROOT
 from tests.mission.test_broken import BROKEN

@@ -12,10 +12,10 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 from mcpn.errors import InputError, LimitError, Problem
-from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.flatten import MAX_NESTING, flatten
 from mcpn.mission.model import Block, Each, Mission, Objective, Parallel, Protocol, Recursive
 from mcpn.mission.robot import Activity, Alternative, Robot
+from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import write_mission
 from mcpn.mission.xml import MAX_ELEMENTS, MAX_FILE_BYTES, read_mission

@@ -17,10 +17,10 @@ from lxml import etree
 import mcpn
 from mcpn.errors import InputError
 from mcpn.mission import validate
-from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
 from mcpn.mission.robot import Activity, Alternative, Hardware, Parameter, Robot, Software
+from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import as_net, compose

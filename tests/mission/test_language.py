@@ -12,8 +12,6 @@ from hypothesis import Phase, find, given, settings
 from hypothesis import strategies as st
 
 from mcpn.errors import LimitError
-from mcpn.mission.facts.usage import Usage
-from mcpn.mission.facts.warnings import find_warnings
 from mcpn.mission.flatten import ParallelSection, flatten
 from mcpn.mission.model import (
     FAIL,
@@ -26,6 +24,8 @@ from mcpn.mission.model import (
     Recursive,
     Use,
 )
+from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.validate import find_errors
 from mcpn.mission.writer import save_mission
 from mcpn.mission.xml import read_mission

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import Phase, assume, event, find, given, settings
 
 from mcpn.errors import ConfluenceError, DivergenceError, InputError, LimitError
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import Each, Mission, Objective, Parallel, Recursive, walk
 from mcpn.mission.robot import Activity, Hardware, Robot
+from mcpn.mission.static.usage import Usage
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event

@@ -8,7 +8,6 @@ from hypothesis import event, given
 
 from mcpn.check.causes.cutsets import CutSet, Moment
 from mcpn.errors import ConfluenceError, LimitError
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import flatten
 from mcpn.mission.model import (
     Mission,
@@ -16,6 +15,7 @@ from mcpn.mission.model import (
     Parallel,
     Recursive,
 )
+from mcpn.mission.static.usage import Usage
 from mcpn.net.compose import MissionNet, compose
 from mcpn.report.failures.openpsa import Formula, Losses, structured
 from mcpn.space.stable.alternatives import direct

@@ -8,9 +8,9 @@ from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
 from mcpn.check.verdicts.modes import Situation
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ParallelSection
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.static.usage import Usage
 
 
 class Severity(IntEnum):

@@ -17,9 +17,9 @@ from typing import Any, Generic, Literal, TypeAlias
 
 from mcpn.check.verdicts.modes import Mode, said_by
 from mcpn.errors import LimitError
-from mcpn.mission.facts.handover import entries
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.static.handover import entries
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import ENDING, Event, What
 from mcpn.space.algebra import Alike, Edge, Piece, S, Space, Without, partition

@@ -29,8 +29,8 @@ from mcpn.check.causes.chain import ListedChain
 from mcpn.check.causes.prospects import Prospects, refuse_reentry
 from mcpn.check.causes.section_chains import ChainSection, Outlook, Sections
 from mcpn.errors import InputError, LimitError
-from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.static.warnings import of_objectives
 from mcpn.mission.world.conditions import all_flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.sections import Element, LocalPart

@@ -18,7 +18,7 @@ from mcpn.check.verdicts.modes import Mode, functioning_modes
 from mcpn.check.verdicts.success import no_way_to_success, skipped, without_skipping
 from mcpn.check.verdicts.unselectable import Never, never_happens
 from mcpn.errors import ConfluenceError, DivergenceError, LimitError, Problem, SemanticsError, UnsafeError
-from mcpn.mission.facts.warnings import static_warnings
+from mcpn.mission.static.warnings import static_warnings
 from mcpn.net.compose import MissionNet
 from mcpn.notebook import Told
 from mcpn.space.algebra import S, Space

@@ -12,10 +12,10 @@ from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple
 
 from mcpn.errors import Problem
-from mcpn.mission.facts.warnings import of_objectives
 from mcpn.mission.flatten import blocks_of
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
+from mcpn.mission.static.warnings import of_objectives
 from mcpn.net.events import Event, What
 
 MOST_SAID = 3

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from mcpn.check.verdicts.routing import Routing
 from mcpn.errors import Problem
-from mcpn.mission.facts.usage import Usage
-from mcpn.mission.facts.warnings import in_order, never_entered, never_used, of_objectives
+from mcpn.mission.static.usage import Usage
+from mcpn.mission.static.warnings import in_order, never_entered, never_used, of_objectives
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
 from mcpn.space.algebra import S, Space

@@ -121,7 +121,7 @@ def bench(
 
 
 def _refuse_without_duration(mission_net: MissionNet) -> None:
-    from mcpn.mission.facts.warnings import of_objectives
+    from mcpn.mission.static.warnings import of_objectives
 
     unknown = (section for section in mission_net.graph.walk() if section.duration is None)
     needed = "no duration, which a bench needs: its mean in hours (or --duration for all that have none)"

@@ -1,4 +1,4 @@
-"""What templates draw on: the net under construction, the mission's static facts and the roles of places."""
+"""What templates draw on: the net under construction, the static analysis, the roles of places."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ObjectivesGraph, ParallelSection
 from mcpn.mission.robot import Activity, Alternative, Fact
+from mcpn.mission.static.usage import Usage
 from mcpn.net.events import Event
 from mcpn.net.petri import NetBuilder, Provenance
 from mcpn.net.templates.names import names_of
@@ -40,7 +40,7 @@ Role: TypeAlias = tuple[
 ``("active", "localisation.gps_localisation")``: this alternative of this activity runs;
 ``("wait", …)``: it is selected and waits for answers;
 ``("want", …)``: it would be selected but for another activity, which has a resource that it needs: it waits
-for the release, and holds nothing (:meth:`~mcpn.mission.facts.usage.Usage.waits_for_release`);
+for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.waits_for_release`);
 ``("refused", "diving")``: no alternative of the activity is possible;
 ``("oos", "GPS_sensor")``: the hardware resource is out of service;
 ``("objective", "diving")``: the objective runs;
@@ -69,7 +69,7 @@ class Ranks:
     ranks are below 0, down to minus :attr:`below`.
 
     Args:
-        usage: Static facts of the mission.
+        usage: The static analysis of the mission.
     """
 
     def __init__(self, usage: Usage) -> None:
@@ -136,7 +136,7 @@ class Canvas(NetBuilder):
 
     Args:
         name: The net's name.
-        usage: Static facts of the mission.
+        usage: The static analysis of the mission.
         left_out: Activities and software resources, each as kind and name, that are not drawn: they are idle
             all the time.
         facts: Facts that are drawn.

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from weakref import WeakKeyDictionary
 
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ParallelSection
+from mcpn.mission.static.usage import Usage
 
 _PREFIXES = {"objective": "OBJ_", "parallel": "PAR_", "once": "ONCE_", "fact": "FACT_"}
 

@@ -25,10 +25,10 @@ from lxml import etree
 from mcpn._kernel import Zdd
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.errors import LimitError
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import Branch, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Hardware
+from mcpn.mission.static.usage import Usage
 from mcpn.report.terminal import plain
 from mcpn.space.images import ImageStore
 from mcpn.space.memoized import memoized
@@ -54,7 +54,7 @@ def open_psa(
     """A fault tree whose top gates are the losses of the mission and of its objectives.
 
     Args:
-        usage: The mission's static facts.
+        usage: The mission's static analysis.
         mission: Minimal cut sets of the mission.
         objectives: Those of each elementary objective, by its name.
         safety: Those of the mission's safe ends, success and abort, of a mission that can abort.
@@ -80,7 +80,7 @@ class FaultTree:
     """A fault tree.
 
     Args:
-        usage: The mission's static facts.
+        usage: The mission's static analysis.
 
     Attributes:
         gates: By name, formulas of other gates and of basic events.

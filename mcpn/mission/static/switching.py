@@ -18,7 +18,7 @@ from mcpn.errors import LimitError
 from mcpn.mission.world.conditions import cause
 
 if TYPE_CHECKING:
-    from mcpn.mission.facts.usage import Usage
+    from mcpn.mission.static.usage import Usage
 
 _T = TypeVar("_T")
 
@@ -34,10 +34,10 @@ MAX_WAYS = 100
 
 
 class Switching:
-    """Static facts on activities that switch back.
+    """The static analysis of activities that switch back.
 
     Args:
-        usage: Static facts of the mission.
+        usage: The static analysis of the mission.
     """
 
     def __init__(self, usage: Usage) -> None:

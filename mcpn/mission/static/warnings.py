@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 
 from mcpn.errors import Problem, Source
-from mcpn.mission.facts.usage import Usage
 from mcpn.mission.flatten import ElementarySection, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
+from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.warnings import fact_warnings
 
 MOST_NAMED = 3
@@ -19,7 +19,7 @@ def find_warnings(of: Mission | Usage) -> list[Problem]:
     """What is suspicious in a valid mission, though it can be verified as it stands.
 
     Args:
-        of: A valid mission, or its static facts where they are there.
+        of: A valid mission, or its static analysis where it is there.
 
     Returns:
         Activities that nothing starts, resources and protocols that nothing uses, events that interrupt

@@ -1,4 +1,4 @@
-"""Who uses what, together with whom: the static facts that the net's composition rests on.
+"""Who uses what, together with whom: the static analysis that the net's composition rests on.
 
 Everything here is decided on the structure of the mission, before any marking is explored, and errs on the
 side of *may*: what is called contended may be so in some run, what is not called so never is.
@@ -17,12 +17,12 @@ from itertools import combinations
 from typing import TypeAlias
 
 from mcpn.errors import Source
-from mcpn.mission.facts.handover import Handover
-from mcpn.mission.facts.sharing import Sharing, occasions
-from mcpn.mission.facts.switching import Switching
 from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSection
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Hardware
+from mcpn.mission.static.handover import Handover
+from mcpn.mission.static.sharing import Sharing, occasions
+from mcpn.mission.static.switching import Switching
 from mcpn.mission.world.conditions import FACTS
 from mcpn.mission.world.usage import FactUsage
 
@@ -55,7 +55,7 @@ class Contention:
 
 
 class Usage:
-    """Static facts of a mission; computed once, read by templates, checks and the composition.
+    """The static analysis of a mission; computed once, read by templates, checks and the composition.
 
     Args:
         mission: A valid mission.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mcpn.mission.world.conditions import FACTS, cause
 
 if TYPE_CHECKING:
-    from mcpn.mission.facts.usage import Usage
+    from mcpn.mission.static.usage import Usage
 
 
 Occasion: TypeAlias = tuple[str, str]
@@ -30,10 +30,10 @@ def occasions(fails: Iterable[str], returns: Iterable[str]) -> frozenset[Occasio
 
 
 class Sharing:
-    """Static facts on sharing.
+    """The static analysis of sharing.
 
     Args:
-        usage: Static facts of the mission.
+        usage: The static analysis of the mission.
     """
 
     def __init__(self, usage: Usage) -> None:

@@ -23,14 +23,14 @@ from mcpn.mission.flatten import ElementarySection, ObjectivesGraph, ParallelSec
 from mcpn.mission.model import FAIL, SUCCEED
 
 if TYPE_CHECKING:
-    from mcpn.mission.facts.usage import Usage
+    from mcpn.mission.static.usage import Usage
 
 
 class Handover:
     """What must be over before a section begins.
 
     Args:
-        usage: Static facts of the mission.
+        usage: The static analysis of the mission.
     """
 
     def __init__(self, usage: Usage) -> None:
