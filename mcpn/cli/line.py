@@ -32,7 +32,7 @@ COMMANDS = {
     "convert": "outputs",
     "init": "begin",
     "lsp": "editor",
-    "monitor": "monitor",
+    "monitor": "robot.monitor",
     "report": "report",
     "schema": "begin",
     "simulate": "simulate",
