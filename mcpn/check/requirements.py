@@ -10,6 +10,8 @@ from mcpn.check.logic.evaluate import Evaluation
 from mcpn.check.logic.names import Names, progress
 from mcpn.check.logic.syntax import parse
 from mcpn.check.logic.witness import Witness, explain
+from mcpn.check.logic.writing import show
+from mcpn.check.vacuity import idle_parts
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.flatten import requirements_of
 from mcpn.mission.requirement import Requirement
@@ -54,18 +56,30 @@ class RequirementAnswer:
         holds: Whether its formula holds; ``None`` where that is not known.
         witness: A run that shows why; ``None`` where it is not known.
         reason: Why it is not known.
+        vacuous: Parts of a formula that holds, as it is to, of which it says nothing: it holds whatever they
+            are.
     """
 
     asked: AskedRequirement
     holds: bool | None
     witness: Witness | None = None
     reason: str = ""
+    vacuous: tuple[str, ...] = ()
 
     @property
     def met(self) -> bool | None:
         """Whether the formula holds, or fails, as it is to; ``None`` where that is not known."""
         expected = self.asked.requirement.expected == "holds"
         return None if self.holds is None else self.holds == expected
+
+    @property
+    def says_nothing_of(self) -> str:
+        """A sentence about the parts of which it says nothing; empty where there are none."""
+        parts = self.vacuous
+        if not parts:
+            return ""
+        each = "that" if len(parts) == 1 else "each of these alone"
+        return f"It says nothing of {', of '.join(parts)}: it holds whatever {each} is."
 
     @property
     def required(self) -> bool:
@@ -119,4 +133,8 @@ def answer_requirements(
         step(Doing.ANSWERING, question=each.name)
         evaluation = fair if each.requirement.fair else plain
         witness = explain(evaluation, each.formula, each.names)
-        yield RequirementAnswer(each, evaluation.holds(each.formula), witness)
+        holds, parts = evaluation.holds(each.formula), tuple[str, ...]()
+        if holds and each.requirement.expected == "holds":
+            idle = idle_parts(each.formula, each.names.said, evaluation.holds)
+            parts = tuple(show(part, each.names) for part in idle)
+        yield RequirementAnswer(each, holds, witness, vacuous=parts)

@@ -104,6 +104,7 @@ def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
             "severity": answer.asked.requirement.severity,
             "holds": answer.holds,
             "met": answer.met,
+            "vacuous": list(answer.vacuous),
             "witness": None if answer.witness is None else witness_object(answer.witness, net),
         }
         for answer in found.requirements

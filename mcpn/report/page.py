@@ -132,7 +132,7 @@ def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
             "name": asked.name,
             "sentence": asked.words,
             "state": state if answer.required or answer.met else "note",
-            "explanation": "; ".join([*notes, *filter(None, [answer.reason])]),
+            "explanation": "; ".join([*notes, *filter(None, [answer.reason, answer.says_nothing_of])]),
             "runs": runs,
         }
 

@@ -184,6 +184,8 @@ def _print_requirements(terminal: Terminal, check: MissionCheck) -> None:
         asked = answer.asked
         terminal.print(f"{mark:4} {asked.words} ({asked.name})", style=colour, indent=2, hang=5)
         if answer.met:
+            if answer.says_nothing_of:
+                terminal.print(answer.says_nothing_of, indent=7, style="dim")
             continue
         if asked.sentence not in ("", asked.words):
             terminal.print(asked.sentence, indent=7)
