@@ -200,9 +200,7 @@ def test_a_net_answers_what_has_a_meaning_for_it(suffix: str, tmp_path: Path) ->
     assert repr(study).startswith("<study of the net ")
 
 
-@pytest.mark.parametrize(
-    "command", ["causes", "controller -o {out}", "alternatives", "simulate", "report -o {out}.html"]
-)
+@pytest.mark.parametrize("command", ["causes", "controller -o {out}", "alternatives", "report -o {out}.html"])
 def test_the_command_line_says_that_a_net_is_no_mission(
     command: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -186,13 +186,15 @@ def handles(walk: Walk, name: str) -> bool:
 
 
 def leaking(ulysse: Mission) -> Mission:
-    """Ulysse, going up from everywhere below when it leaks."""
+    """Ulysse, going up from everywhere below when it leaks; what it requires without leaks is left out."""
     on_leak = (Handler(event="leak", goto="going_up"),)
     transect = next(p for p in ulysse.protocols if p.name == "transect")
     blocks = tuple(b if b.name == "going_up" else replace(b, handlers=on_leak) for b in transect.blocks)
-    protocols = tuple(replace(p, blocks=blocks) if p is transect else p for p in ulysse.protocols)
+    protocols = (replace(p, blocks=blocks) if p is transect else p for p in ulysse.protocols)
+    protocols = (replace(p, requirements=()) for p in protocols)
     robot = replace(ulysse.robots[0], events=(DeclaredEvent(name="leak"),))
-    return replace(ulysse, protocols=protocols, robots=(robot, *ulysse.robots[1:]))
+    robots = (robot, *ulysse.robots[1:])
+    return replace(ulysse, protocols=tuple(protocols), robots=robots, requirements=())
 
 
 def test_ulysse_goes_up_when_it_leaks(ulysse: Mission) -> None:

@@ -31,14 +31,16 @@ def templates_named(name: str) -> TemplateSet:
     module, colon, attribute = name.partition(":")
     if not colon or not module or not attribute:
         raise InputError.at(None, f"found the templates {name!r}, expected {PAPER} or MODULE:NAME")
-    if "" not in sys.path:
-        sys.path.insert(0, "")  # as `python -m` does; a command that is installed does not
+    path = list(sys.path)
+    sys.path.append("")  # a command that is installed does not look in the current directory by itself
     try:
         found = getattr(import_module(module), attribute)
         templates: TemplateSet = found() if isinstance(found, type) else found
     except Exception as error:  # whatever the caller's code raises while it is loaded
         told = f"{type(error).__name__}: {error}"
         raise InputError.at(None, f"templates {name} cannot be loaded: {told}") from error
+    finally:
+        sys.path[:] = path
     missing = [method for method in METHODS if not callable(getattr(templates, method, None))]
     if missing:
         expected = f"expected a set of templates, with the methods {', '.join(METHODS)}"
