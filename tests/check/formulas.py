@@ -22,8 +22,10 @@ Written: TypeAlias = tuple[Any, ...]
 RELATIONS = ("<", "<=", "=", "!=", ">=", ">")
 
 
-def formulas(places: list[str], transitions: list[str], *, leaves: int = 6) -> st.SearchStrategy[Written]:
-    """Formulas over a net's names, all operators."""
+def formulas(
+    places: list[str], transitions: list[str], *, leaves: int = 6, of_paths: bool = True
+) -> st.SearchStrategy[Written]:
+    """Formulas over a net's names, all operators; without ``of_paths`` none that speaks of paths."""
     sums = st.builds(lambda constant, names: (constant, *names), st.integers(0, 3), _some(places, 0))
     atoms: st.SearchStrategy[Written] = st.one_of(
         st.sampled_from([("true",), ("false",), ("deadlock",), ("stable",)]),
@@ -35,9 +37,10 @@ def formulas(places: list[str], transitions: list[str], *, leaves: int = 6) -> s
 
     def wider(inside: st.SearchStrategy[Written]) -> st.SearchStrategy[Written]:
         several = st.lists(inside, min_size=2, max_size=3)
+        one, two = ["EX", "AX", "EF", "AF", "EG", "AG"], ["EU", "AU"]
         return st.one_of(
-            st.tuples(st.sampled_from(["!", "EX", "AX", "EF", "AF", "EG", "AG"]), inside),
-            st.tuples(st.sampled_from(["->", "<->", "EU", "AU"]), inside, inside),
+            st.tuples(st.sampled_from(["!", *(one if of_paths else ())]), inside),
+            st.tuples(st.sampled_from(["->", "<->", *(two if of_paths else ())]), inside, inside),
             st.builds(lambda operator, operands: (operator, *operands), st.sampled_from("&|"), several),
         )
 

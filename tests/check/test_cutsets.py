@@ -244,8 +244,11 @@ def test_critical_events_are_those_of_plain_search(mission: Mission, engine: Eng
     makers = {k: a for a in mission.activities for k in a.produces}
 
     def under(resource: str) -> set[str]:
-        ways = makers[resource].alternatives if resource in makers else ()
-        return {resource}.union(*(under(k) for way in ways for k in way.consumes))
+        """The hardware whose loss may be felt through a resource; none where its producer needs none."""
+        if resource not in makers:
+            return {resource}.intersection(play.hardware)
+        ways = [set[str]().union(*map(under, way.consumes)) for way in makers[resource].alternatives]
+        return set[str]().union(*ways) if all(ways) else set()
 
     def concerned(of: Event) -> set[str]:
         """Those whose alternatives differ in the hardware, or those of the objective that ends."""

@@ -25,9 +25,9 @@ NETS = nets(max_places=5, max_transitions=6) | state_machines().map(lambda drawn
 PLAIN = nets(max_places=5, max_transitions=6, events=False) | state_machines().map(lambda drawn: drawn[0])
 
 
-def drawn(data: st.DataObject, net: PetriNet, **bounds: int) -> Written:
+def drawn(data: st.DataObject, net: PetriNet, leaves: int = 6) -> Written:
     places, transitions = [p.name for p in net.places], [t.name for t in net.transitions]
-    formula: Written = data.draw(formulas(places, transitions, **bounds))
+    formula: Written = data.draw(formulas(places, transitions, leaves=leaves))
     return formula
 
 

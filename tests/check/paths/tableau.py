@@ -24,9 +24,11 @@ from tests.check.formulas import Edges, Written
 OF_PATHS = ("X", "F", "G", "U", "R", "W", "fires")
 
 
-def formulas(places: list[str], transitions: list[str], *, leaves: int = 5) -> st.SearchStrategy[Written]:
-    """Formulas on paths over a net's names; their leaves are formulas on states, of CTL too."""
-    atoms = on_states.formulas(places, transitions, leaves=2)
+def formulas(
+    places: list[str], transitions: list[str], *, leaves: int = 5, of_ctl: bool = True
+) -> st.SearchStrategy[Written]:
+    """Formulas on paths over a net's names; leaves are formulas on states, with ``of_ctl`` of CTL too."""
+    atoms = on_states.formulas(places, transitions, leaves=2, of_paths=of_ctl)
     if transitions:
         atoms |= st.lists(st.sampled_from(transitions), min_size=1, max_size=2).map(lambda t: ("fires", *t))
 
