@@ -95,5 +95,6 @@ def scan(text: str) -> list[ScannedElement]:
 
 
 def enclosing(text: str, offset: int) -> ScannedElement | None:
-    """The element in whose content a place stands; ``None`` outside of all."""
-    return scan(text[:offset] + "<here/>")[-1].parent
+    """The element in whose content a place stands; ``None`` outside of all, and in a comment."""
+    found = scan(text[:offset] + "<here/>")
+    return found[-1].parent if found and found[-1].tag == "here" else None
