@@ -398,6 +398,8 @@ class Simulation:
             return self.hardware[name].failure_rate or 0.0
         if kind == "RD":
             return self.hardware[name].repair_rate or 0.0
+        if kind == "TIMEOUT":
+            return 0.0  # in numbers of risk no time is ever over
         section = self.sections[name]
         assert section.duration is not None
         if kind == "OK":
