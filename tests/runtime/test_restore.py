@@ -59,6 +59,7 @@ def told_to(robot: Robot, actions: tuple[Action, ...]) -> None:
         robot.obey(action)
 
 
+@pytest.mark.slow  # some drawn missions take minutes
 @fewer(0.4)
 @given(missions(), st.randoms(use_true_random=False), st.sampled_from(["hierarchical", "modular"]))
 def test_a_restarted_robot_does_what_it_did(
