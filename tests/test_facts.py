@@ -21,8 +21,9 @@ from mcpn.controller.targets.python import write_python
 from mcpn.controller.targets.scxml import write_scxml
 from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission, Objective
-from mcpn.mission.robot import FactChange
+from mcpn.mission.robot import Activity, Alternative, Fact, FactChange, Robot
 from mcpn.mission.static.warnings import find_warnings
+from mcpn.mission.validate import find_errors
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
@@ -221,6 +222,19 @@ def test_broken_uses_have_a_line(name: str, tmp_path: Path) -> None:
         read_mission(path)
     told = [(p.source.line, p.message) for p in caught.value.problems if p.source]
     assert any(at == line and said in message for at, message in told), told
+
+
+def test_an_empty_occasion_is_none() -> None:
+    """A file cannot say it, a mission that is built can."""
+    sets = FactChange(fact="held", to="true", on="")
+    go = Activity(name="go", alternatives=(Alternative(name="go"),))
+    mission = Mission(
+        name="m",
+        robots=(Robot(name="r", activities=(go,), facts=(Fact(name="held"),)),),
+        blocks=(Objective(name="o", activities=("go",), sets=(sets,)),),
+    )
+    (problem,) = find_errors(mission)
+    assert problem.message == "objective o sets held on '', expected success, failure or start"
 
 
 WARNED = {

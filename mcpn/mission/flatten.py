@@ -339,7 +339,7 @@ class _Flattening:
 
     def settings(self, block: Objective) -> tuple[Setting, ...]:
         """The facts that an objective changes; that it has succeeded is one where something reads that."""
-        said = tuple(Setting(change.fact, change.to, change.on or "success") for change in block.sets)
+        said = tuple(Setting(change.fact, change.to, change.occasion) for change in block.sets)
         done = f"done({block.name})"
         return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
 

@@ -130,6 +130,11 @@ class FactChange(Described):
         "success. Not of an event.",
     ] = None
 
+    @property
+    def occasion(self) -> str:
+        """``on``, or its default."""
+        return "success" if self.on is None else self.on
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeclaredEvent(Element):

@@ -82,17 +82,16 @@ class _FactChecks:
             elif change.to not in self.facts[change.fact].values:
                 fact = self.facts[change.fact]
                 yield self.unknown_value(change.source, f"{who} sets {fact.name} to", fact, change.to)
-            occasion = change.on or "success"
             if of_event and change.on is not None:
                 message = f"{who} sets {change.fact} on {change.on}, expected no on: it does as it happens"
                 yield Problem(change.source, message)
-            elif not OCCASION.allows(occasion):
-                found = f"{who} sets {change.fact} on {change.on}"
+            elif not OCCASION.allows(change.occasion):
+                found = f"{who} sets {change.fact} on {change.on!r}"
                 yield Problem(change.source, f"{found}, expected {OCCASION.allowed}")
-            if (change.fact, occasion) in met:
-                when = "" if of_event else f" on {occasion}"
+            if (change.fact, change.occasion) in met:
+                when = "" if of_event else f" on {change.occasion}"
                 yield Problem(change.source, f"{who} sets {change.fact} twice{when}")
-            met.add((change.fact, occasion))
+            met.add((change.fact, change.occasion))
 
     def handled(self, handlers: Iterable[Handler]) -> Iterator[Problem]:
         """An event that changes facts happens as a failure of hardware does, whatever runs."""
