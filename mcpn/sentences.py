@@ -12,3 +12,13 @@ def enumeration(names: Sequence[str]) -> str:
     'A, B and C'
     """
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
+
+
+def shortened(names: Sequence[str], most: int = 3) -> str:
+    """The first few names of a list, and how many more there are.
+
+    >>> shortened(["A", "B", "C", "D", "E"])
+    'A, B, C and 2 more'
+    """
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"

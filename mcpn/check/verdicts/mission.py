@@ -171,7 +171,7 @@ class MissionCheck(Told):
         firings = self.markings.firings(self.markings.everything)
         return self.markings.everything.count(), sum(firings.values())
 
-    @property
+    @cached_property
     def warnings(self) -> list[Problem]:
         """What is suspicious in the mission, by its text and by its states, each once."""
         told = (*static_warnings(self.mission_net.usage), *self.unselectable, *self.futile)

@@ -17,9 +17,8 @@ from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, Pa
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
 from mcpn.mission.static.warnings import of_objectives
 from mcpn.net.events import Event, What
+from mcpn.sentences import shortened
 
-MOST_SAID = 3
-"""How many names a message says."""
 _VERBS = {"success": "succeed", "failure": "fail", "abort": "abort", TIMED_OUT: "time out"}
 _EVENTS = {"success": What.SUCCESS, "failure": What.FAILURE, TIMED_OUT: What.TIMEOUT}
 
@@ -33,10 +32,9 @@ class _Route(NamedTuple):
 
     def __str__(self) -> str:
         """Why it is not taken."""
-        what = "objective" if isinstance(self.of, ElementarySection) else "block"
         if isinstance(self.by, Event):
-            return f"event {self.by.element} never happens while {what} {self.of.name} runs"
-        return f"{what} {self.of.name} can never {_VERBS[self.by]}"
+            return f"event {self.by.element} never happens while {_kind(self.of)} {self.of.name} runs"
+        return f"{_kind(self.of)} {self.of.name} can never {_VERBS[self.by]}"
 
 
 class Routing:
@@ -98,18 +96,19 @@ class Routing:
         for section in self.graph.sections:
             if section.name not in hopeful or not self.entered(section):
                 continue
-            if "success" not in self.taken(section) or section.success in (*hopeful, SUCCEED):
+            if "success" not in self.taken(section) or section.success in hopeful:
                 continue
             causes, ends = self._behind(self.graph, section.success, hopeful)
             where = " or ".join(word for exit_, word in _ENDS.items() if exit_ in ends) or "no end"
-            cause = _because(causes) if causes else f": no route leads from {section.success} to succeed"
             if section.success in _ENDS:
                 cause = f": its success leads to {section.success}"
+            else:
+                cause = _because(causes) or f": no route leads from {section.success} to succeed"
             said = f"lead{{}} only to {where} by {{}} success{cause}"
             if isinstance(section, ElementarySection):
                 yield from of_objectives([section], said.format("s", "its"), said.format("", "their"))
             else:
-                yield Problem(section.source, f"block {section.name} {said.format('s', 'its')}")
+                yield Problem(section.source, f"{_kind(section)} {section.name} {said.format('s', 'its')}")
 
     def taken(self, section: Section) -> frozenset[str]:
         """The outcomes of a section that happen."""
@@ -133,9 +132,9 @@ class Routing:
     def _led(self, section: Section) -> list[str]:
         """Where the routes of a section lead that are taken."""
         targets = list(section.routes)
-        happen = {*self.taken(section), *self._happens}
+        taken = self.taken(section)
         for route in _routes(section):
-            if route.by not in happen:
+            if route.by not in (self._happens if isinstance(route.by, Event) else taken):
                 targets.remove(route.target)
         return targets
 
@@ -157,12 +156,12 @@ class Routing:
         return seen
 
     def _reaching(self, graph: ObjectivesGraph, goal: str) -> frozenset[str]:
-        """The sections from which routes lead to an exit of the graph."""
+        """An exit of the graph, and the sections from which routes lead to it."""
         before: dict[str, list[str]] = {}
         for section in graph.sections:
             for target in self._led(section):
                 before.setdefault(target, []).append(section.name)
-        seen, stack = set[str](), [goal]
+        seen, stack = {goal}, [goal]
         while stack:
             new = set(before.get(stack.pop(), ())) - seen
             seen |= new
@@ -175,7 +174,7 @@ class Routing:
         """Routes behind a section that would lead to success and are not taken; the exits reached."""
         seen = self._from(graph, begin)
         routes = (r for section in graph.sections if section.name in seen for r in _routes(section))
-        wanting = [r for r in routes if r.target in (*hopeful, SUCCEED) and not isinstance(r.by, Event)]
+        wanting = [r for r in routes if r.target in hopeful and not isinstance(r.by, Event)]
         return wanting, seen & {SUCCEED, FAIL, ABORT}
 
     def _graphs(self, graph: ObjectivesGraph) -> Iterator[ObjectivesGraph]:
@@ -187,6 +186,10 @@ class Routing:
 
 
 _ENDS = {FAIL: "failure", ABORT: "abort"}
+
+
+def _kind(section: Section) -> str:
+    return "objective" if isinstance(section, ElementarySection) else "block"
 
 
 def _in_text(graph: ObjectivesGraph, sections: Collection[Section]) -> list[Section]:
@@ -204,8 +207,7 @@ def _routes(section: Section) -> Iterator[_Route]:
 
 def _because(causes: Iterable[_Route]) -> str:
     said = list(dict.fromkeys(map(str, causes)))
-    more = f" and {len(said) - MOST_SAID} more" if len(said) > MOST_SAID else ""
-    return f": {', '.join(said[:MOST_SAID])}{more}" if said else ""
+    return f": {shortened(said)}" if said else ""
 
 
 def _folded(objectives: list[str], blocks: dict[str, tuple[str, ...]]) -> str:
@@ -218,7 +220,5 @@ def _folded(objectives: list[str], blocks: dict[str, tuple[str, ...]]) -> str:
     for kind in ("block", "objective"):
         names = list(dict.fromkeys(name for what, name in named.values() if what == kind))
         if names:
-            more = f" and {len(names) - MOST_SAID} more" if len(names) > MOST_SAID else ""
-            said = f"{', '.join(names[:MOST_SAID])}{more}"
-            parts.append(f"{kind if len(names) == 1 else f'{kind}s'} {said}")
+            parts.append(f"{kind if len(names) == 1 else f'{kind}s'} {shortened(names)}")
     return " and ".join(parts)

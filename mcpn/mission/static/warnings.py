@@ -10,9 +10,7 @@ from mcpn.mission.flatten import ElementarySection, flatten
 from mcpn.mission.model import ABORT, Block, Holder, Mission, Objective, Use, walk
 from mcpn.mission.static.usage import Usage
 from mcpn.mission.world.warnings import fact_warnings
-
-MOST_NAMED = 3
-"""How many copies of one objective a message names."""
+from mcpn.sentences import shortened
 
 
 def find_warnings(of: Mission | Usage) -> list[Problem]:
@@ -52,9 +50,7 @@ def of_objectives(sections: Iterable[ElementarySection], one: str, several: str 
     for section in sections:
         lines.setdefault(section.source or section.name, []).append(section)
     for same in lines.values():
-        names = ", ".join(section.name for section in same[:MOST_NAMED])
-        if len(same) > MOST_NAMED:
-            names = f"{names} and {len(same) - MOST_NAMED} more"
+        names = shortened([section.name for section in same])
         said = f"objective {names} {one}" if len(same) == 1 else f"objectives {names} {several or one}"
         yield Problem(same[0].source, said)
 
