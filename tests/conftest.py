@@ -10,13 +10,17 @@ import sys
 from collections.abc import Generator, Iterator
 from functools import wraps
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+from mcpn.controller.generate import generate
+from mcpn.controller.targets.json import document
 from mcpn.mission.model import Mission
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
+from mcpn.runtime import Controller
 from mcpn.space.markings.explicit import explore
 from mcpn.space.markings.graph import StateGraph
 from tests import shares
@@ -142,6 +146,18 @@ def ulysse() -> Mission:
 @pytest.fixture(scope="session")
 def ulysse_net(ulysse: Mission) -> MissionNet:
     return compose(ulysse)
+
+
+@pytest.fixture(scope="session")
+def ulysse_document(ulysse_net: MissionNet) -> dict[str, Any]:
+    """Its controller, as the file holds it."""
+    return document(generate(ulysse_net), ulysse_net)
+
+
+@pytest.fixture
+def controller(ulysse_document: dict[str, Any]) -> Controller:
+    """A controller of it that has handled nothing."""
+    return Controller.from_document(ulysse_document)
 
 
 @pytest.fixture(scope="session")

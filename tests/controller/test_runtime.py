@@ -38,16 +38,6 @@ START = "MISSION_EV_START"
 DIVING = ("OBJ_coral_head.manual_moving_EV_FAIL",)
 
 
-@pytest.fixture(scope="module")
-def ulysse_document(ulysse_net: MissionNet) -> dict[str, Any]:
-    return document(generate(ulysse_net), ulysse_net)
-
-
-@pytest.fixture
-def controller(ulysse_document: dict[str, Any]) -> Controller:
-    return Controller.from_document(ulysse_document)
-
-
 def test_it_is_read_from_its_file(ulysse_net: MissionNet, tmp_path: Path) -> None:
     path = tmp_path / "controller.json"
     path.write_text(write_json(generate(ulysse_net), ulysse_net))

@@ -7,15 +7,11 @@ import logging
 import threading
 from collections import defaultdict
 from collections.abc import Mapping
-from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.controller.generate import generate
-from mcpn.controller.targets.json import document
-from mcpn.net.compose import MissionNet
 from mcpn.runtime import (
     Action,
     AsyncController,
@@ -30,16 +26,6 @@ from mcpn.runtime import (
 )
 
 START, LOST, BACK = "MISSION_EV_START", "GPS_sensor_EV_OOS", "GPS_sensor_EV_RD"
-
-
-@pytest.fixture(scope="module")
-def ulysse_document(ulysse_net: MissionNet) -> dict[str, Any]:
-    return document(generate(ulysse_net), ulysse_net)
-
-
-@pytest.fixture
-def controller(ulysse_document: dict[str, Any]) -> Controller:
-    return Controller.from_document(ulysse_document)
 
 
 def fails(action: Action) -> None:

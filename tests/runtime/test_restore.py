@@ -12,20 +12,20 @@ from typing import Any, Literal
 
 import pytest
 from click.testing import CliRunner
-from hypothesis import given, reject
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mcpn.cli.line import command_line, run
 from mcpn.controller.generate import generate
 from mcpn.controller.targets.json import document
-from mcpn.errors import ConfluenceError
+from mcpn.errors import ConfluenceError, LimitError
 from mcpn.mission.model import Mission
-from mcpn.net.compose import MissionNet
 from mcpn.runtime import Action, Controller, Journal, Refused
 from mcpn.runtime.journal import events_of
 from mcpn.testing import missions
 from tests.conftest import ULYSSE
 from tests.draws import composed, fewer
+from tests.shares import returns_early
 
 Orders = tuple[str, str | None, tuple[Any, ...]]
 
@@ -59,7 +59,6 @@ def told_to(robot: Robot, actions: tuple[Action, ...]) -> None:
         robot.obey(action)
 
 
-@pytest.mark.slow  # some drawn missions take minutes
 @fewer(0.4)
 @given(missions(), st.randoms(use_true_random=False), st.sampled_from(["hierarchical", "modular"]))
 def test_a_restarted_robot_does_what_it_did(
@@ -69,8 +68,9 @@ def test_a_restarted_robot_does_what_it_did(
     mission_net = composed(mission)
     try:
         found = document(generate(mission_net, form), mission_net)
-    except ConfluenceError:
-        reject()
+    except (ConfluenceError, LimitError) as error:
+        returns_early(type(error).__name__)
+        return
     controller, robot = Controller.from_document(found), Robot()
     for _ in range(rng.randrange(12)):
         if not controller.possible:
@@ -101,11 +101,6 @@ def check_order(actions: tuple[Action, ...], found: dict[str, Any]) -> None:
 
 
 # --- journals ---
-
-
-@pytest.fixture(scope="module")
-def ulysse_document(ulysse_net: MissionNet) -> dict[str, Any]:
-    return document(generate(ulysse_net), ulysse_net)
 
 
 def journal(found: dict[str, Any], steps: int) -> tuple[str, Controller]:
