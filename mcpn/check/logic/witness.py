@@ -71,6 +71,7 @@ class Witness:
         settles: Whether its states are stable, so that internal evolution goes on to its end after each step.
         steps: Its edges.
         cycle: Index of the step with which the part begins that is repeated for ever, if there is one.
+        decided: Whether the run alone shows what a path satisfies, however the path goes on.
         shown: What the run shows, and where showing stops.
     """
 
@@ -80,6 +81,7 @@ class Witness:
     settles: bool = False
     steps: list[Edge] = field(default_factory=list)
     cycle: int | None = None
+    decided: bool = False
     shown: list[Note | str] = field(default_factory=list)
 
     @property
@@ -286,6 +288,9 @@ class _InSpace(Explanation, Generic[S]):
         self.witness.steps += lasso.steps
         if lasso.cycle is not None:
             self.witness.cycle = begin + lasso.cycle
+        elif lasso.decided:
+            self.witness.decided = True
+            self.witness.shown.append("here the run decides it: nothing that comes later changes that")
         else:
             self.witness.shown.append("here the run ends: nothing may fire")
 

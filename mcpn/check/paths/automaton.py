@@ -62,6 +62,15 @@ class Automaton:
         """The strongly connected components of its states, those that others lead to first."""
         return strongly_connected([[edge.target for edge in of] for of in self.edges])
 
+    @property
+    def accepting_all(self) -> frozenset[int]:
+        """States from which it accepts every path: an edge takes each mark, whatever comes, and stays."""
+        return frozenset(
+            q
+            for q, of in enumerate(self.edges)
+            if any(e.target == q and not e.literals and len(e.marks) == self.marks for e in of)
+        )
+
 
 @dataclass(frozen=True)
 class _Way:

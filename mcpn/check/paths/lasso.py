@@ -18,8 +18,10 @@ class Lasso(Generic[S]):
 
     Attributes:
         steps: The edges of the run.
-        cycle: Index of the step with which the part begins that is repeated for ever; ``None`` where the run
-            ends in a state without successors.
+        cycle: Index of the step with which the part begins that is repeated for ever; ``None`` where nothing
+            is repeated.
+        decided: Whether every way to go on behind the run is accepted; else a run that repeats nothing ends
+            in a state without successors.
     """
 
     def __init__(self, product: Product[S], start: Any) -> None:
@@ -31,8 +33,12 @@ class Lasso(Generic[S]):
         fair: Sets[S] = {}
         for sets, _ in product.fair(within):
             fair.update({q: states for q, states in sets.items() if states})
-        came = self._follow(fair, within, product.edges)
+        decided = product.decided(fair, within)
+        came = self._follow(_union(fair, decided), within, product.edges)
         assert came, "some path is accepted"
+        self.decided = self._in(decided)
+        if self.decided:
+            return
         component = next(set(c) for c in product.components if self._state in c)
         inside = {q: states for q, states in fair.items() if q in component}
         self._go_round(inside, [e for e in product.edges if {e.source, e.target} <= component])
@@ -109,3 +115,7 @@ class Lasso(Generic[S]):
                     return
         # What may be met by firing may have been met by the state alone.
         assert fired, "closures said that there is such a step"
+
+
+def _union(one: Sets[S], other: Sets[S]) -> Sets[S]:
+    return {q: one[q] | other[q] if q in one and q in other else (one | other)[q] for q in one | other}

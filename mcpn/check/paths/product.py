@@ -164,6 +164,23 @@ class Product(Generic[S]):
 
     # --- acceptance ---
 
+    def decided(self, fair: Mapping[int, S], within: Mapping[int, S]) -> Sets[S]:
+        """Where every path that counts is accepted, and there is one: what comes next says nothing more.
+
+        Args:
+            fair: Where accepted paths may stay for ever.
+            within: What is asked of.
+        """
+        everything = self.automaton.accepting_all
+        inside = [e for e in self.edges if e.source == e.target and e.source in everything]
+        goal = {e.source: fair[e.source] for e in inside if e.source in fair}
+        found = self.reaching(goal, within, inside)
+        for edge in self.edges:
+            if edge.target in found and edge.transitions is None and edge.rests:
+                before = self.back(edge, found[edge.target]) & within.get(edge.source, self.space.nothing)
+                found[edge.source] = found.get(edge.source, self.space.nothing) | before
+        return found
+
     def accepted(self, within: Mapping[int, S] | None = None) -> Sets[S]:
         """By state of the automaton, the states from which it accepts some path.
 

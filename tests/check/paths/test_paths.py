@@ -14,7 +14,7 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.logic.witness import explain
 from mcpn.check.logic.writing import show
 from mcpn.check.paths.formulas import SomePath, is_of_paths, normal
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
@@ -57,6 +57,12 @@ def assert_shown(evaluation: Evaluation[Any], formula: Formula, written: Written
         run.append((marking, t))
         marking = net.fire(marking, t)
     cycle = witness.cycle_firing
+    event(f"decided by a part of a path: {witness.decided}")
+    if witness.decided:
+        for choice in range(3):
+            further, begin = gone_on(net, marking, choice)
+            assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+        return
     if cycle is None:
         assert not edges[marking]
         cycle = len(run)
@@ -64,6 +70,33 @@ def assert_shown(evaluation: Evaluation[Any], formula: Formula, written: Written
     else:
         assert run[cycle][0] == marking
     assert tableau.on_lasso(written, net, edges, run, cycle)
+
+
+def gone_on(net: PetriNet, marking: Marking, choice: int) -> tuple[list[tuple[Marking, int | None]], int]:
+    """How a path goes on from a marking, always by the same choice of what may fire; where that repeats."""
+    run, seen = list[tuple[Marking, int | None]](), dict[Marking, int]()
+    while marking not in seen:
+        seen[marking] = len(run)
+        enabled = net.enabled(marking)
+        t = enabled[choice % len(enabled)] if enabled else None
+        run.append((marking, t))
+        marking = marking if t is None else net.fire(marking, t)
+    return run, seen[marking]
+
+
+def test_a_run_against_safety_ends_where_it_is_violated() -> None:
+    builder = NetBuilder("counter")
+    for name, tokens in (("a", 1), ("b", 0), ("c", 0)):
+        builder.place(name, initial=tokens)
+    for begin, end in ("ab", "bc", "ca"):
+        builder.transition(f"{begin}{end}", consume=[begin], produce=[end])
+    net = builder.build()
+    for space in spaces(net):
+        for text, length in (("G !fires(bc)", 2), ("G (a & X b -> X X a)", 2)):
+            witness = explain(Evaluation(space), parse(text, Names(net)))
+            assert (len(witness.steps), witness.decided, witness.cycle) == (length, True, None), text
+        witness = explain(Evaluation(space), parse("F G a", Names(net)))
+        assert (witness.decided, witness.cycle) == (False, 0)
 
 
 @given(NETS, st.data())
