@@ -48,15 +48,18 @@ if TYPE_CHECKING:
 # A question loads what it needs: rooms are imported when they are asked.
 
 
-def open_study(path: str | Path, *, import_root: str | Path | None = None) -> Study:
+def open_study(
+    path: str | Path, *, import_root: str | Path | None = None, templates: TemplateSet | None = None
+) -> Study:
     """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
 
     Args:
         path: A mission, or a net: ``.net``, ``.pnml`` or ``.json``.
-        import_root: The directory that imports of a mission must stay in; by default the mission's own.
+        import_root: The directory that imports of a mission must stay in; its own by default.
+        templates: What draws the net of a mission; the paper's by default.
 
     Raises:
-        InputError: The file is no valid mission, or no net, with every problem and its line.
+        InputError: No valid mission, or no net, with every problem and its line; or templates for a net.
 
     Examples:
         >>> study = open_study("experiments/ulysse/mission.xml")
@@ -67,13 +70,14 @@ def open_study(path: str | Path, *, import_root: str | Path | None = None) -> St
     """
     from mcpn.net.formats import READABLE, read_net
 
-    path = Path(path)
-    if path.suffix.lower() in READABLE:
+    if (path := Path(path)).suffix.lower() in READABLE:
+        if templates is not None:
+            raise InputError.at(Source(str(path)), "found a net, expected a mission: templates draw missions")
         return Study(read_net(path), file=path)
     from mcpn.mission.xml import read_mission
 
     root = None if import_root is None else Path(import_root)
-    return Study(read_mission(path, import_root=root), file=path)
+    return Study(read_mission(path, import_root=root), templates=templates, file=path)
 
 
 class Study:
@@ -86,10 +90,7 @@ class Study:
     Args:
         of: The mission, its net where it has been composed already, or a net of no mission.
         templates: The templates to compose with, or that the net was composed with; the paper's by default.
-        file: Where it has been read from; errors say so.
-
-    Attributes:
-        file: The same.
+        file: Where it has been read from; errors say so. An attribute, too.
 
     Examples:
         >>> from mcpn.mission.xml import read_mission

@@ -361,7 +361,8 @@ class Spaces:
         from mcpn.space.local.composing import local_graph
 
         limit = MAX_STABLE_STATES if max_states is None else max_states
-        return self._once(("local", name), lambda: local_graph(self.mission, name, limit), limit)
+        templates = self.templates
+        return self._once(("local", name), lambda: local_graph(self.mission, name, limit, templates), limit)
 
 
 def spaces_of(of: Subject) -> Spaces:

@@ -22,6 +22,7 @@ from mcpn.cli.shared import (
     limit_option,
     progress_line,
     scheduler_option,
+    templates_option,
     without_threads_of_numpy,
 )
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from mcpn.check.logic.witness import Witness
     from mcpn.net.compose import MissionNet
     from mcpn.net.petri import PetriNet
+    from mcpn.net.templates import TemplateSet
 
 EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", "StableMarking")
 
@@ -66,6 +68,7 @@ EXAMINATIONS = ("ReachabilityDeadlock", "QuasiLiveness", "Liveness", "OneSafe", 
 @scheduler_option
 @limit_option
 @import_option
+@templates_option
 @json_option
 def ask(
     file: Path,
@@ -81,6 +84,7 @@ def ask(
     scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Answer formulas of CTL and LTL on FILE: the stable states of a mission, or the markings of a net.
@@ -96,7 +100,7 @@ def ask(
     from mcpn.study import open_study
     from mcpn.workers import executor_of
 
-    study = open_study(file, import_root=import_root)
+    study = open_study(file, import_root=import_root, templates=templates)
     if not (formulas or properties or examinations):
         if study.is_net:
             raise click.UsageError("a FORMULA, --properties or --examination is needed to ask about a net")

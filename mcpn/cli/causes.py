@@ -22,12 +22,14 @@ from mcpn.cli.shared import (
     progress_line,
     scheduler_option,
     tell_warnings,
+    templates_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError
 
 if TYPE_CHECKING:
     from mcpn.check.engines import Asked
+    from mcpn.net.templates import TemplateSet
     from mcpn.report.failures.tables import Classes
 
 MOST_TOLD = 50
@@ -58,6 +60,7 @@ MOST_TOLD = 50
 @scheduler_option
 @limit_option
 @import_option
+@templates_option
 @json_option
 def causes(
     mission: Path,
@@ -71,6 +74,7 @@ def causes(
     scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Tell what makes MISSION fail: minimal sets of lost hardware, critical events, what each loss does.
@@ -93,7 +97,7 @@ def causes(
     classes = _classes(severities)
     if fmeca is not None:
         tables.check_table_name(fmeca)
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     if not as_json:
         tell_warnings(study.mission_net)
     told = SECTIONS if engine in ("auto", "local") else STATES_AND_EDGES

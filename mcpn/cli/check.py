@@ -24,12 +24,14 @@ from mcpn.cli.shared import (
     progress_line,
     scheduler_option,
     tell_warnings,
+    templates_option,
     without_threads_of_numpy,
 )
 
 if TYPE_CHECKING:
     from mcpn.check.engines import Asked
     from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.net.templates import TemplateSet
 
 
 @click.command()
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
 @scheduler_option
 @limit_option
 @import_option
+@templates_option
 @json_option
 def check(
     file: Path,
@@ -55,6 +58,7 @@ def check(
     scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
@@ -62,7 +66,7 @@ def check(
     from mcpn.study import open_study
 
     started = time.perf_counter()
-    study = open_study(file, import_root=import_root)
+    study = open_study(file, import_root=import_root, templates=templates)
     if structure or study.is_net:
         from mcpn.report.nets import net_object, print_net, print_structure, structure_object
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -18,9 +18,13 @@ from mcpn.cli.shared import (
     limit_option,
     progress_line,
     scheduler_option,
+    templates_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
+
+if TYPE_CHECKING:
+    from mcpn.net.templates import TemplateSet
 
 
 @click.command()
@@ -43,6 +47,7 @@ from mcpn.errors import InputError, Source
 @scheduler_option
 @limit_option
 @import_option
+@templates_option
 @json_option
 def controller(
     mission: Path,
@@ -54,6 +59,7 @@ def controller(
     scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Generate the controller of MISSION: state machines, or rules, that do what was verified."""
@@ -67,7 +73,7 @@ def controller(
     from mcpn.study import open_study
     from mcpn.workers import executor_of
 
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     if form == "auto" and (smallest or target not in OF_RULES):
         form = "hierarchical"
     told = STATES_AND_EDGES if form == "flat" else SECTIONS
@@ -104,6 +110,7 @@ def controller(
 )
 @click.option("--section", metavar="NAME", help="Draw the net, alternatives or controller of one section.")
 @import_option
+@templates_option
 @json_option
 def convert(
     source: Path,
@@ -111,6 +118,7 @@ def convert(
     draw: str | None,
     section: str | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Convert SOURCE (.xml mission, .pnml, .net, .json) to TARGET (.pnml, .net, .dot, .json, .svg, .png).
@@ -123,7 +131,7 @@ def convert(
     from mcpn.study import open_study
 
     if target.suffix.lower() in KNOWN:
-        open_study(source, import_root=import_root).picture(draw, section).save(target)
+        open_study(source, import_root=import_root, templates=templates).picture(draw, section).save(target)
         if as_json:
             emit_json({"file": str(target), "warnings": []})
         return
@@ -133,7 +141,7 @@ def convert(
     if target.suffix.lower() not in WRITABLE:
         expected = ", ".join((*WRITABLE, *KNOWN))
         raise InputError.at(Source(str(target)), f"found the suffix {target.suffix!r}, expected {expected}")
-    net = open_study(source, import_root=import_root).net
+    net = open_study(source, import_root=import_root, templates=templates).net
     warning = save_net(net, target)
     if as_json:
         sizes = {"places": len(net.places), "transitions": len(net.transitions)}

@@ -18,11 +18,13 @@ from mcpn.cli.shared import (
     json_option,
     limit_option,
     scheduler_option,
+    templates_option,
 )
 from mcpn.errors import InputError, Source
 
 if TYPE_CHECKING:
     from mcpn.check.engines import Asked
+    from mcpn.net.templates import TemplateSet
 
 
 @click.command()
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 @scheduler_option
 @limit_option
 @import_option
+@templates_option
 @json_option
 def report(
     mission: Path,
@@ -42,6 +45,7 @@ def report(
     scheduler: str | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Write a report of MISSION as one HTML page: drawing, verdicts, causes, a controller to click through.
@@ -57,7 +61,7 @@ def report(
     if output.suffix.lower() not in (".html", ".htm"):
         source = Source(str(output))
         raise InputError.at(source, f"found the suffix {output.suffix!r}, expected .html")
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     with steps_on_terminal() as steps, executor_of(jobs, scheduler) as executor:
         found = study.findings(engine=engine, max_states=max_states, steps=steps, executor=executor)
         steps.begin("the page")

@@ -16,6 +16,7 @@ import click
 if TYPE_CHECKING:
     from mcpn.check.engines import Choice, NoSpace
     from mcpn.net.compose import MissionNet
+    from mcpn.net.templates import TemplateSet
 
 EXIT_FAILED, EXIT_BAD_INPUT = 1, 2
 
@@ -52,6 +53,22 @@ import_option = click.option(
     help="Directory that imports of the mission must stay in (default: the mission's own).",
 )
 
+
+def templates_of(_ctx: click.Context, _option: click.Parameter, name: str | None) -> TemplateSet | None:
+    """The set of templates that is named; none where it is the paper's."""
+    if name is None:
+        return None
+    from mcpn.net.templates.named import PAPER, templates_named
+
+    return None if name == PAPER else templates_named(name)
+
+
+templates_option = click.option(
+    "--templates",
+    metavar="SET",
+    callback=templates_of,
+    help="Templates that the mission's net is drawn with: paper (the default), or MODULE:NAME.",
+)
 
 MOST_JOBS = 1024
 """No machine has more processes for this, and the queue between them has room for few more."""

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option
+from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option, templates_option
 
 if TYPE_CHECKING:
+    from mcpn.net.templates import TemplateSet
     from mcpn.study import Study
 
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the steps at random.")
 @limit_option
 @import_option
+@templates_option
 @json_option
 def simulate(
     file: Path,
@@ -35,6 +37,7 @@ def simulate(
     seed: int,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Play FILE: a mission event by event, or a net (of a mission, with --tokens) firing by firing.
@@ -44,7 +47,7 @@ def simulate(
     """
     from mcpn.study import open_study
 
-    study = open_study(file, import_root=import_root)
+    study = open_study(file, import_root=import_root, templates=templates)
     rng = random.Random(seed)
     if tokens or study.is_net:
         if events is not None:

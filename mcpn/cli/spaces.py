@@ -22,6 +22,7 @@ from mcpn.cli.shared import (
     json_option,
     limit_option,
     progress_line,
+    templates_option,
     without_threads_of_numpy,
 )
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from mcpn.check.engines import Asked, Choice, On
     from mcpn.check.sizes import Counting
     from mcpn.check.spaces import Spaces
+    from mcpn.net.templates import TemplateSet
     from mcpn.space.algebra import Space
     from mcpn.space.markings.explicit import Progress
     from mcpn.space.summary import SpaceSummary
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
 @click.option("--save-order", type=FILE, help="Write the order of places that was used.")
 @limit_option
 @import_option
+@templates_option
 @json_option
 def states(
     file: Path,
@@ -62,6 +65,7 @@ def states(
     save_order: Path | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Count the reachable states of FILE: the markings of a net, the stable states of a large mission."""
@@ -72,11 +76,11 @@ def states(
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
         raise click.UsageError("--order, --seed and --save-order are of the symbolic engine, on markings")
+    study = open_study(file, import_root=import_root, templates=templates)
     if chosen:
-        found = _in_order(open_study(file, import_root=import_root).spaces, order, seed, save_order)
+        found = _in_order(study.spaces, order, seed, save_order)
         emit_counts(asdict(found) | {"why": None}, as_json)
         return
-    study = open_study(file, import_root=import_root)
     told = SECTIONS if engine in ("auto", "local") and not study.is_net else STATES_AND_EDGES
     with progress_line(as_json, told) as progress:
         found, choice = study.sizes(engine=engine, on=graph, max_states=max_states, progress=progress)
@@ -118,6 +122,7 @@ def _listed(
 @click.option("--section", metavar="NAME", help="The local graph of this section alone.")
 @limit_option
 @import_option
+@templates_option
 @json_option
 def alternatives(
     mission: Path,
@@ -128,6 +133,7 @@ def alternatives(
     section: str | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
@@ -143,7 +149,7 @@ def alternatives(
         if engine not in ("auto", "explicit"):
             raise click.UsageError("--method and --no-proof are of the explicit engine")
         engine = "explicit"
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     mission_net, spaces = study.mission_net, study.spaces
     started = time.perf_counter()
     if section is not None:

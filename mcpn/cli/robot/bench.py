@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from mcpn.cli.shared import EXIT_FAILED, FILE, emit_json, import_option, json_option, limit_option
+from mcpn.cli.shared import (
+    EXIT_FAILED,
+    FILE,
+    emit_json,
+    import_option,
+    json_option,
+    limit_option,
+    templates_option,
+)
 from mcpn.errors import InputError, LimitError
 
 if TYPE_CHECKING:
@@ -18,6 +26,7 @@ if TYPE_CHECKING:
     from mcpn.bench.runs import Bench, BenchRun
     from mcpn.check.causes.risk import Risk
     from mcpn.net.compose import MissionNet
+    from mcpn.net.templates import TemplateSet
     from mcpn.study import Study
 
 
@@ -40,6 +49,7 @@ if TYPE_CHECKING:
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
 @limit_option
 @import_option
+@templates_option
 @json_option
 def bench(
     mission: Path,
@@ -52,6 +62,7 @@ def bench(
     traces: Path | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Run the controller of MISSION many times with fake drivers, in virtual time.
@@ -69,7 +80,7 @@ def bench(
     from mcpn.study import open_study
 
     script = [] if faults is None else read_script(faults)
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     mission_net = study.mission_net
     if duration is None:
         _refuse_without_duration(mission_net)

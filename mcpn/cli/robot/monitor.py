@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,9 +16,13 @@ from mcpn.cli.shared import (
     import_option,
     json_option,
     limit_option,
+    templates_option,
     without_threads_of_numpy,
 )
 from mcpn.errors import InputError, Source
+
+if TYPE_CHECKING:
+    from mcpn.net.templates import TemplateSet
 
 
 @click.command()
@@ -27,6 +31,7 @@ from mcpn.errors import InputError, Source
 @click.option("--log", type=FILE, help="Read a robot's log, an event at the end of each line.")
 @limit_option
 @import_option
+@templates_option
 @json_option
 def monitor(
     mission: Path,
@@ -34,6 +39,7 @@ def monitor(
     log: Path | None,
     max_states: int | None,
     import_root: Path | None,
+    templates: TemplateSet | None,
     as_json: bool,
 ) -> None:
     """Make monitors of what MISSION requires: machines that watch its events, or the log of a robot.
@@ -49,7 +55,7 @@ def monitor(
     from mcpn.runtime.monitors import Monitors, events_of, told
     from mcpn.study import open_study
 
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     if study.is_net:
         raise InputError.at(Source(str(mission)), "expected a mission: a net requires nothing")
     of = monitors_of(study.spaces, max_states)

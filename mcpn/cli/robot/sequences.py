@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option
+from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_option, templates_option
+
+if TYPE_CHECKING:
+    from mcpn.net.templates import TemplateSet
 
 
 @click.command()
@@ -14,9 +18,15 @@ from mcpn.cli.shared import FILE, emit_json, import_option, json_option, limit_o
 @click.option("-o", "--output", type=FILE, required=True, help="Directory to write the tests to.")
 @limit_option
 @import_option
+@templates_option
 @json_option
 def tests(
-    mission: Path, output: Path, max_states: int | None, import_root: Path | None, as_json: bool
+    mission: Path,
+    output: Path,
+    max_states: int | None,
+    import_root: Path | None,
+    templates: TemplateSet | None,
+    as_json: bool,
 ) -> None:
     """Write sequences of events that take every edge of the controller of MISSION.
 
@@ -29,7 +39,7 @@ def tests(
     from mcpn.runtime.tables import Tables
     from mcpn.study import open_study
 
-    study = open_study(mission, import_root=import_root)
+    study = open_study(mission, import_root=import_root, templates=templates)
     controller = study.controller("hierarchical", max_states=max_states)
     found = sequences(Tables(document(controller, study.mission_net)))
     texts = dict(files(found, controller.mission)) | {FILE_NAME: write_json(controller, study.mission_net)}

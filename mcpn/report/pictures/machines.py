@@ -69,7 +69,7 @@ def local_drawing(spaces: Spaces, section: str, *, actions: bool = False, merged
     local, graph = spaces.local(section)
     if actions:
         part = part_of(spaces.mission, section)
-        machine = section_machine(local, graph, part, forgetful(part.net())[1])
+        machine = section_machine(local, graph, part, forgetful(part.net(spaces.templates))[1])
         return machine_drawing(machine, f"Controller of the section {section}")
     return local_graph_drawing(local, graph, section, merged=merged)
 

@@ -149,11 +149,20 @@ def _broke(executor: Executor, error: Exception) -> bool:
 
 
 def local_graph(
-    mission_net: MissionNet, name: str, max_states: int | None = None
+    mission_net: MissionNet,
+    name: str,
+    max_states: int | None = None,
+    templates: TemplateSet | None = None,
 ) -> tuple[MissionNet, AlternativesGraph]:
     """The local net of a section and its alternatives graph, from every state of its hardware.
 
     It forgets what has happened once (:mod:`mcpn.net.forgetful`).
+
+    Args:
+        mission_net: The mission's net.
+        name: The section.
+        max_states: Limit on its states.
+        templates: Those that the mission is composed with, the paper's by default.
 
     Raises:
         InputError: There is no such section.
@@ -162,7 +171,7 @@ def local_graph(
     """
     from mcpn.space.stable.alternatives import direct_with_proof  # which lists states in arrays
 
-    local, _ = forgetful(part_of(mission_net, name).net())
+    local, _ = forgetful(part_of(mission_net, name).net(templates))
     limit = MAX_STABLE_STATES if max_states is None else max_states
     step(Doing.LISTING)
     with in_section(name), in_mission_words(local):
