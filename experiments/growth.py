@@ -177,9 +177,9 @@ print(json.dumps([graph.states, time.process_time() - begin]))
 CHECK = """
 import json, sys, time
 import mcpn
-mission = mcpn.read_mission(sys.argv[1])
+study = mcpn.open(sys.argv[1])
 begin = time.process_time()
-found = mcpn.check(mission)
+found = study.check()
 print(json.dumps([found.failing, time.process_time() - begin]))
 """
 

@@ -4,19 +4,21 @@
 >>> study = mcpn.open("experiments/ulysse/mission.xml")
 >>> study.check().passed
 True
->>> study.ctl("AG EF (success | failure)").holds
+>>> study.ctl("AF (success | failure)").holds  # a sensor may fail and recover for ever
+False
+>>> study.ctl("AF (success | failure)", fair=["progress"]).holds
 True
 >>> [sorted(cut) for cut in study.causes().mission.cut_sets]
 [['thruster_actuator'], ['GPS_sensor', 'IMU_sensor']]
 
-Each space is built once (:mod:`mcpn.check.spaces`): these three questions share a list of stable states.
+Each space is built once (:mod:`mcpn.check.spaces`): these questions share a list of stable states.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal
 
 from mcpn.errors import InputError, Source
 from mcpn.net.petri import PetriNet
@@ -33,7 +35,6 @@ if TYPE_CHECKING:
     from mcpn.check.verdicts.mission import MissionCheck
     from mcpn.check.verdicts.nets import NetCheck, Structure
     from mcpn.controller.generate import Form
-    from mcpn.controller.hierarchy import TableController
     from mcpn.controller.modular import AnyController
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
@@ -43,41 +44,10 @@ if TYPE_CHECKING:
     from mcpn.report.progress import Steps
     from mcpn.space.algebra import Space
     from mcpn.space.markings.explicit import Progress
+    from mcpn.space.markings.graph import StateGraph
     from mcpn.space.summary import SpaceSummary
 
 # A question loads what it needs: rooms are imported when they are asked.
-
-
-def open_study(
-    path: str | Path, *, import_root: str | Path | None = None, templates: TemplateSet | None = None
-) -> Study:
-    """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
-
-    Args:
-        path: A mission, or a net: ``.net``, ``.pnml`` or ``.json``.
-        import_root: The directory that imports of a mission must stay in; its own by default.
-        templates: What draws the net of a mission; the paper's by default.
-
-    Raises:
-        InputError: No valid mission, or no net, with every problem and its line; or templates for a net.
-
-    Examples:
-        >>> study = open_study("experiments/ulysse/mission.xml")
-        >>> study
-        <study of the mission ulysse>
-        >>> study.states().states, study.check().stable_sizes
-        (44299, (260, 1332))
-    """
-    from mcpn.net.formats import READABLE, read_net
-
-    if (path := Path(path)).suffix.lower() in READABLE:
-        if templates is not None:
-            raise InputError.at(Source(str(path)), "found a net, expected a mission: templates draw missions")
-        return Study(read_net(path), file=path)
-    from mcpn.mission.xml import read_mission
-
-    root = None if import_root is None else Path(import_root)
-    return Study(read_mission(path, import_root=root), templates=templates, file=path)
 
 
 class Study:
@@ -208,7 +178,18 @@ class Study:
     def states(
         self, *, engine: Counting = "auto", on: On | None = None, max_states: int | None = None
     ) -> SpaceSummary:
-        """Counts the reachable states, exactly; see :func:`mcpn.states`."""
+        """Counts the reachable states, exactly.
+
+        Args:
+            engine: ``symbolic``, ``explicit``, ``local`` or ``pyeda``; ``auto``: the first that answers.
+            on: ``markings`` for all markings, ``alternatives`` for the stable states of a mission alone. By
+                default all markings of a net and of a small mission, and the stable states of a larger one.
+            max_states: Limit on states that are listed.
+
+        Raises:
+            SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
+            LimitError: A limit was hit.
+        """
         return self.sizes(engine=engine, on=on, max_states=max_states)[0]
 
     def sizes(
@@ -252,7 +233,15 @@ class Study:
         engine: Asked = "auto",
         max_states: int | None = None,
     ) -> Answer:
-        """Answers a formula of temporal logic, with a run that shows why; see :func:`mcpn.ctl`.
+        """Answers a formula of temporal logic, with a run that shows why.
+
+        Args:
+            formula: As :mod:`mcpn.check.logic.syntax` describes it.
+            on: Whether it speaks of all ``markings``, or of ``alternatives``: stable states and events. By
+                default the latter of a mission, the former of a net.
+            fair: ``progress``, or formulas that hold again and again on the paths that count.
+            engine: Who answers.
+            max_states: Limit on states that are listed.
 
         Raises:
             InputError: The formula is none, or does not fit the net.
@@ -269,7 +258,7 @@ class Study:
         progress: Progress | None = None,
         executor: Executor | None = None,
     ) -> Causes:
-        """Finds what makes the mission and its objectives fail; see :func:`mcpn.causes`.
+        """Finds what makes the mission and its objectives fail: critical events and minimal cut sets.
 
         Raises:
             SemanticsError: The mission is not safe or not confluent.
@@ -303,26 +292,36 @@ class Study:
 
         return answered(ask, spaces.mission, engine=engine, on="alternatives", max_states=max_states)[0]
 
-    @overload
-    def controller(
-        self,
-        form: Literal["flat", "hierarchical"] = "hierarchical",
-        *,
-        max_states: int | None = None,
-        progress: Progress | None = None,
-        told: Callable[[str], object] | None = None,
-        executor: Executor | None = None,
-    ) -> TableController: ...
-    @overload
-    def controller(
-        self,
-        form: Form | Literal["auto"],
-        *,
-        max_states: int | None = None,
-        progress: Progress | None = None,
-        told: Callable[[str], object] | None = None,
-        executor: Executor | None = None,
-    ) -> AnyController: ...
+    def graph(self, on: On = "alternatives", *, max_states: int | None = None) -> StateGraph:
+        """Lists the states one by one, with the edges between them.
+
+        Args:
+            on: ``alternatives`` for stable states and events, of a mission; ``markings`` for all markings.
+            max_states: The most states that it may have.
+
+        Returns:
+            The graph in arrays, which goes to networkx.
+
+        Raises:
+            SemanticsError: The net is not 1-safe, or of stable states, internal evolution is not confluent.
+            LimitError: There are more states than allowed.
+
+        Examples:
+            >>> import mcpn
+            >>> stable = mcpn.open("experiments/ulysse/mission.xml").graph().to_networkx()
+            >>> stable.number_of_nodes(), stable.number_of_edges()
+            (260, 1332)
+        """
+        from mcpn.check.engines import Choice
+        from mcpn.space.arrays import ArraySpace
+        from mcpn.space.stable.listing import written_out
+
+        if on == "markings":
+            space = self.spaces.space(Choice("explicit", max_states=max_states), "markings")
+        else:
+            space = self.alternatives(max_states=max_states)
+        return space.graph if isinstance(space, ArraySpace) else written_out(space, "listed", max_states)
+
     def controller(
         self,
         form: Form | Literal["auto"] = "hierarchical",
@@ -352,11 +351,11 @@ class Study:
     # --- what people read ---
 
     def picture(self, kind: str | None = None, section: str | None = None) -> Drawing:
-        """Draws the mission or the net; see :func:`mcpn.picture`.
+        """Draws the mission or the net; a notebook shows the picture, and ``save`` writes it as SVG or PNG.
 
         Args:
-            kind: What is drawn of a mission, by default the mission as it is written, or the local graph of
-                a section; of a net nothing but ``net``.
+            kind: What is drawn of a mission: ``mission`` (as it is written, the default), ``objectives``,
+                ``net``, ``alternatives`` (that of a section by default) or ``controller``; of a net ``net``.
             section: Draw this section alone.
 
         Raises:

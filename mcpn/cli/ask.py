@@ -97,7 +97,7 @@ def ask(
         raise click.UsageError("--scn goes with one FORMULA")
     without_threads_of_numpy()
     from mcpn.check.logic.verdicts import answer_typed
-    from mcpn.study import open_study
+    from mcpn.opening import open_study
     from mcpn.workers import executor_of
 
     study = open_study(file, import_root=import_root, templates=templates)

@@ -87,10 +87,10 @@ def causes(
         without_threads_of_numpy()
     from mcpn.check.causes.fmeca import fmeca as table_of
     from mcpn.files import write_atomically
+    from mcpn.opening import open_study
     from mcpn.report.failures import objects, tables, terminal
     from mcpn.report.failures.openpsa import open_psa
     from mcpn.report.text import print_choice
-    from mcpn.study import open_study
     from mcpn.workers import executor_of
 
     started = time.perf_counter()

@@ -63,7 +63,7 @@ def check(
 ) -> None:
     """Verify FILE: a mission's verdicts with their runs, or the behaviour of a net from elsewhere."""
     without_threads_of_numpy()
-    from mcpn.study import open_study
+    from mcpn.opening import open_study
 
     started = time.perf_counter()
     study = open_study(file, import_root=import_root, templates=templates)

@@ -70,7 +70,7 @@ def controller(
     from mcpn.controller.minimise import minimise
     from mcpn.controller.targets import OF_RULES, files
     from mcpn.files import write_folder
-    from mcpn.study import open_study
+    from mcpn.opening import open_study
     from mcpn.workers import executor_of
 
     study = open_study(mission, import_root=import_root, templates=templates)
@@ -127,8 +127,8 @@ def convert(
     places and transitions.
     """
     from mcpn.net.formats import WRITABLE, save_net
+    from mcpn.opening import open_study
     from mcpn.report.pictures.drawing import KNOWN
-    from mcpn.study import open_study
 
     if target.suffix.lower() in KNOWN:
         open_study(source, import_root=import_root, templates=templates).picture(draw, section).save(target)

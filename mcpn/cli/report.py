@@ -53,9 +53,9 @@ def report(
     The page opens from disk, needs no network, and can be printed or sent.
     """
     from mcpn.files import write_atomically
+    from mcpn.opening import open_study
     from mcpn.report.page import page
     from mcpn.report.progress import steps_on_terminal
-    from mcpn.study import open_study
     from mcpn.workers import executor_of
 
     if output.suffix.lower() not in (".html", ".htm"):

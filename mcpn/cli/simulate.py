@@ -45,7 +45,7 @@ def simulate(
     What is shown of a mission is computed by its net, not by its controller. What happens is read from
     standard input, unless a file or a number of random steps is given.
     """
-    from mcpn.study import open_study
+    from mcpn.opening import open_study
 
     study = open_study(file, import_root=import_root, templates=templates)
     rng = random.Random(seed)

@@ -71,7 +71,7 @@ def states(
     """Count the reachable states of FILE: the markings of a net, the stable states of a large mission."""
     from dataclasses import asdict
 
-    from mcpn.study import open_study
+    from mcpn.opening import open_study
 
     chosen = order is not None or save_order is not None or seed is not None
     if chosen and (engine not in ("auto", "symbolic") or graph == "alternatives"):
@@ -138,11 +138,11 @@ def alternatives(
 ) -> None:
     """Build the alternatives graph of MISSION: its stable markings and events."""
     from mcpn.check.engines import answered
+    from mcpn.opening import open_study
     from mcpn.space.arrays import ArraySpace
     from mcpn.space.stable.alternatives import AlternativesGraph
     from mcpn.space.stable.clash_words import in_mission_words
     from mcpn.space.stable.listing import written_out
-    from mcpn.study import open_study
 
     without_threads_of_numpy()
     if method is not None or not proof:
@@ -203,7 +203,7 @@ def compare(
     from dataclasses import asdict
 
     from mcpn.check.compare import disagreement, measure
-    from mcpn.study import open_study
+    from mcpn.opening import open_study
 
     study = open_study(file, import_root=import_root)
     subject = study.net if study.is_net else study.mission_net.mission

@@ -44,6 +44,11 @@ def read_mission(
     Raises:
         InputError: Everything that is wrong, by file and line. References are checked once every file could
             be read and fits the schema, for what a file declares is not known otherwise.
+
+    Examples:
+        >>> mission = read_mission("experiments/ulysse/mission.xml")
+        >>> mission.name, [block.name for block in mission.blocks]
+        ('ulysse', ['coral_head', 'transect'])
     """
     main = Path(path)
     root = Path(import_root) if import_root is not None else main.parent

@@ -139,11 +139,6 @@ def compose(mission: Mission, templates: TemplateSet | None = None) -> MissionNe
     return compose_parts(usage, parts, templates)
 
 
-def as_net(of: Mission | MissionNet) -> MissionNet:
-    """The net of a mission, composed unless it is one already."""
-    return of if isinstance(of, MissionNet) else compose(of)
-
-
 @dataclass(frozen=True, slots=True)
 class Parts:
     """What a net is made of: elements of a mission in the order in which they are drawn.

@@ -18,9 +18,9 @@ from mcpn.mission.writer import written
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import MissionNet, compose
 from mcpn.net.events import Event
+from mcpn.opening import open_study
 from mcpn.report.failures.openpsa import structured
 from mcpn.report.pictures.mission import mission_drawing
-from mcpn.study import open_study
 from tests.check.asked import ENGINES, Asked
 from tests.check.oracle import minimal
 

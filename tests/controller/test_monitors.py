@@ -13,10 +13,10 @@ import pytest
 from hypothesis import event, given
 
 from mcpn.controller.monitors.writing import files, monitors_of
+from mcpn.opening import open_study
 from mcpn.runtime import Controller, ControllerFileError, Decision, Monitors, Refused
 from mcpn.runtime.__main__ import main
 from mcpn.runtime.monitors import events_of
-from mcpn.study import open_study
 from tests.commands import mcpn, output
 from tests.conftest import ROOT
 from tests.controller import ltl3

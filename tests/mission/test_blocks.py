@@ -13,8 +13,8 @@ from mcpn.errors import InputError, LimitError
 from mcpn.mission.flatten import blocks_of, flatten
 from mcpn.mission.model import Mission
 from mcpn.net.compose import compose
+from mcpn.opening import open_study
 from mcpn.space.search.goal import FALSE, marked
-from mcpn.study import open_study
 from mcpn.testing import missions
 from tests.judge.blocks import Node, written_out
 from tests.shares import returns_early

@@ -23,7 +23,7 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Parameter, Robot
 from mcpn.mission.static.warnings import find_warnings
 from mcpn.mission.writer import write_mission, written
 from mcpn.mission.xml import read_mission
-from mcpn.net.compose import as_net, compose
+from mcpn.net.compose import compose
 from mcpn.report.failures.openpsa import open_psa
 from mcpn.testing import missions
 from tests.small import activity, hw, mission, robot
@@ -31,11 +31,10 @@ from tests.small import activity, hw, mission, robot
 ENTRIES: dict[str, Callable[[Mission], object]] = {
     "compose": compose,
     "flatten": flatten,
-    "as_net": as_net,
-    "states": mcpn.states,
-    "ctl": lambda m: mcpn.ctl(m, "EF success"),
-    "causes": mcpn.causes,
-    "picture": mcpn.picture,
+    "states": lambda m: mcpn.open(m).states(),
+    "ctl": lambda m: mcpn.open(m).ctl("EF success"),
+    "causes": lambda m: mcpn.open(m).causes(),
+    "picture": lambda m: mcpn.open(m).picture(),
     "write_mission": write_mission,
     "find_warnings": find_warnings,
 }
@@ -161,7 +160,7 @@ def test_a_mission_of_these_parts_is_sound() -> None:
 @pytest.mark.parametrize("what", [None, 1, "mission.xml", [of()]])
 def test_what_is_no_mission_is_told(what: Any) -> None:
     with pytest.raises(InputError, match=f"expected a mission, found {type(what).__name__}"):
-        mcpn.causes(what)
+        mcpn.Study(what).causes()
 
 
 def test_a_mission_is_checked_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -230,7 +230,7 @@ def test_too_large_a_picture_names_its_limit(tmp_path: Path) -> None:
     with pytest.raises(
         LimitError, match=f"301 boxes, the limit of what one drawing shows is {graphs.MOST_NODES}"
     ):
-        mcpn.picture(builder.build()).save(tmp_path / "x.svg")
+        mcpn.open(builder.build()).picture().save(tmp_path / "x.svg")
     assert not (tmp_path / "x.svg").exists()
 
 

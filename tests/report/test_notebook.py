@@ -8,7 +8,6 @@ import pytest
 from lxml import etree
 
 import mcpn
-from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import generate
 from mcpn.mission.model import Objective
 from mcpn.mission.xml import read_mission
@@ -50,10 +49,10 @@ def test_what_is_too_large_is_not_drawn() -> None:
 
 
 def test_tables_are_texts() -> None:
-    found = mcpn.check(hostile())
+    found = mcpn.open(hostile()).verdicts()
     table = etree.fromstring(found._repr_html_() or "")
     assert [row[2].text for row in table.iter("tr")][1:] == [*found.verdicts]
-    causes = mcpn.causes(read_mission(ULYSSE))
+    causes = mcpn.open(ULYSSE).causes()
     table = etree.fromstring(causes._repr_html_() or "")
     assert [row[1].text for row in table.iter("tr")][1] == "thruster_actuator; GPS_sensor and IMU_sensor"
     from mcpn.report.notebook import _table
@@ -66,7 +65,7 @@ def test_tables_are_texts() -> None:
 def test_a_mission_that_can_never_succeed() -> None:
     of = robot(hw("H"), activity("use", ("H",)))
     never = mission(of, Objective(name="go", activities=("use",), success="fail"))
-    table = etree.fromstring(mcpn.causes(never)._repr_html_() or "")
+    table = etree.fromstring(mcpn.open(never).causes()._repr_html_() or "")
     assert [row[1].text for row in table.iter("tr")][1:] == ["nothing", "H"]
 
 
@@ -81,7 +80,8 @@ def test_reprs_are_short() -> None:
         direct_with_proof(net.net),
         explore(net.net),
     ]
-    found += [check(net), mcpn.causes(net), mcpn.ctl(net, "EF success"), mcpn.picture(net)]
+    study = mcpn.open(net)
+    found += [study.check(), study.causes(), study.ctl("EF success"), study.picture()]
     for what in found:
         assert len(repr(what)) <= MOST_CHARACTERS, type(what)
         assert repr(what).startswith("<")

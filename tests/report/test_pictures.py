@@ -70,7 +70,7 @@ def test_a_mission_is_drawn(name: str, tmp_path: Path) -> None:
     assert {a.name for a in mission.activities} | {h.name for h in mission.hardware} <= texts
     for handler in mission.handlers:
         assert any(f"on {handler.event}" in (text or "") for text in texts)
-    picture = mcpn.picture(mission)
+    picture = mcpn.open(mission).picture()
     assert picture._repr_svg_() == (tmp_path / "m.svg").read_text()
 
 
@@ -108,7 +108,7 @@ def hostile() -> Mission:
 
 
 def test_a_hostile_mission_is_text() -> None:
-    svg = mcpn.picture(hostile()).svg
+    svg = mcpn.open(hostile()).picture().svg
     tree = etree.fromstring(svg.encode())
     assert not list(tree.iter(f"{SVG}script"))
     assert not [name for element in tree.iter() for name in element.attrib if str(name).startswith("on")]

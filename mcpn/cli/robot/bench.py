@@ -76,8 +76,8 @@ def bench(
     from mcpn.bench.world import World
     from mcpn.controller.targets.json import document
     from mcpn.files import write_folder
+    from mcpn.opening import open_study
     from mcpn.runtime.tables import Tables
-    from mcpn.study import open_study
 
     script = [] if faults is None else read_script(faults)
     study = open_study(mission, import_root=import_root, templates=templates)

@@ -52,8 +52,8 @@ def monitor(
     without_threads_of_numpy()
     from mcpn.controller.monitors.writing import files, monitors_of
     from mcpn.files import write_folder
+    from mcpn.opening import open_study
     from mcpn.runtime.monitors import Monitors, events_of, told
-    from mcpn.study import open_study
 
     study = open_study(mission, import_root=import_root, templates=templates)
     if study.is_net:

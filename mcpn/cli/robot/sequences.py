@@ -36,8 +36,8 @@ def tests(
     from mcpn.bench.sequences import files, sequences
     from mcpn.controller.targets.json import FILE_NAME, document, write_json
     from mcpn.files import write_folder
+    from mcpn.opening import open_study
     from mcpn.runtime.tables import Tables
-    from mcpn.study import open_study
 
     study = open_study(mission, import_root=import_root, templates=templates)
     controller = study.controller("hierarchical", max_states=max_states)

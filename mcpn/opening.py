@@ -1,0 +1,54 @@
+"""Files as studies: what ``mcpn.open`` calls."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mcpn.errors import InputError, Source
+from mcpn.net.petri import PetriNet
+from mcpn.study import Study
+
+if TYPE_CHECKING:
+    from mcpn.mission.model import Mission
+    from mcpn.net.compose import MissionNet
+    from mcpn.net.templates import TemplateSet
+
+
+def open_study(
+    of: str | Path | Mission | MissionNet | PetriNet,
+    *,
+    import_root: str | Path | None = None,
+    templates: TemplateSet | None = None,
+) -> Study:
+    """Opens a mission or a net to ask questions about it; ``mcpn.open`` is its name for users.
+
+    Args:
+        of: The file of a mission or a net (``.net``, ``.pnml``, ``.json``), or what has been read already.
+        import_root: The directory that imports of a mission must stay in; by default the mission's own.
+        templates: What draws the net of a mission; the paper's by default.
+
+    Raises:
+        InputError: No valid mission, or no net, with every problem and its line; or templates for a net.
+
+    Examples:
+        >>> study = open_study("experiments/ulysse/mission.xml")
+        >>> study
+        <study of the mission ulysse>
+        >>> study.states().states, study.check().stable_sizes
+        (44299, (260, 1332))
+    """
+    file = Path(of) if isinstance(of, (str, Path)) else None
+    root = None if import_root is None else Path(import_root)
+    found = _read(Path(of), root) if isinstance(of, (str, Path)) else of
+    if isinstance(found, PetriNet) and templates is not None:
+        source = None if file is None else Source(str(file))
+        raise InputError.at(source, "found a net, expected a mission: templates draw missions")
+    return Study(found, templates=templates, file=file)
+
+
+def _read(file: Path, root: Path | None) -> Mission | PetriNet:
+    from mcpn.mission.xml import read_mission
+    from mcpn.net.formats import READABLE, read_net
+
+    return read_net(file) if file.suffix.lower() in READABLE else read_mission(file, import_root=root)
