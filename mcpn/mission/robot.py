@@ -14,6 +14,7 @@ from typing import Annotated
 from mcpn.errors import Source
 from mcpn.mission.language.datatypes import (
     OCCASION,
+    STATUS,
     VALUE,
     Children,
     FactName,
@@ -70,6 +71,8 @@ class Hardware(Element):
     shared: Annotated[bool, "true: several activities may use it at a time, as a sensor that many read."] = (
         False
     )
+    repairable: Annotated[bool, "false: once out of service it never comes back."] = True
+    initial: Annotated[str, STATUS, "oos: out of service at the start, until it is repaired."] = "service"
     failure_rate: Annotated[Rate, "Failures per hour of service, for numbers of risk."] = None
     repair_rate: Annotated[Rate, "Repairs per hour out of service; without it nobody repairs."] = None
 
@@ -84,6 +87,7 @@ class Fault(Element):
     TAG = "fault"
     NAMED = "resource"
     affects: Annotated[Resources, "Hardware, of any robot of the mission."]
+    repairable: Annotated[bool, "false: once it has happened it lasts."] = True
     failure_rate: Annotated[Rate, "How often it happens per hour, for numbers of risk."] = None
     repair_rate: Annotated[Rate, "Repairs per hour, while it lasts; without it nobody repairs."] = None
 

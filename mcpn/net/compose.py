@@ -13,8 +13,8 @@ from mcpn.mission.flatten import ObjectivesGraph, flatten
 from mcpn.mission.model import Mission
 from mcpn.mission.robot import Activity, Fact, Hardware, Software
 from mcpn.mission.static.usage import Usage
-from mcpn.net.events import START
-from mcpn.net.petri import PetriNet
+from mcpn.net.events import START, What
+from mcpn.net.petri import Marking, PetriNet
 from mcpn.net.templates import Canvas, PaperTemplates, Role, TemplateSet
 from mcpn.notebook import Drawn
 
@@ -87,6 +87,17 @@ class MissionNet(Drawn):
         """The place that says that the mission has not begun: the one that its start consumes."""
         ((place, _),) = self.net.transitions[self.start].consume
         return place
+
+    @cached_property
+    def in_service(self) -> Marking:
+        """The initial marking but for hardware that is out of service at the start: all is in service."""
+        net, out = self.net, {h.name for h in self.mission.hardware if h.initial == "oos"}
+        marking = net.initial
+        for t, transition in enumerate(net.transitions) if out else ():
+            event = transition.event
+            if event is not None and event.what is What.REPAIRED and event.element in out:
+                marking = net.fire(marking, t) if t in net.enabled(marking) else marking
+        return marking
 
     def saying(self, kind: str) -> dict[int, str]:
         """Names of elements by the place that says ``kind`` of them (see :data:`Role`)."""

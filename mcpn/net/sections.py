@@ -105,7 +105,10 @@ class Used:
             return tuple(task[a] for a in usage.sharing.consumers[resource] if a in task)
 
         return (
-            tuple((h.faulty, shared(h.name), h.name in usage.switching.watched) for h in self.hardware),
+            tuple(
+                (h.faulty, h.repairable, shared(h.name), h.name in usage.switching.watched)
+                for h in self.hardware
+            ),
             tuple(shared(s.name) for s in self.software),
             activities,
         )

@@ -95,7 +95,7 @@ class Controller:
         self._phase = BEFORE
         self._section: TableSection | None = None
         self._state = 0
-        self._out_of_service: set[str] = set()
+        self._out_of_service: set[str] = {*tables.out_of_service}
         self._happened: set[str] = set()
 
     @classmethod

@@ -96,6 +96,9 @@ def check_shape(document: Any) -> None:
     if len(known) < len(document["sections"]):
         raise ControllerFileError("sections: two have one name")
     _member(document["initial"], known, "initial")
+    for key in ("out_of_service", "unrepairable"):
+        for name in document.get(key, ()):
+            _member(name, document["hardware"], key)
     for number, row in enumerate(document["sections"]):
         for route in row["routes"].values():
             _member(route, known | ENDS.keys(), f"sections[{number}].routes")
@@ -245,6 +248,8 @@ _CONTROLLER = _record(
     {
         "facts": _map(_map(_names)),
         "changing": _map(_record({"true": _names, "false": _names})),
+        "out_of_service": _names,
+        "unrepairable": _names,
     },
 )
 _STATE = _record(

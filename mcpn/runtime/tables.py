@@ -260,7 +260,9 @@ class Tables:
         self.initial = self.sections[document["initial"]]
         # OOS and RD of all hardware that can fail, by text: what is free of sections reacts to them too.
         self.failures = {f"{name}_EV_OOS": name for name in self.hardware}
-        self.repairs = {f"{name}_EV_RD": name for name in self.hardware}
+        lasting = set(document.get("unrepairable", ()))
+        self.repairs = {f"{name}_EV_RD": name for name in self.hardware if name not in lasting}
+        self.out_of_service = frozenset(document.get("out_of_service", ()))
         beside = (*self.changing, *self.failures, *self.repairs)
         self.known = {START, *beside, *(e for s in sections for e in s.events)}
 
@@ -269,7 +271,9 @@ class Tables:
         hardware, events = (section.hardware, section.number) if section else ((), ())
         for name in self.hardware:
             if name not in hardware:
-                yield f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS"
+                event = f"{name}_EV_RD" if name in gone else f"{name}_EV_OOS"
+                if name not in gone or event in self.repairs:
+                    yield event
         yield from (e for e in self.changing if e not in events and self.changes(e, true))
 
     def values(self, true: Set[str]) -> dict[str, str]:

@@ -78,10 +78,12 @@ class RobotDrawing(WorldDrawing):
                 name=f"f{i}",
                 affects=tuple(self.draw(some)),
                 description=self.description(),
+                repairable=repairable,
                 failure_rate=self.value(0, 1e6),
-                repair_rate=self.value(0, 1e6),
+                repair_rate=self.value(0, 1e6) if repairable else None,
             )
             for i in range(self.number(0, self.shape.faults))
+            for repairable in [not self.lasting()]
         )
 
     def exclusive(self) -> bool:
@@ -91,15 +93,24 @@ class RobotDrawing(WorldDrawing):
     def hardware(self, name: str) -> Hardware:
         """A hardware resource."""
         faulty = self.number(0, 4) > 0
-        rates = (self.value(0, 1e6), self.value(0, 1e6)) if faulty else (None, None)
+        repairable = not (faulty and self.lasting())
+        out = faulty and repairable and self.lasting()
+        fails = self.value(0, 1e6) if faulty else None
+        back = self.value(0, 1e6) if faulty and repairable else None
         return Hardware(
             name=name,
             faulty=faulty,
+            repairable=repairable,
+            initial="oos" if out else "service",
             shared=self.number(0, 1 if self.shape.own_hardware else 3) == 0,
             description=self.description(),
-            failure_rate=rates[0],
-            repair_rate=rates[1],
+            failure_rate=fails,
+            repair_rate=back,
         )
+
+    def lasting(self) -> bool:
+        """Whether hardware stays out of service, or is so at first; nothing is drawn where none may."""
+        return self.shape.lasting and self.number(0, 2) == 0
 
     def startable(self, island: Island) -> None:
         """Adds an activity that objectives may start."""

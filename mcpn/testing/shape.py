@@ -45,6 +45,7 @@ class Shape:
             as half of it is then, and all software is shared; with ``shared_activities`` off as well nothing
             contends, whatever runs together: an activity is then shared by the rounds of one block alone.
         faults: Most common causes of failures, each of some hardware.
+        lasting: Whether some hardware is never repaired, and some is out of service at the start.
         text: Whether descriptions and parameters are drawn.
         numbers: Whether rates, durations and probabilities are drawn, each or none.
         awkward_names: Whether names are drawn that look like parts of one another and of what nets and
@@ -75,6 +76,7 @@ class Shape:
     disjoint_branches: bool = False
     own_hardware: bool = False
     faults: int = 0
+    lasting: bool = False
     text: bool = False
     numbers: bool = False
     awkward_names: bool = False

@@ -87,15 +87,16 @@ class Dense:
         self.ends = self.succeeded | self.failed | self.aborted
         self.edges: list[Edge] = []
         self.begin: dict[int, int] = {}
-        self.out: dict[str, int] = {}
+        # Before the start, by hardware: what it is when that one is otherwise.
+        self.other: dict[str, int] = {}
         for source in range(graph.states):
             for label, target in graph.successors(source):
                 event = graph.net.transitions[label].event
                 assert event is not None
                 if event == START:
                     self.begin[source] = target
-                elif source == 0 and event.what is What.OUT_OF_SERVICE:
-                    self.out[event.element] = target
+                elif source == 0 and event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
+                    self.other[event.element] = target
                 if event != START and source not in self.ends and self.runs[source]:
                     ended = frozenset(self.runs[source] - self.runs[target])
                     if event.what in (What.SUCCESS, What.FAILURE, What.TIMEOUT):
@@ -125,9 +126,11 @@ class Dense:
         importance, safely = dict[str, float](), dict[str, float]()
         for name in rates:
             frozen = Jumps(self, {**rates, name: (0.0, 0.0)})
-            lost = self.begin[self.out[name]] if name in self.out else start
+            well, lost = start, self.begin[self.other[name]] if name in self.other else start
+            if self.hardware[name].initial == "oos":
+                well, lost = lost, well
             for found, ends in ((importance, self.succeeded), (safely, self.succeeded | self.aborted)):
-                found[name] = frozen.probability(ends, start) - frozen.probability(ends, lost)
+                found[name] = frozen.probability(ends, well) - frozen.probability(ends, lost)
         modes = jumps.degraded_modes(start)
         if not aborts:
             return Numbers(success, failure, modes, importance, None, None)
@@ -269,11 +272,13 @@ def with_numbers(draw: st.DrawFn, mission: Mission) -> Mission:
         parts = []
         for h in of.hardware:
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
-            parts.append(replace(h, failure_rate=values[0], repair_rate=values[1]) if h.faulty else h)
+            back = values[1] if h.repairable else None
+            parts.append(replace(h, failure_rate=values[0], repair_rate=back) if h.faulty else h)
         faults = []
         for fault in of.faults:
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
-            faults.append(replace(fault, failure_rate=values[0], repair_rate=values[1]))
+            back = values[1] if fault.repairable else None
+            faults.append(replace(fault, failure_rate=values[0], repair_rate=back))
         events = tuple(map(often, of.events))
         robots.append(replace(of, hardware=tuple(parts), faults=tuple(faults), events=events))
     protocols = tuple(replace(p, blocks=tuple(map(timed, p.blocks))) for p in mission.protocols)
@@ -348,6 +353,8 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(small, disjoint_branches=True),
             missions(aborting),
             missions(small, faults=1, sections=4),
+            missions(small, lasting=True, sections=4),
+            missions(aborting, lasting=True, own_hardware=True, shared_activities=False),
             missions(aborting, own_hardware=True, shared_activities=False),
         )
     )

@@ -18,6 +18,11 @@ EARLY = missions(sections=7, hardware=2, producers=2, branches=3, events=2, abor
 EARLY_WIDE = missions(sections=8, branches=8, hardware=1, producers=1, objectives=2, events=1, early=8)
 COMMON_CAUSES = missions(sections=5, faults=2, aborts=1)
 """One event takes several hardware resources out of service."""
+LASTING = missions(sections=5, faults=1, aborts=1, lasting=True)
+"""Hardware that is never repaired, or out of service at the start."""
+LASTING_APART = missions(
+    sections=5, outputs=3, own_hardware=True, shared_activities=False, events=1, lasting=True
+)
 RECOVERING = st.integers(0, 1).flatmap(
     lambda facts: missions(
         sections=5,
@@ -62,6 +67,8 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     EARLY,
     EARLY_WIDE,
     COMMON_CAUSES,
+    LASTING,
+    LASTING_APART,
     RECOVERING,
     TIMED,
     WORLD,

@@ -102,7 +102,11 @@ class Interpreter:
         self.branches = {branch.name: branch for branch in _branches(self.root)}
         values = {fact.name: fact.initial or fact.values[0] for fact in mission.facts}
         values |= dict.fromkeys(_read_of_objectives(mission), "false")
-        self.initial = State(facts=frozenset(values.items()))
+        hardware = [h for robot in mission.robots for h in robot.hardware]
+        self.lasting = {h.name for h in hardware if not h.repairable}
+        self.lasting |= {f.name for robot in mission.robots for f in robot.faults if not f.repairable}
+        out = frozenset(h.name for h in hardware if h.initial == "oos")
+        self.initial = State(out=out, facts=frozenset(values.items()))
         self.changing = {e.name: {c.fact: c.to for c in e.sets} for e in mission.events if e.sets}
 
     @cached_property
@@ -115,7 +119,8 @@ class Interpreter:
 
     def possible(self, state: State) -> set[Happening]:
         """The events that may happen in a stable state."""
-        found = {(REPAIRED if h in state.out else OUT_OF_SERVICE, h) for h in self.faulty}
+        found = {(OUT_OF_SERVICE, h) for h in self.faulty if h not in state.out}
+        found |= {(REPAIRED, h) for h in state.out - self.lasting}
         if not state.begun:
             found.add((START, ""))
         runs = {name for name, (doing, _) in state.activities if doing is Doing.RUNS}

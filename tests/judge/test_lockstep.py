@@ -78,6 +78,18 @@ def test_missions_with_common_causes(of: Mission) -> None:
     check(of)
 
 
+@fewer(0.5)
+@given(drawn.LASTING)
+def test_missions_whose_hardware_stays_out_of_service(of: Mission) -> None:
+    check(of)
+
+
+@fewer(0.25)
+@given(drawn.LASTING_APART)
+def test_hardware_that_stays_out_of_service_where_nothing_contends(of: Mission) -> None:
+    assert check(of) != "undetermined"
+
+
 @given(drawn.RECOVERING)
 def test_blocks_that_recover(of: Mission) -> None:
     event(f"recovers: {any(block.recover for block in walk(of.blocks))}")

@@ -488,6 +488,32 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         9,
         "the event leak of o leads to q; expected one of succeed, fail, abort",
     ),
+    "hardware of no such status": (robot("<hardware name='G' initial='broken'/>"), 7, "initial"),
+    "hardware that cannot fail is out of service": (
+        robot("<hardware name='G' faulty='false' initial='oos'/>"),
+        7,
+        "G is out of service at the start, though it cannot fail",
+    ),
+    "hardware that cannot fail is not repairable": (
+        robot("<hardware name='G' faulty='false' repairable='false'/>"),
+        7,
+        "G is not repairable, though it cannot fail",
+    ),
+    "hardware that is never in service": (
+        robot("<hardware name='G' repairable='false' initial='oos'/>"),
+        7,
+        "G is out of service at the start and not repairable: it is never in service",
+    ),
+    "hardware that is not repairable is repaired": (
+        robot("<hardware name='G' repairable='false' repair_rate='1'/>"),
+        7,
+        "G has a repair_rate, though it is not repairable",
+    ),
+    "fault that lasts is repaired": (
+        robot("<fault name='f' affects='H' repairable='false' repair_rate='1'/>"),
+        7,
+        "f has a repair_rate, though it is not repairable",
+    ),
     "fault of nothing": (robot("<fault name='f' affects=''/>"), 7, "fault f affects nothing"),
     "fault without what it affects": (robot("<fault name='f'/>"), 7, "<fault> has no attribute affects"),
     "fault of what is not declared": (

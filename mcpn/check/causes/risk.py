@@ -2,7 +2,7 @@
 
 The model, all durations exponential and independent, hours the unit of time:
 
-- the mission starts at time 0 with all hardware in service;
+- the mission starts at time 0 with all hardware in service but for that which says otherwise;
 - hardware in service fails at its ``failure_rate``, hardware out of service is repaired at its
   ``repair_rate``; one that is not given is 0;
 - an objective of mean duration ``d`` ends at rate ``1/d`` while its success is possible: with its
@@ -99,7 +99,7 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
     importance, safely = dict[str, float](), dict[str, float]()
     for resource in failing:
         frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, expected)
-        best, worst = frozen.ends(), frozen.ends(resource)
+        best, worst = frozen.ends(kept=resource), frozen.ends(resource)
         importance[resource[1]] = best[SUCCEED] - worst[SUCCEED]
         safely[resource[1]] = importance[resource[1]] + best[ABORT] - worst[ABORT]
     return Risk(
@@ -161,6 +161,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     """The sections of a composite; of any other space the whole mission as one, listed."""
     space, net = prospects.space, prospects.mission_net
     hardware = tuple(("hardware", name) for name in prospects.hardware)
+    out = [("hardware", h.name) for h in net.mission.hardware if h.initial == "oos"]
     if not isinstance(space, CompositeSpace):
         if not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
@@ -168,7 +169,7 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         whole = ChainSection(
             ListedChain(prospects, hardware), hardware, tuple(prospects.sections.values()), routes
         )
-        return Sections({"": whole}, "", hardware)
+        return Sections({"": whole}, "", hardware, out)
     known: dict[SectionType, Prospects[ArraySet]] = {}
     listed = cache(ListedChain)
     sections = {}
@@ -194,4 +195,4 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         )
     once = tuple(("once", name) for name in space.layout.once)
     facts = tuple(("fact", flag) for flag in space.layout.flags)
-    return Sections(sections, net.graph.entry, (*hardware, *once, *facts))
+    return Sections(sections, net.graph.entry, (*hardware, *once, *facts), out)

@@ -73,6 +73,7 @@ class Sections:
         sections: The sections by name, in the mission's order.
         entry: The section where the mission begins.
         carried: The mission's hardware that can fail and handlers that happen once.
+        out: Hardware that is out of service at the start.
 
     Attributes:
         sections: The sections, in the order of their entries: later ones first.
@@ -86,8 +87,15 @@ class Sections:
         LimitError: Too much hardware must be remembered.
     """
 
-    def __init__(self, sections: Mapping[str, ChainSection], entry: str, carried: Sequence[Element]) -> None:
+    def __init__(
+        self,
+        sections: Mapping[str, ChainSection],
+        entry: str,
+        carried: Sequence[Element],
+        out: Collection[Element] = (),
+    ) -> None:
         self.entry = entry
+        self.out = frozenset(out)
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(sections)
         graph.add_edges_from((n, r) for n, s in sections.items() for r in s.routes.values() if r in sections)
@@ -120,6 +128,11 @@ class Sections:
     def here(self, name: str) -> slice:
         """The entries of a section."""
         return slice(self.first[name], self.first[name] + (1 << len(self.used[name])))
+
+    def start(self, lost: Element | None = None, kept: Element | None = None) -> int:
+        """The entry where the mission begins; one resource may be out of service there, or in service."""
+        out = self.out.union(() if lost is None else (lost,)).difference((kept,))
+        return self.first[self.entry] + sum(_bit(of, self.used[self.entry]) for of in out)
 
     def after(self, name: str) -> Ints:
         """The entries behind a section: by status of other hardware, and exit and status of its own."""
@@ -184,10 +197,9 @@ class Outlook:
         """The way through a section: one for all that are alike under the rates."""
         return self._passages[name]
 
-    def ends(self, lost: Element | None = None) -> Mapping[str, float]:
-        """Probabilities of the mission's ends, if one resource is out of service at the start."""
-        entry = self.model.entry
-        found = self._ends[self.model.first[entry] + _bit(lost, self.model.used[entry])].tolist()
+    def ends(self, lost: Element | None = None, kept: Element | None = None) -> Mapping[str, float]:
+        """Probabilities of the mission's ends; one resource may be out of service at the start, or not."""
+        found = self._ends[self.model.start(lost, kept)].tolist()
         return dict(zip(ENDS, found, strict=True))
 
     @cached_property
@@ -198,7 +210,7 @@ class Outlook:
     def degraded_modes(self) -> float:
         """The expected number of jumps into another, degraded mode; infinite where it may go on for ever."""
         gained, stays = self._by_entry(lambda chain: chain.modes), self._by_entry(lambda chain: chain.stays)
-        start = self.model.first[self.model.entry]
+        start = self.model.start()
 
         def solved(inner: Mask, gained: Floats) -> Floats:
             # A system is solved only if it decides what is gained from the start.

@@ -18,6 +18,7 @@ from mcpn.controller.targets.names import (
     comment,
     identifiers,
     refuse_facts,
+    refuse_lasting,
 )
 from mcpn.controller.targets.render import render, rows
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers
@@ -75,6 +76,7 @@ def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str
         mission_net: The mission's net, for the parameters.
     """
     refuse_facts(mission_net, "C")
+    refuse_lasting(mission_net, "C")
     numbers: RuleNumbers | MachineNumbers
     if isinstance(controller, ModularController):
         numbers = RuleNumbers(controller, mission_net)

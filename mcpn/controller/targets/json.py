@@ -40,24 +40,27 @@ One object with these keys:
   ``facts``, what may be true of theirs; machines ``entering``, how many of these, the first ones, have bits
   in the numbers of entries, behind those of the hardware; entries and edges ``gained`` and ``lost``; rules
   have a ``status`` for each of ``facts``, behind ``once``;
+- where some hardware is out of service at the start, ``out_of_service``, its names; where some is never
+  repaired, ``unrepairable``;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
   ends when its time is over has ``timeout``, in seconds;
 - ``digest``: SHA-256, in hexadecimal digits, of the object without it as JSON in UTF-8 with sorted keys, no
   spaces, and no escapes but those that JSON demands. A file with another digest has been changed since.
 
-How it is run. Keep the set of hardware out of service: ``X_EV_OOS`` adds ``X``, ``X_EV_RD`` takes it away,
-before the start, in every section and after the end alike. ``MISSION_EV_START`` enters the initial section. A
-section is entered by the entry of the hardware out of service. An edge whose ``to`` is an outcome leaves the
-section: its actions are given first, then the next section is entered with the actions of its entry. An event
-that a state has no edge for, hardware of other sections aside, cannot be taken there. Keep the set of the
-handlers that have happened, too: an edge can be taken where its ``open`` have not happened and its
-``happened`` have, and then adds its ``open`` to the set; at most one edge of a state and an event can. In the
-modular form a section is entered in the state ``idle``, changed by ``status`` as hardware and handlers are,
-by an entry that fits; an event takes a rule of it that fits, and what the state then says of ``once`` has
-happened. Keep what is true of facts: nothing at first; an entry or edge adds its ``gained`` and takes its
-``lost`` away, after a rule the state says it; an event of ``changing`` that the section has not may be taken
-at any time where it changes something. An action ``arm`` starts the timer of an objective, ``disarm`` ends
-it; when it has run for the objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
+How it is run. Keep the set of hardware out of service, at first that of ``out_of_service``: ``X_EV_OOS`` adds
+``X``, ``X_EV_RD``, of what is not ``unrepairable``, takes it away, before the start, in every section and
+after the end alike. ``MISSION_EV_START`` enters the initial section. A section is entered by the entry of the
+hardware out of service. An edge whose ``to`` is an outcome leaves the section: its actions are given first,
+then the next section is entered with the actions of its entry. An event that a state has no edge for,
+hardware of other sections aside, cannot be taken there. Keep the set of the handlers that have happened, too:
+an edge can be taken where its ``open`` have not happened and its ``happened`` have, and then adds its
+``open`` to the set; at most one edge of a state and an event can. In the modular form a section is entered in
+the state ``idle``, changed by ``status`` as hardware and handlers are, by an entry that fits; an event takes
+a rule of it that fits, and what the state then says of ``once`` has happened. Keep what is true of facts:
+nothing at first; an entry or edge adds its ``gained`` and takes its ``lost`` away, after a rule the state
+says it; an event of ``changing`` that the section has not may be taken at any time where it changes
+something. An action ``arm`` starts the timer of an objective, ``disarm`` ends it; when it has run for the
+objective's ``timeout``, give the event ``OBJ_x_EV_TIMEOUT``.
 """
 
 from __future__ import annotations
@@ -102,6 +105,7 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
         "form": controller.form,
         "minimised": controller.minimised,
         "hardware": list(controller.hardware),
+        **_hardware(mission_net),
         "initial": controller.initial,
         "sections": [
             {
@@ -131,6 +135,16 @@ def _version(controller: AnyController, *, facts: bool) -> int:
     if facts:
         return WITH_FACTS
     return WITH_ONCE if any(machine.once for machine in controller.types) else VERSION
+
+
+def _hardware(mission_net: MissionNet) -> dict[str, Any]:
+    """Hardware that is not in service at the start, or that is never repaired, where there is some."""
+    hardware = mission_net.mission.hardware
+    found = {
+        "out_of_service": [h.name for h in hardware if h.initial == "oos"],
+        "unrepairable": [h.name for h in hardware if not h.repairable],
+    }
+    return {key: names for key, names in found.items() if names}
 
 
 def _world(world: FactUsage) -> dict[str, Any]:

@@ -108,3 +108,17 @@ def refuse_facts(mission_net: MissionNet, target: str) -> None:
     """
     if mission_net.usage.world.facts:
         raise LimitError(f"the mission has facts, and controllers in {target} know none yet: JSON does")
+
+
+def refuse_lasting(mission_net: MissionNet, target: str) -> None:
+    """Refuses hardware that is out of service at the start, or not repairable, which a target does not know.
+
+    Raises:
+        LimitError: The mission has some.
+    """
+    for hardware in mission_net.mission.hardware:
+        if hardware.initial == "oos" or not hardware.repairable:
+            what = "out of service at the start" if hardware.initial == "oos" else "not repairable"
+            raise LimitError(
+                f"{hardware.name} is {what}, which controllers in {target} do not know yet: JSON does"
+            )

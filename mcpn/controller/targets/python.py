@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from mcpn.controller.modular import AnyController, ModularController, Rule, Rules
-from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, refuse_facts
+from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, refuse_facts, refuse_lasting
 from mcpn.controller.targets.render import render
 from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers, guard_of
 from mcpn.net.compose import MissionNet
@@ -23,6 +23,7 @@ def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str
         mission_net: The mission's net, for the parameters.
     """
     refuse_facts(mission_net, "Python")
+    refuse_lasting(mission_net, "Python")
     numbers: MachineNumbers | RuleNumbers
     if isinstance(controller, ModularController):
         numbers = RuleNumbers(controller, mission_net)

@@ -27,7 +27,7 @@ from lxml import etree
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
-from mcpn.controller.targets.names import comment, identifiers, refuse_facts
+from mcpn.controller.targets.names import comment, identifiers, refuse_facts, refuse_lasting
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
@@ -45,6 +45,7 @@ def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[st
         mission_net: The mission's net.
     """
     refuse_facts(mission_net, "SCXML")
+    refuse_lasting(mission_net, "SCXML")
     name = identifiers([controller.mission])[controller.mission].lower()
     return {f"{name}.scxml": _Document(controller, mission_net).text()}
 

@@ -24,6 +24,7 @@ def as_hardware(faults: Iterable[Fault]) -> Iterator[Hardware]:
             name=fault.name,
             description=fault.description,
             shared=True,
+            repairable=fault.repairable,
             failure_rate=fault.failure_rate,
             repair_rate=fault.repair_rate,
             source=fault.source,
@@ -55,9 +56,20 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
         for name, rate in (("failure_rate", h.failure_rate), ("repair_rate", h.repair_rate)):
             if rate and not h.faulty:
                 yield Problem(h.source, f"{h.name} has a {name}, though it cannot fail (faulty is false)")
+        if not h.faulty and h.initial == "oos":
+            yield Problem(h.source, f"{h.name} is out of service at the start, though it cannot fail")
+        if not h.repairable and not h.faulty:
+            yield Problem(h.source, f"{h.name} is not repairable, though it cannot fail (faulty is false)")
+        elif not h.repairable and h.initial == "oos":
+            message = f"{h.name} is out of service at the start and not repairable: it is never in service"
+            yield Problem(h.source, message)
+        elif not h.repairable:
+            yield from _repaired(h)
     for fault in (fault for robot in robots for fault in robot.faults):
         if not fault.affects:
             yield Problem(fault.source, f"fault {fault.name} affects nothing, expected names of hardware")
+        if not fault.repairable:
+            yield from _repaired(fault)
         for name in dict.fromkeys(fault.affects):
             if name in software:
                 message = f"fault {fault.name} affects {name}, which is software: name what makes it"
@@ -65,3 +77,9 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
             elif name not in hardware:
                 message = f"fault {fault.name} affects {name}, which is not declared"
                 yield Problem(fault.source, message + hints.known(name, hardware))
+
+
+def _repaired(of: Hardware | Fault) -> Iterator[Problem]:
+    """A rate of repairs of what is never repaired."""
+    if of.repair_rate:
+        yield Problem(of.source, f"{of.name} has a repair_rate, though it is not repairable")

@@ -15,12 +15,12 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
         resource: The resource.
     """
     r = resource.name
-    pen = canvas.of("hardware", r, resource.source)
-    free, busy = pen.place("free", initial=1), pen.place("busy")
+    pen, ready = canvas.of("hardware", r, resource.source), _ready(canvas, resource)
+    free, busy = pen.place("free", initial=ready), pen.place("busy")
     if resource.faulty:
-        oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+        oos, failing = _out(canvas, pen, resource)
         watched = _watched(canvas, pen, resource)
-    available, take = pen.place("available", initial=1), pen.place("take")
+    available, take = pen.place("available", initial=ready), pen.place("take")
     answer, release = pen.place("answer"), pen.place("release")
     if resource.faulty:
         error = pen.place("error")
@@ -29,16 +29,29 @@ def draw_hardware(canvas: Canvas, resource: Hardware) -> None:
         pen.transition("EV_OOS_b", [busy, answer, *watched], [failing, error], event=fails)
         pen.transition("3", [failing, available], [oos])
         pen.transition("4", [failing, release], [oos])
-        pen.transition("EV_RD", [oos], [free, available, *watched], event=returns)
+        if resource.repairable:
+            pen.transition("EV_RD", [oos], [free, available, *watched], event=returns)
     pen.transition("8", [busy, release], [free, available])
     pen.transition("9", [free, take], [busy, answer])
     canvas.unit([free, busy, *([oos, failing] if resource.faulty else [])])
     canvas.unit([available, take, answer, release, *([error] if resource.faulty else [])])
 
 
+def _ready(canvas: Canvas, resource: Hardware) -> int:
+    """1 for hardware that is in service at the start; parts of a mission start with all of it in service."""
+    return int(canvas.part or resource.initial == "service")
+
+
+def _out(canvas: Canvas, pen: Pen, resource: Hardware) -> tuple[str, str]:
+    """The places that say that hardware is out of service, and that it fails."""
+    out = pen.place("OOS", initial=1 - _ready(canvas, resource))
+    return canvas.role(out, ("oos", resource.name)), pen.place("failing")
+
+
 def _watched(canvas: Canvas, pen: Pen, resource: Hardware) -> list[str]:
     """The place that says that hardware is in service, where some activity may switch back for it."""
-    return [pen.place("service", initial=1)] if resource.name in canvas.usage.switching.watched else []
+    ready, watched = _ready(canvas, resource), resource.name in canvas.usage.switching.watched
+    return [pen.place("service", initial=ready)] if watched else []
 
 
 def draw_software(canvas: Canvas, resource: Software, producer: Activity) -> None:
@@ -117,15 +130,15 @@ def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
         resource: The resource.
     """
     r = resource.name
-    pen = canvas.of("hardware", r, resource.source)
-    free = pen.place("free", initial=1)
+    pen, ready = canvas.of("hardware", r, resource.source), _ready(canvas, resource)
+    free = pen.place("free", initial=ready)
     if resource.faulty:
-        oos, failing = canvas.role(pen.place("OOS"), ("oos", r)), pen.place("failing")
+        oos, failing = _out(canvas, pen, resource)
         watched = _watched(canvas, pen, resource)
     every = []
     for owner in canvas.owners(r):
         its = canvas.of_interface("hardware", r, resource.source, owner)
-        available, take = its.place("available", initial=1), its.place("take")
+        available, take = its.place("available", initial=ready), its.place("take")
         answer, release = its.place("answer"), its.place("release")
         its.transition("7", [take], [answer], read=[free])
         its.transition("8", [release], [available])
@@ -140,5 +153,6 @@ def draw_shared_hardware(canvas: Canvas, resource: Hardware) -> None:
         fails, returns = Event(What.OUT_OF_SERVICE, r), Event(What.REPAIRED, r)
         pen.transition("EV_OOS", [free, *watched], [failing], event=fails)
         pen.transition("3", [failing, *every], [oos])
-        pen.transition("EV_RD", [oos], [free, *every, *watched], event=returns)
+        if resource.repairable:
+            pen.transition("EV_RD", [oos], [free, *every, *watched], event=returns)
         canvas.unit([free, failing, oos])

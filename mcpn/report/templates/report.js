@@ -85,7 +85,8 @@
     if (told.activity === undefined) return `${told.do} ${named(section, "objectives", told.objective)}`;
     return `${told.do} ${named(section, "activities", told.activity)}`;
   };
-  const first = { phase: "before", section: null, at: 0, out: new Set(), happened: new Set() };
+  const first = { phase: "before", section: null, at: 0, out: new Set(machine.out_of_service || []), happened: new Set() };
+  const lasting = new Set(machine.unrepairable || []);
   const handlers = (section, names) => (names || []).map((name) => named(section, "once", name));
   /** Of edges by one event the one that can be taken: some ask whether handlers have happened. */
   const allowed = (state, edges) => (edges || []).find((edge) =>
@@ -132,7 +133,7 @@
       const [entered, more] = enter(next, state.section.routes[edge.to]);
       return [entered, actions.concat(more)];
     }
-    if (hardware) return state.out.has(hardware) === fails ? null : [next, []];
+    if (hardware) return state.out.has(hardware) === fails || (!fails && lasting.has(hardware)) ? null : [next, []];
     return event === START && state.phase === "before" ? enter(next, machine.initial) : null;
   }
 
@@ -146,7 +147,8 @@
       for (const name of type.hardware) covered.add(named(state.section, "hardware", name));
     }
     for (const name of machine.hardware) {
-      if (!covered.has(name)) found.add(name + (state.out.has(name) ? "_EV_RD" : "_EV_OOS"));
+      const out = state.out.has(name);
+      if (!covered.has(name) && !(out && lasting.has(name))) found.add(name + (out ? "_EV_RD" : "_EV_OOS"));
     }
     return [...found].sort();
   }

@@ -120,8 +120,10 @@ class Glued:
 
     @cached_property
     def initial(self) -> CompositeSet:
-        """The state before the mission with all hardware in service."""
-        return CompositeSet(self, {BEGIN: self.stages[BEGIN].entered(self.layout.store.singleton([]))})
+        """The state before the mission: all hardware is in service that is so at the start."""
+        out = [h.name for h in self.mission_net.mission.hardware if h.initial == "oos"]
+        slots = [self.layout.slots["hardware", name][0] for name in out]
+        return CompositeSet(self, {BEGIN: self.stages[BEGIN].entered(self.layout.store.singleton(slots))})
 
     @cached_property
     def everything(self) -> CompositeSet:

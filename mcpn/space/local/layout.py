@@ -87,7 +87,7 @@ class Layout:
     @cached_property
     def idle(self) -> list[int]:
         """Tokens by place of the whole net in sections that have it not, with all hardware in service."""
-        tokens = [*self.mission_net.net.initial]
+        tokens = [*self.mission_net.in_service]
         tokens[self.mission_net.beginning] = 0
         return tokens
 
@@ -171,7 +171,7 @@ class Layout:
 
 def _idle_events(mission_net: MissionNet) -> Iterator[tuple[int, str, int, int]]:
     """The events of hardware that nobody uses: transition, resource, its status before and after."""
-    initial = mission_net.net.initial
+    initial = mission_net.in_service
     for t, transition in enumerate(mission_net.net.transitions):
         if transition.event is not None and transition.event.what in CHANGES:
             before, after = CHANGES[transition.event.what]
@@ -187,15 +187,16 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
     """
     net, places = mission_net.net, dict[int, tuple[Element, int, bool]]()
     facts = mission_net.usage.world.facts
-    completion, at = Completion(net), list(net.initial)
+    initial = mission_net.in_service
+    completion, at = Completion(net), list(initial)
     for t, name, before, _ in _idle_events(mission_net):
         if before == 0:
             net.fire_in_place(at, t)
             fired = [net.transitions[u] for u in (t, *completion.settle(at, [t]))]
             for place in {p for one in fired for p, _ in (*one.consume, *one.produce)}:
-                if at[place] != net.initial[place]:
-                    places[place] = ("hardware", name), 0, bool(net.initial[place])
-                    at[place] = net.initial[place]
+                if at[place] != initial[place]:
+                    places[place] = ("hardware", name), 0, bool(initial[place])
+                    at[place] = initial[place]
     # Dying changes nothing else: see :func:`mcpn.net.mortal.mortal`.
     for role, kind, number, reverse in (
         ("dead", "hardware", 1, False),
@@ -207,6 +208,6 @@ def idle_places(mission_net: MissionNet) -> dict[int, tuple[Element, int, bool]]
             places[place] = (kind, name), number, reverse
     for place, said in mission_net.saying("fact").items():
         first, *others = all_flags(facts[said.partition("=")[0]])
-        initial = bool(net.initial[place])
-        places[place] = ("fact", first if initial or not others else said), 0, initial
+        true = bool(net.initial[place])
+        places[place] = ("fact", first if true or not others else said), 0, true
     return places
