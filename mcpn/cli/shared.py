@@ -67,7 +67,7 @@ templates_option = click.option(
     "--templates",
     metavar="SET",
     callback=templates_of,
-    help="Templates that the mission's net is drawn with: paper (the default), or MODULE:NAME.",
+    help="Templates that the mission's net is drawn with: paper (the default), compact, or MODULE:NAME.",
 )
 
 MOST_JOBS = 1024

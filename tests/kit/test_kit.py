@@ -13,7 +13,8 @@ from mcpn.errors import InputError, LimitError
 from mcpn.mission.model import Mission, walk
 from mcpn.mission.robot import Hardware
 from mcpn.mission.xml import read_mission
-from mcpn.net.templates import Canvas, PaperTemplates
+from mcpn.net.templates import Canvas, PaperTemplates, TemplateSet
+from mcpn.net.templates.compact import CompactTemplates
 from mcpn.net.templates.named import templates_named
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
@@ -26,19 +27,27 @@ from tests.kit.faults import FAULTS, HARMLESS, Faulty
 
 pytest_plugins = ["pytester"]
 
+OURS: tuple[TemplateSet, ...] = (PaperTemplates(), CompactTemplates(at_once=0, combined=0))
+"""The sets that mcpn has; of the compact one the form that differs most from the paper's."""
+
 
 @fewer(0.3)
 @given(st.one_of(small_missions()))
-def test_the_papers_templates_keep_every_property(mission: Mission) -> None:
-    found = first_broken(mission, PaperTemplates())
-    assert found is None, str(found)
+def test_our_templates_keep_every_property(mission: Mission) -> None:
+    for templates in OURS:
+        found = first_broken(mission, templates)
+        assert found is None, str(found)
 
 
-def test_the_papers_templates_keep_every_property_on_ulysse_and_the_corpus(ulysse: Mission) -> None:
-    subject = Subject(ulysse, max_states=50_000)
+@pytest.mark.parametrize("templates", OURS, ids=["paper", "compact"])
+def test_our_templates_keep_every_property_on_ulysse_and_the_corpus(
+    ulysse: Mission, templates: TemplateSet
+) -> None:
+    subject = Subject(ulysse, templates, max_states=60_000)
     for holds in PROPERTIES.values():
         holds(subject)
-    assert list(of_the_corpus(PaperTemplates())) == []
+    found = list(of_the_corpus(templates))
+    assert found == [], "\n".join(map(str, found))
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -191,7 +200,7 @@ def test_who_touches_what_is_private_breaks_the_contract() -> None:
 @pytest.mark.parametrize(
     ("name", "told"),
     [
-        ("nothing", "found the templates 'nothing', expected paper or MODULE:NAME"),
+        ("nothing", "found the templates 'nothing', expected paper, compact or MODULE:NAME"),
         ("mcpn.no_such:X", "cannot be loaded: ModuleNotFoundError"),
         ("mcpn.net.petri:NoSuch", "cannot be loaded: AttributeError"),
         ("mcpn.net.petri:PetriNet", "cannot be loaded: TypeError"),
@@ -208,6 +217,7 @@ def test_templates_that_are_none_are_refused(name: str, told: str) -> None:
 
 def test_templates_go_by_their_names() -> None:
     assert isinstance(templates_named("paper"), PaperTemplates)
+    assert isinstance(templates_named("compact"), CompactTemplates)
     assert isinstance(templates_named(f"{__name__}:Forgetful"), Forgetful)
 
 

@@ -274,13 +274,17 @@ def test_a_section_that_does_not_come_to_rest_is_refused(
 # --- elsewhere -----------------------------------------------------------------------------------------
 
 
+class OfACaller(PaperTemplates):
+    """The paper's templates, which nobody knows by this name."""
+
+
 def test_local_spaces_are_made_by_any_executor(ulysse_net: MissionNet) -> None:
     done: list[tuple[int, int]] = []
     alone: list[tuple[int, int]] = []
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         composite = composite_space(ulysse_net, executor=pool, progress=lambda *at: done.append(at))
         own = composite_space(
-            ulysse_net, templates=PaperTemplates(), executor=pool, progress=lambda *at: alone.append(at)
+            ulysse_net, templates=OfACaller(), executor=pool, progress=lambda *at: alone.append(at)
         )
     assert sizes(composite) == sizes(own) == (260, 1332)
     # Two types of sections; of a caller's templates nothing is known, so that each section is its own.

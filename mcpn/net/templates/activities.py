@@ -49,7 +49,13 @@ class _Life:
     ending: _Ending
 
 
-def draw_activity(canvas: Canvas, activity: Activity, *, at_once: int = MOST_AT_ONCE) -> None:
+def draw_activity(
+    canvas: Canvas,
+    activity: Activity,
+    *,
+    at_once: int = MOST_AT_ONCE,
+    drawing: type[AlternativeDrawing] | None = None,
+) -> None:
     """Draws an activity: a driver of one hardware resource takes 3 places and 5 transitions.
 
     Beyond the paper, and only where it can happen: an activity that may be found waiting in a stable marking
@@ -61,26 +67,23 @@ def draw_activity(canvas: Canvas, activity: Activity, *, at_once: int = MOST_AT_
         canvas: Where to draw.
         activity: The activity.
         at_once: Errors that one transition takes at a time. What follows is the same whatever their number.
+        drawing: What draws each alternative.
 
     Raises:
         LimitError: An alternative that may wait for answers consumes too many resources.
     """
-    _refuse_excess(canvas, activity)
+    drawing = drawing or AlternativeDrawing
     pen = canvas.of("activity", activity.name, activity.source)
     life = _by_request(canvas, pen, activity) if activity.produces else _by_objective(canvas, pen, activity)
     running = pen.place("running") if _counts_running(canvas, activity) else None
-    evaluation = life.start
-    last = len(activity.alternatives) - 1
+    evaluation, last = life.start, len(activity.alternatives) - 1
     for i, alternative in enumerate(activity.alternatives):
         otherwise = life.refuse
         if i < last:
             otherwise = [pen.place(f"eval{i + 2}")]
         elif not canvas.usage.refusable(activity.name):
             otherwise = []
-        draw = _AlternativeDrawing(
-            canvas, activity, alternative, i, evaluation, otherwise, life, running, at_once
-        )
-        draw.all()
+        drawing(canvas, activity, alternative, i, evaluation, otherwise, life, running, at_once).all()
         if i < last:
             evaluation = otherwise[0]
 
@@ -102,17 +105,6 @@ def _counts_running(canvas: Canvas, activity: Activity) -> bool:
     """One place must say *running* whatever the alternative, to an objective or to several interfaces."""
     asked = not activity.produces or canvas.usage.sharing.serves(activity.name)
     return asked and len(activity.alternatives) > 1
-
-
-def _refuse_excess(canvas: Canvas, activity: Activity) -> None:
-    waits = canvas.usage.waits_for_answer
-    ways = enumerate(activity.alternatives)
-    widest = max((len(way.consumes) for i, way in ways if waits(activity.name, i)), default=0)
-    if widest > MAX_TOGETHER:
-        raise LimitError(
-            f"activity {activity.name}: {widest} resources consumed by one alternative that may wait "
-            f"for answers, the limit is {MAX_TOGETHER}"
-        )
 
 
 def _by_objective(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
@@ -151,7 +143,7 @@ def _by_request(canvas: Canvas, pen: Pen, activity: Activity) -> _Life:
     return _Life(start, refuse, [], _Ending(produce=[idle], read=unused, rank=canvas.ranks.settling))
 
 
-class _AlternativeDrawing:
+class AlternativeDrawing:
     """One branch of Fig. 8: alternative ``i`` between its evaluation place and what comes otherwise."""
 
     def __init__(
@@ -188,7 +180,6 @@ class _AlternativeDrawing:
         if self.consumes:
             self.wait = canvas.role(self.pen.place(f"wait{self.number}"), ("wait", name))
         self.runs = [self.active] + ([running] if running else [])
-
         self.runs_and_says = [*self.runs, *life.activate]
 
     def all(self) -> None:
@@ -200,7 +191,7 @@ class _AlternativeDrawing:
             self.error_while_waiting()
             self.error_while_active()
         else:
-            self._draw("sel", [self.evaluation], self.runs_and_says, read=self.required)
+            self.draw("sel", [self.evaluation], self.runs_and_says, read=self.required)
         self.not_allowed()
         self.stop()
         self.switch_back()
@@ -217,31 +208,34 @@ class _AlternativeDrawing:
         shared = [k for k in self.hardware if k in self.usage.sharing.consumers]
         in_service = [self.canvas.resource(k, "free") for k in shared]
         read = [*in_service, *self.required]
-        self._draw("sel", [self.evaluation, *available], [self.wait, *taken], read=read)
+        self.draw("sel", [self.evaluation, *available], [self.wait, *taken], read=read)
 
     def go(self) -> None:
         """All resources have answered: run."""
-        self._draw("go", [self.wait], self.runs_and_says, read=self._answers(()))
+        self.draw("go", [self.wait], self.runs_and_says, read=self.answers(()))
 
     def otherwise_out_of_service(self) -> None:
         """A hardware resource is out of service: try the next alternative, or refuse."""
-        for k in self.hardware:
-            if self.usage.can_fail(k):
-                read = [self.canvas.resource(k, "OOS")]
-                self._draw("else", [self.evaluation], self.otherwise, k, read=read)
+        for k in filter(self.usage.can_fail, self.hardware):
+            self.draw("else", [self.evaluation], self.otherwise, k, read=[self.canvas.resource(k, "OOS")])
 
     def not_allowed(self) -> None:
         """A fact is not as it requires: try the next alternative; if it runs, all of them again."""
         waits = self.usage.waits_for_answer(self.activity.name, self.index)
         for fact, value, place in self.wrong:
-            self._draw("not", [self.evaluation], self.otherwise, fact, value, read=[place])
-            running = [*self.runs, *self._answers(())]
-            again = [*self._releases(), self.life.start]
-            self._handle("lost", running, again, fact, value, read=[place])
-            for stages, asking, given in self._while_asking() if waits else ():
-                if "error" not in stages:  # else it gives up for that
-                    given_up, of = [*given, *self.otherwise], (fact, value, _initials(stages))
-                    self._handle("asklost", [self.wait, *asking], given_up, *of, read=[place])
+            self.draw("not", [self.evaluation], self.otherwise, fact, value, read=[place])
+            running = [*self.runs, *self.answers(())]
+            again = [*self.releases(), self.life.start]
+            self.handle("lost", running, again, fact, value, read=[place])
+            if waits:
+                self.not_allowed_while_asking(fact, value, place)
+
+    def not_allowed_while_asking(self, fact: str, value: str, place: str) -> None:
+        """A fact is not as it requires, and some resource has not answered yet: give up, try the next."""
+        for stages, asking, given in self._while_asking():
+            if "error" not in stages:  # else it gives up for that
+                given_up, of = [*given, *self.otherwise], (fact, value, _initials(stages))
+                self.handle("asklost", [self.wait, *asking], given_up, *of, read=[place])
 
     def error_while_waiting(self) -> None:
         """Some resources answered with an error, the others are here: give all back, try the next."""
@@ -254,7 +248,7 @@ class _AlternativeDrawing:
         if stable or len(failing) <= self.at_once:
             self._give_up_at_once("werr", [self.wait], _subsets(failing), self.otherwise)
         else:
-            self._give_up_one_by_one("werr", [self.wait], failing, self.otherwise)
+            self.give_up_one_by_one("werr", [self.wait], failing, self.otherwise)
 
     def error_while_active(self) -> None:
         """Resources failed while it ran: give all back, evaluate every alternative again (6.2)."""
@@ -265,52 +259,53 @@ class _AlternativeDrawing:
             self._give_up_at_once("err", self.runs, ordered, [self.life.start])
         else:
             failing = tuple(k for k in self.consumes if self.usage.can_fail(k))
-            self._give_up_one_by_one("err", self.runs, failing, [self.life.start])
+            self.give_up_one_by_one("err", self.runs, failing, [self.life.start])
 
     def _give_up_at_once(
         self, verb: str, left: list[str], sets: Iterable[tuple[str, ...]], onward: list[str]
     ) -> None:
         """One transition for each set of resources that may be in error."""
         for errors in sets:
-            self._handle(verb, [*left, *self._answers(errors)], [*self._releases(), *onward], *errors)
+            self.handle(verb, [*left, *self.answers(errors)], [*self.releases(), *onward], *errors)
 
-    def _give_up_one_by_one(
-        self, verb: str, left: list[str], failing: tuple[str, ...], onward: list[str]
+    def give_up_one_by_one(
+        self, verb: str, left: list[str], failing: tuple[str, ...], onward: list[str], alone: bool = False
     ) -> None:
         """Leaves at the first error, takes note of each one as if it were an answer, then gives all back.
 
         Shared hardware stays in error while it fails, so its error is taken with what is given back; no two
-        hardware resources fail at a time.
+        hardware resources fail at a time. It may be left ``alone``, without an error, for something better.
         """
         lost = self.pen.place(f"{verb}{self.number}")
         shared = [k for k in failing if k in self.hardware and k in self.usage.sharing.consumers]
         for k in failing:
             error = self.of(k, "error")
-            self._handle(verb, left, [lost], k, read=[error])
+            self.handle(verb, left, [lost], k, read=[error])
             if k not in shared:
-                self._handle(f"{verb}_note", [error], [self.of(k, "answer")], k, read=[lost])
-        for errors in ((), *((k,) for k in shared)):
-            taken, given = [lost, *self._answers(errors)], [*self._releases(), *onward]
-            self._handle(f"{verb}_all", taken, given, *errors)
+                self.handle(f"{verb}_note", [error], [self.of(k, "answer")], k, read=[lost])
+        none = [()] if alone or len(shared) < len(failing) else list[tuple[str, ...]]()
+        for errors in (*none, *((k,) for k in shared)):
+            taken, given = [lost, *self.answers(errors)], [*self.releases(), *onward]
+            self.handle(f"{verb}_all", taken, given, *errors)
 
     def stop(self) -> None:
         """It runs and is stopped: give all back."""
-        self._end("stop", [*self.runs, *self._answers(())], self._releases())
+        self.end("stop", [*self.runs, *self.answers(())], self.releases())
 
     def switch_back(self) -> None:
         """An alternative of higher priority is possible again: evaluate every alternative again."""
         for way in self.usage.switching.better(self.activity.name, self.index):
-            taken, given = [*self.runs, *self._answers(())], [*self._releases(), self.life.start]
-            self._handle("back", taken, given, *way, read=[self._possible_again(h) for h in way])
+            taken, given = [*self.runs, *self.answers(())], [*self.releases(), self.life.start]
+            self.handle("back", taken, given, *way, read=[self.possible_again(h) for h in way])
 
-    def _possible_again(self, hardware: str) -> str:
+    def possible_again(self, hardware: str) -> str:
         """The place that says that hardware is in service, or that a fact has a value."""
         fact, equals, value = hardware.partition("=")
         return self.canvas.fact(fact, value) if equals else self.canvas.resource(hardware, "service")
 
     def stop_while_evaluated(self) -> None:
         """It waits for another activity's release and is stopped: it holds nothing."""
-        self._end("cancel", [self.evaluation], [])
+        self.end("cancel", [self.evaluation], [])
 
     def error_while_asking(self) -> None:
         """A resource answers with an error while others have not answered yet, for a producer waits itself.
@@ -320,7 +315,7 @@ class _AlternativeDrawing:
         """
         for stages, asking, given in self._while_asking():
             if "error" in stages:
-                self._handle("askerr", [self.wait, *asking], [*given, *self.otherwise], _initials(stages))
+                self.handle("askerr", [self.wait, *asking], [*given, *self.otherwise], _initials(stages))
 
     def stop_while_waiting(self) -> None:
         """It waits for answers and is stopped: give back what came, give up what is still asked for.
@@ -329,24 +324,27 @@ class _AlternativeDrawing:
         way, an answer could still come in between and stay behind.
         """
         for stages, asking, given in self._while_asking():
-            self._end("giveup", [self.wait, *asking], given, _initials(stages))
+            self.end("giveup", [self.wait, *asking], given, _initials(stages))
 
     def _while_asking(self) -> Iterator[tuple[tuple[str, ...], list[str], list[str]]]:
         """How far its requests may be, not all answered: places that say so, places that give all back."""
-        for stages in product(*(self._stages(k) for k in self.consumes)):
+        if (number := len(self.consumes)) > MAX_TOGETHER:
+            found = f"{number} resources consumed by one alternative that may wait for answers"
+            raise LimitError(f"activity {self.activity.name}: {found}, the limit is {MAX_TOGETHER}")
+        for stages in product(*(self.stages(k) for k in self.consumes)):
             if "waiting" in stages:
                 both = list(zip(self.consumes, stages, strict=True))
-                given = [self.of(k, part) for k, stage in both for part in self._given_up(k, stage)]
+                given = [self.of(k, part) for k, stage in both for part in self.given_up(k, stage)]
                 yield stages, [self.of(k, stage) for k, stage in both], given
 
-    def _given_up(self, resource: str, stage: str) -> list[str]:
+    def given_up(self, resource: str, stage: str) -> list[str]:
         """Places to mark so as to give up a request that has come so far."""
         if stage != "waiting":
             return ["release"]
         serves = self.usage.sharing.serves(self.usage.producer[resource])
         return ["available", "unused"] if serves else ["free"]
 
-    def _stages(self, resource: str) -> Iterator[str]:
+    def stages(self, resource: str) -> Iterator[str]:
         """How far the request of a resource may have come."""
         yield "answer"
         if self.usage.can_fail(resource):
@@ -354,28 +352,32 @@ class _AlternativeDrawing:
         if resource not in self.hardware and self.usage.may_wait(self.usage.producer[resource]):
             yield "waiting"
 
-    def _answers(self, errors: tuple[str, ...]) -> list[str]:
+    def answers(self, errors: tuple[str, ...]) -> list[str]:
+        """Places that say of each resource that it has answered, or is in error."""
         return [self.of(k, "error" if k in errors else "answer") for k in self.consumes]
 
-    def _releases(self) -> list[str]:
+    def releases(self) -> list[str]:
+        """Places that give each resource back."""
         return [self.of(k, "release") for k in self.consumes]
 
     def of(self, resource: str, part: str) -> str:
         """The name of a place of the interface by which the activity uses a resource."""
         return self.canvas.resource(resource, part, self.usage.sharing.owner(resource, self.activity.name))
 
-    def _handle(
+    def handle(
         self, verb: str, consume: list[str], produce: list[str], *of: str, read: list[str] | None = None
     ) -> None:
+        """Draws what the activity does on an error or a return."""
         rank = self.canvas.ranks.handling(self.activity.name)
-        self._draw(verb, consume, produce, *of, read=read, rank=rank)
+        self.draw(verb, consume, produce, *of, read=read, rank=rank)
 
-    def _end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
+    def end(self, verb: str, consume: list[str], produce: list[str], *stages: str) -> None:
+        """Draws a way in which the activity is stopped."""
         ending = self.life.ending
         taken, given = [*consume, *ending.consume], [*produce, *ending.produce]
-        self._draw(verb, taken, given, *stages, read=ending.read, rank=ending.rank)
+        self.draw(verb, taken, given, *stages, read=ending.read, rank=ending.rank)
 
-    def _draw(
+    def draw(
         self,
         verb: str,
         consume: list[str],
@@ -384,6 +386,7 @@ class _AlternativeDrawing:
         read: list[str] | None = None,
         rank: int = 0,
     ) -> None:
+        """Draws a transition of this alternative."""
         self.pen.transition((f"{verb}{self.number}", *of), consume, produce, read=read, rank=rank)
 
 

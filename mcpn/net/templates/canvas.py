@@ -55,6 +55,9 @@ for the release, and holds nothing (:meth:`~mcpn.mission.static.usage.Usage.wait
 :mod:`mcpn.net.mortal`).
 """
 
+MAX_COMBINED = 6
+"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
+
 
 class Ranks:
     """The order in which internal transitions fire, where a net has producers that serve, or gates.
@@ -161,6 +164,7 @@ class Canvas(NetBuilder):
         self.names = names_of(usage)
         self.ranks = Ranks(usage)
         self.roles: dict[str, Role] = {}
+        self.most_combined = MAX_COMBINED
 
     def owners(self, resource: str) -> list[str | None]:
         """Whose interfaces of a resource are drawn (``None``: it has one for all)."""

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from mcpn.errors import LimitError
 from mcpn.mission.flatten import Branch, ParallelSection
-from mcpn.net.templates.canvas import Canvas, Pen
+from mcpn.net.templates.canvas import MAX_COMBINED, Canvas, Pen
 from mcpn.net.templates.facts import Way
 
 Lead: TypeAlias = tuple[str, Way, list[str]]
@@ -23,9 +23,6 @@ Lead: TypeAlias = tuple[str, Way, list[str]]
 
 Led: TypeAlias = Callable[[str], Iterable[Lead]]
 """Says where an outcome leads."""
-
-MAX_COMBINED = 6
-"""Children of a parallel block up to which each combination of outcomes has a transition of its own."""
 
 MAX_DECIDING = 10_000
 """Combinations of branches whose success decides that of their block, each with a transition."""
@@ -53,7 +50,7 @@ class Leaving:
     @property
     def combined(self) -> bool:
         """Whether each combination of outcomes has a transition of its own."""
-        return len(self.section.branches) <= MAX_COMBINED
+        return len(self.section.branches) <= self.canvas.most_combined
 
     def of_branch(self, branch: Branch, part: str) -> str:
         """A place of a branch."""
@@ -81,8 +78,10 @@ class Leaving:
         if self.combined:
             self._combined(pen, running, led)
             return
-        # A block that may be halted takes note of nothing before all have ended.
-        begin = 0 if halted else len(section.branches) - 1
+        # A block that may be halted takes note of nothing before all have ended, and one of few children
+        # neither: how each has ended stays to be seen.
+        late = halted or len(section.branches) <= MAX_COMBINED
+        begin = 0 if late else len(section.branches) - 1
         ended = [*(self.of_branch(b, "ended") for b in section.branches), *running]
         if section.needed is None:
             self._one_by_one(pen, led, begin, ended)

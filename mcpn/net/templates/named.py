@@ -1,4 +1,4 @@
-"""Sets of templates by name: the paper's, or a caller's own, as ``MODULE:NAME``."""
+"""Sets of templates by name: mcpn's, or a caller's own, as ``MODULE:NAME``."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from importlib import import_module
 
 from mcpn.errors import InputError
 from mcpn.net.templates import PaperTemplates, TemplateSet
+from mcpn.net.templates.compact import CompactTemplates
 
 PAPER = "paper"
+NAMED = {PAPER: PaperTemplates, "compact": CompactTemplates}
 METHODS = ("hardware", "software", "activity", "control")
 
 
@@ -16,8 +18,8 @@ def templates_named(name: str) -> TemplateSet:
     """A set of templates.
 
     Args:
-        name: ``paper``, or ``MODULE:NAME``: an object of a module that Python finds, also in the current
-            directory, or a class without arguments, of which one is made.
+        name: ``paper``, ``compact``, or ``MODULE:NAME``: an object of a module that Python finds, also in the
+            current directory, or a class without arguments, of which one is made.
 
     Raises:
         InputError: There is no such module or name, or it is no set of templates.
@@ -26,11 +28,11 @@ def templates_named(name: str) -> TemplateSet:
         >>> type(templates_named("mcpn.net.templates:PaperTemplates")).__name__
         'PaperTemplates'
     """
-    if name == PAPER:
-        return PaperTemplates()
+    if name in NAMED:
+        return NAMED[name]()
     module, colon, attribute = name.partition(":")
     if not colon or not module or not attribute:
-        raise InputError.at(None, f"found the templates {name!r}, expected {PAPER} or MODULE:NAME")
+        raise InputError.at(None, f"found the templates {name!r}, expected {', '.join(NAMED)} or MODULE:NAME")
     path = list(sys.path)
     sys.path.append("")  # a command that is installed does not look in the current directory by itself
     try:
@@ -46,3 +48,12 @@ def templates_named(name: str) -> TemplateSet:
         expected = f"expected a set of templates, with the methods {', '.join(METHODS)}"
         raise InputError.at(None, f"templates {name}: found no {', '.join(missing)}; {expected}")
     return templates
+
+
+def looks_at_no_names(templates: TemplateSet | None) -> bool:
+    """Whether templates are mcpn's own: what they draw of two parts of a mission differs in names alone.
+
+    Junctions of sections are confluent with them where the sections are (``papers/composition.md``). Of a
+    caller's own, nothing is known.
+    """
+    return templates is None or type(templates) in NAMED.values()

@@ -21,6 +21,7 @@ from mcpn.net.mortal import mortal
 from mcpn.net.petri import PetriNet
 from mcpn.net.sections import SectionParts, part_of
 from mcpn.net.templates import TemplateSet
+from mcpn.net.templates.named import looks_at_no_names
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.exploring import Explored, explore_and_prove, explore_local
 from mcpn.space.local.layout import Layout
@@ -51,7 +52,7 @@ def composite_space(
 
     Args:
         mission_net: The mission's net; it is not explored.
-        templates: Those that the mission is composed with, the paper's by default; with others no two
+        templates: Those that the mission is composed with, the paper's by default; with a caller's own no two
             sections are of one type.
         executor: Where sections are explored; in this process one after the other by default.
         progress: Called after each local space with how many are done and how many there are.
@@ -79,10 +80,9 @@ def composite_space(
             raise error
     alone = SectionParts(usage).alone
     parts = {section.name: alone(section) for section in mission_net.graph.sections}
+    ours = looks_at_no_names(templates)
     first: dict[Hashable, str] = {}  # by type, its first section, which stands for it
-    standing = {
-        name: first.setdefault(part.type if templates is None else name, name) for name, part in parts.items()
-    }
+    standing = {name: first.setdefault(part.type if ours else name, name) for name, part in parts.items()}
     named = mortal if may_die else lambda net: net
     immortal = {name: parts[name].net(templates) for name in first.values()}
     nets = {name: named(net) for name, net in immortal.items()}
@@ -105,7 +105,7 @@ def composite_space(
     stages = [whole.stage(s, parts[s.name], types[standing[s.name]]) for s in mission_net.graph.sections]
     composite = CompositeSpace(whole, layout, stages)
     if not may_die:  # what may die behaves as what may not
-        if templates is not None:
+        if not ours:
             refuse_open_junctions(composite)
         refuse_nonconfluent(composite, {types[name]: known for name, known in explored.items()})
     return composite

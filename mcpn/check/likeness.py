@@ -1,0 +1,257 @@
+"""Two sets of templates on one mission: whether the same happens, or a shortest run that tells them apart.
+
+What happens is the alternatives graph: which events are possible, and what is said of the mission after each
+of them, in mission words. With templates that keep their contract each event has one outcome, so that two
+graphs are bisimilar where the pairs of states that the same events lead to allow the same events and say the
+same. These pairs are walked breadth first; the first that differs ends a shortest run. Events and words are
+named after elements of the mission, so that two nets are compared whatever their places are called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import astuple, dataclass
+from typing import Any
+
+from mcpn.check.spaces import Spaces
+from mcpn.check.verdicts.modes import situation
+from mcpn.errors import ConfluenceError, LimitError, SemanticsError
+from mcpn.mission.model import Mission
+from mcpn.net.compose import MissionNet, compose
+from mcpn.net.events import Event
+from mcpn.net.game import TokenGame
+from mcpn.net.petri import PetriNet
+from mcpn.net.templates import TemplateSet
+from mcpn.space.stable.alternatives import AlternativesGraph
+
+Firings = tuple[tuple[str, ...], ...]
+"""By event of a run, the internal transitions that fire after it."""
+
+
+@dataclass(frozen=True)
+class SetSizes:
+    """What a mission comes to with one set of templates.
+
+    Args:
+        places: Of its net.
+        transitions: Of its net.
+        states: Stable states, ``None`` where there is no alternatives graph.
+        edges: Edges between them.
+        reason: Why there is none.
+    """
+
+    places: int
+    transitions: int
+    states: int | None = None
+    edges: int | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class SetDifference:
+    """Where two sets of templates differ.
+
+    Args:
+        events: A shortest run of events after which they do.
+        message: What differs then; ``first`` and ``second`` stand for the sets.
+        firings: By set, what fires inside its net.
+    """
+
+    events: tuple[Event, ...]
+    message: str
+    firings: tuple[Firings, Firings]
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """How two sets of templates compare on one mission.
+
+    Args:
+        sizes: By set.
+        difference: Where they differ; ``None`` where the same happens.
+        isomorphic: Whether states of the two graphs go in pairs, each with one of the other.
+    """
+
+    sizes: tuple[SetSizes, SetSizes]
+    difference: SetDifference | None
+    isomorphic: bool
+
+
+def likeness(
+    mission: Mission,
+    first: TemplateSet | None,
+    second: TemplateSet | None,
+    *,
+    max_states: int | None = None,
+) -> Likeness:
+    """Compares two sets of templates on a mission.
+
+    Where neither has an alternatives graph, for the same kind of reason, they do not differ in what is
+    compared.
+
+    Args:
+        mission: The mission.
+        first: A set; ``None`` is the paper's.
+        second: The other.
+        max_states: Limit on stable states.
+
+    Raises:
+        SemanticsError: An event fires several transitions with different outcomes.
+        LimitError: A limit was hit.
+
+    Examples:
+        >>> from mcpn.mission.xml import read_mission
+        >>> from mcpn.net.templates.compact import CompactTemplates
+        >>> found = likeness(read_mission("experiments/ulysse/mission.xml"), None, CompactTemplates())
+        >>> found.difference, found.isomorphic
+        (None, True)
+    """
+    both = [(s, compose(mission, s)) for s in (first, second)]
+    return likeness_of(*(Spaces(net, templates=s) for s, net in both), max_states=max_states)
+
+
+def likeness_of(first: Spaces, second: Spaces, *, max_states: int | None = None) -> Likeness:
+    """The same of spaces of one mission, composed with each set.
+
+    Raises:
+        LimitError: A limit was hit.
+    """
+    one, other = (_listed(spaces, max_states) for spaces in (first, second))
+    sizes = (_sizes(first.net, one), _sizes(second.net, other))
+    nets = (first.mission, second.mission)
+    if isinstance(one, SemanticsError) or isinstance(other, SemanticsError):
+        return Likeness(sizes, _unlike(nets, (one, other)), isomorphic=False)
+    walk = _Walk(nets, (one, other))
+    return Likeness(sizes, walk.difference(), isomorphic=walk.one_to_one)
+
+
+def _listed(spaces: Spaces, max_states: int | None) -> AlternativesGraph | SemanticsError:
+    try:
+        return spaces.listed(max_states)
+    except SemanticsError as error:
+        return error
+
+
+def _sizes(net: PetriNet, found: AlternativesGraph | SemanticsError) -> SetSizes:
+    sizes = len(net.places), len(net.transitions)
+    if isinstance(found, SemanticsError):
+        return SetSizes(*sizes, reason=str(found))
+    return SetSizes(*sizes, found.states, found.edges)
+
+
+def _unlike(
+    nets: tuple[MissionNet, MissionNet],
+    found: tuple[AlternativesGraph | SemanticsError, AlternativesGraph | SemanticsError],
+) -> SetDifference | None:
+    """Where one of them has no alternatives graph, or not for the same reason."""
+    kinds = [each.kind if isinstance(each, SemanticsError) else None for each in found]
+    if kinds[0] == kinds[1]:
+        return None
+    parts = [
+        f"{name} has {'an alternatives graph' if kind is None else f'none: {each}'}"
+        for name, kind, each in zip(("first", "second"), kinds, found, strict=True)
+    ]
+    number, error = next((i, each) for i, each in enumerate(found) if isinstance(each, SemanticsError))
+    run = error.runs[0] if error.runs else ()
+    net = nets[number].net
+    fired = [net.transition_index[name] for name in run if name in net.transition_index]
+    events = tuple(event for t in fired if (event := net.transitions[t].event) is not None)
+    if isinstance(error, ConfluenceError) and not events:
+        events = tuple(map(Event.parse, error.events or ()))
+    return SetDifference(events, "; ".join(parts), _both_firings(nets, events))
+
+
+class _Walk:
+    """The pairs of states that the same events lead to."""
+
+    def __init__(
+        self, nets: tuple[MissionNet, MissionNet], graphs: tuple[AlternativesGraph, AlternativesGraph]
+    ) -> None:
+        self.nets, self.graphs = nets, graphs
+        self.before: dict[tuple[int, int], tuple[tuple[int, int], Event] | None] = {(0, 0): None}
+
+    @property
+    def one_to_one(self) -> bool:
+        """Whether the pairs, all of them walked, pair off the states."""
+        pairs = len(self.before)
+        return all(len({*side}) == pairs for side in zip(*self.before, strict=True))
+
+    def difference(self) -> SetDifference | None:
+        """The first pair that differs, breadth first."""
+        queue = [(0, 0)]
+        for pair in queue:  # which grows
+            said = [_said(net, graph.marking(s)) for net, graph, s in self._sides(pair)]
+            if said[0] != said[1]:
+                told = "; ".join(_apart(said[0], said[1]))
+                return self._after(pair, told)
+            one, other = (self._onward(graph, s) for _, graph, s in self._sides(pair))
+            if one.keys() != other.keys():
+                event = min(one.keys() ^ other.keys(), key=str)
+                which = "first" if event in one else "second"
+                return self._after(pair, f"only with {which} may {event} happen then")
+            for event, after in one.items():
+                reached = after, other[event]
+                if reached not in self.before:
+                    self.before[reached] = pair, event
+                    queue.append(reached)
+        return None
+
+    def _sides(self, pair: tuple[int, int]) -> Iterator[tuple[MissionNet, AlternativesGraph, int]]:
+        return zip(self.nets, self.graphs, pair, strict=True)
+
+    @staticmethod
+    def _onward(graph: AlternativesGraph, state: int) -> dict[Event, int]:
+        """By event, where it leads; events that leave a state as it is are among them."""
+        found = dict[Event, int]()
+        for transition, after in graph.successors(state):
+            event = graph.net.transitions[transition].event
+            assert event is not None, "edges of the alternatives graph are events"
+            if found.setdefault(event, after) != after:
+                raise SemanticsError(f"the event {event} fires several transitions, with different outcomes")
+        return found
+
+    def _after(self, pair: tuple[int, int], message: str) -> SetDifference:
+        events: list[Event] = []
+        step = self.before[pair]
+        while step is not None:
+            pair, event = step
+            events.insert(0, event)
+            step = self.before[pair]
+        return SetDifference(tuple(events), message, _both_firings(self.nets, tuple(events)))
+
+
+def _said(mission_net: MissionNet, marking: tuple[int, ...]) -> dict[str, Any]:
+    """What is said of the mission, whatever the order of places."""
+    told = situation(mission_net, marking)
+    names = tuple(told.__dataclass_fields__)
+    return {
+        name: sorted(value) if isinstance(value, tuple) else value
+        for name, value in zip(names, astuple(told), strict=True)
+    }
+
+
+def _apart(one: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
+    for name, value in one.items():
+        if value != other[name]:
+            yield f"{name.replace('_', ' ')}: {value} with first, {other[name]} with second"
+
+
+def _both_firings(nets: tuple[MissionNet, MissionNet], events: tuple[Event, ...]) -> tuple[Firings, Firings]:
+    one, other = (_firings(found.net, events) for found in nets)
+    return one, other
+
+
+def _firings(net: PetriNet, events: tuple[Event, ...]) -> Firings:
+    """What fires inside a net after each event, as far as the events are possible."""
+    game, found = TokenGame(net), list[tuple[str, ...]]()
+    game.settle()
+    for event in events:
+        possible = [t for t in game.enabled if net.transitions[t].event == event]
+        if not possible:
+            break
+        game.fire(possible[0])
+        try:
+            found.append(tuple(net.transitions[t].name for t in game.settle()))
+        except LimitError:
+            break  # it does not end
+    return tuple(found)
