@@ -40,7 +40,7 @@ def main() -> None:
         mcpn("report", ULYSSE, "-o", page)
         chromium = shutil.which("chromium") or shutil.which("google-chrome")
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        tab = browser.new_page(viewport={"width": 1180, "height": 1000})
+        tab = browser.new_page(viewport={"width": 1180, "height": 1300})
         tab.goto(page.as_uri())
         for event in EVENTS:
             tab.locator(f'#events button[data-event="{event}"]').click()

@@ -71,7 +71,7 @@ def report(
         size = len(text.encode())
         emit_json({"file": str(output), "bytes": size, "engine": found.engine, "passed": found.check.passed})
     else:
-        for note in found.notes:
+        for note in (*found.notes, *found.undrawn):
             click.echo(f"note: {note}", err=True)
         click.echo(str(output))
     if not found.check.passed:

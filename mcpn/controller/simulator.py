@@ -110,13 +110,13 @@ class Simulation:
 
     # --- searches ---
 
-    def way_to(self, outcome: str) -> list[Event] | None:
+    def way_to(self, outcome: str, never: frozenset[What] | None = None) -> list[Event] | None:
         """A shortest run from here to an end of the mission.
-
-        Hardware neither fails nor is repaired on the way, unless there is no other.
 
         Args:
             outcome: ``success``, ``failure`` or ``abort``.
+            never: What does not happen on the way; by default hardware neither fails nor is repaired, unless
+                there is no other way.
 
         Raises:
             LimitError: More stable markings than allowed would have to be looked at.
@@ -125,6 +125,8 @@ class Simulation:
         def ended(at: int) -> bool:
             return self._situation(at).outcome == outcome
 
+        if never is not None:
+            return self._search(self.marking, ended, never)
         found = self._search(self.marking, ended, HARDWARE)
         return found if found is not None else self._search(self.marking, ended, frozenset())
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mcpn.check.causes.prospects import Prospects
     from mcpn.check.causes.risk import Risk
     from mcpn.check.engines import Asked
+    from mcpn.controller.generate import Form
     from mcpn.mission.model import Mission
     from mcpn.net.compose import MissionNet
 
@@ -44,13 +45,15 @@ class Findings:
         check: The mission's verdicts.
         causes: Its causes of failure.
         fmeca: The FMECA table.
-        controller: The hierarchical controller, as the JSON object of :mod:`mcpn.controller.targets.json`.
+        controller: The controller, of rules where it can be, as the JSON object of
+            :mod:`mcpn.controller.targets.json`.
         notes: Why something is missing.
         warnings: What reading the mission found suspicious.
         engine: The engine that was used.
         seconds: Time by what took it.
         risk: Numbers of risk, where the mission's files give rates.
         local: Local graphs.
+        undrawn: Why some local graphs are missing.
     """
 
     check: MissionCheck
@@ -63,6 +66,7 @@ class Findings:
     seconds: Mapping[str, float] = field(default_factory=dict)
     risk: Risk | None = None
     local: Sequence[LocalPicture] = ()
+    undrawn: Sequence[str] = ()
 
 
 def findings(
@@ -123,11 +127,10 @@ def findings(
     controller = tried("controller", lambda: _controller(checked, max_states, steps, executor), counted)
     with timed("local graphs", counted):
         local, missing = local_pictures(spaces, steps.at)
-    notes += missing
     risk = None
     if causes is not None and _has_rates(mission_net.mission):
         risk = tried("numbers of risk", lambda: _risk(causes.prospects))
-    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local)
+    return Findings(checked, causes, rows, controller, notes, warnings, chosen, seconds, risk, local, missing)
 
 
 def _risk(prospects: Prospects[Any]) -> Risk:
@@ -161,12 +164,23 @@ def _causes(
 def _controller(
     checked: MissionCheck, max_states: int | None, steps: Steps, executor: Executor | None
 ) -> dict[str, Any]:
-    """The controller, in one piece where sections cannot be taken apart and the mission is small."""
-    try:
-        made = generate(checked.spaces, max_states=max_states, progress=steps.at, executor=executor)
-    except McpnError:
-        if checked.choice.engine == "local":
-            raise
-        steps.begin("controller in one piece", exploring)
-        made = generate(checked.spaces, "flat", max_states=max_states, progress=steps.at)
-    return document(made, checked.mission_net)
+    """The controller as rules: its size is a sum over activities, so that a page can hold it.
+
+    Where there are no rules it has tables of sections, and of a small mission that cannot be taken apart it
+    is in one piece.
+    """
+    forms: tuple[Form, ...] = ("modular", "hierarchical")
+    if checked.choice.engine != "local":
+        forms = (*forms, "flat")
+    for number, form in enumerate(forms, 1):
+        if form == "flat":
+            steps.begin("controller in one piece", exploring)
+        told = None if form == "flat" else executor
+        try:
+            made = generate(checked.spaces, form, max_states=max_states, progress=steps.at, executor=told)
+        except McpnError:
+            if number == len(forms):
+                raise
+        else:
+            return document(made, checked.mission_net)
+    raise AssertionError("the last form has answered, or has raised")

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import random
 import re
-import shutil
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -26,9 +23,8 @@ from mcpn.report.page import page
 from mcpn.runtime import Controller, Journal, Refused
 from tests.commands import mcpn, output
 from tests.conftest import ROOT, ULYSSE
+from tests.report.tabs import boxes_of, click, compare, opened
 from tests.report.test_pictures import HOSTILE, hostile
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 class Elements(HTMLParser):
@@ -45,67 +41,6 @@ class Elements(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         self.text += data
-
-
-@pytest.fixture(scope="module")
-def ulysse_findings() -> Findings:
-    return findings(compose(read_mission(ULYSSE)))
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    api = pytest.importorskip("playwright.sync_api", reason="needs playwright")
-    if CHROMIUM is None:
-        pytest.skip("needs Chromium: chromium, chromium-browser or google-chrome on the path")
-    with api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield opened
-        opened.close()
-
-
-def opened(browser: Any, text: str, tmp_path: Path) -> tuple[Any, list[str]]:
-    """A page in a browser without network, and what goes wrong in it."""
-    (tmp_path / "report.html").write_text(text, encoding="utf-8")
-    context = browser.new_context(offline=True)
-    tab = context.new_page()
-    tab.set_default_timeout(10_000)
-    wrong: list[str] = []
-    tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    tab.on("pageerror", lambda error: wrong.append(str(error)))
-    tab.on("dialog", lambda dialog: wrong.append(dialog.message))
-    tab.on("request", lambda asked: None if asked.url.startswith("file:") else wrong.append(asked.url))
-    tab.goto((tmp_path / "report.html").as_uri())
-    return tab, wrong
-
-
-def lit(tab: Any, selector: str, name: str) -> set[str]:
-    found = tab.eval_on_selector_all(selector, f"parts => parts.map(part => part.dataset.{name})")
-    return set(found)
-
-
-def compare(tab: Any, runtime: Controller, boxes: dict[str, int]) -> None:
-    """The page shows what the runtime says."""
-    events = tab.eval_on_selector_all("#events button", "all => all.map(button => button.dataset.event)")
-    assert sorted(events) == list(runtime.possible)
-    state = runtime.state
-    assert lit(tab, "rect[data-box].lit", "box") == {str(boxes[name]) for name in state.objectives}
-    assert lit(tab, "rect[data-activity].lit", "activity") == set(state.mode)
-    ways = tab.eval_on_selector_all(
-        "text[data-alternative].lit", "parts => parts.map(p => [p.dataset.activity, p.dataset.alternative])"
-    )
-    assert {tuple(way) for way in ways} == set(state.mode.items())
-    assert lit(tab, "rect[data-hardware].out", "hardware") == set(runtime.out_of_service)
-    if runtime.outcome:
-        assert runtime.outcome in tab.locator("#now").text_content()
-
-
-def click(tab: Any, event: str) -> None:
-    tab.locator(f'#events button[data-event="{event}"]').click()
-
-
-def boxes_of(tab: Any) -> dict[str, int]:
-    data: dict[str, int] = json.loads(tab.locator("#data").text_content())["boxes"]
-    return data
 
 
 def test_a_journal_of_the_runtime_is_replayed(

@@ -1,4 +1,4 @@
-"""Local graphs for a report: one for each type of section, drawn by what runs."""
+"""Local graphs for a report: one for each type of section, drawn by what runs; large ones by objectives."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from mcpn.report.pictures.machines import states_picture, states_within
 
 MOST_LOCAL_STATES, MOST_DRAWN, MOST_BOXES = 20_000, 24, 60
 """States of a section that are listed for its drawing, drawings of a report, and boxes of each."""
+
+MOST_MODES = 20
+"""Boxes up to which each way to run is one; of more nobody can follow the curves between them."""
 
 
 @dataclass(frozen=True)
@@ -62,9 +65,11 @@ def local_pictures(
         except (LimitError, SemanticsError) as error:
             notes.append(f"No local graph of {names[0]}: {error}")
             continue
-        found = states_picture(
-            f"Local graph of the section {names[0]}", *states_within(local, graph), merged=True
-        )
+        states, passages = states_within(local, graph)
+        name = f"Local graph of the section {names[0]}"
+        found = states_picture(name, states, passages, merged=True)
+        if len(found.nodes) > MOST_MODES:
+            found = states_picture(name, states, passages, by_objectives=True)
         if len(found.nodes) > MOST_BOXES:
             notes.append(f"No drawing of the local graph of {names[0]}: {len(found.nodes)} boxes.")
             continue

@@ -8,7 +8,7 @@ mission is drawn by its sections.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mcpn.check.spaces import Spaces
 from mcpn.check.verdicts.modes import Situation, situation
@@ -178,6 +178,11 @@ def _runs(state: Situation) -> Hashable:
     return state.objectives, state.pending, state.done, *pairs, state.refused
 
 
+def _under_way(state: Situation) -> Hashable:
+    """Which objectives run in a state, are about to and have ended, in whatever mode."""
+    return state.objectives, state.pending, state.done
+
+
 def states_picture(
     name: str,
     states: Sequence[Situation],
@@ -186,6 +191,7 @@ def states_picture(
     *,
     actions: bool = False,
     merged: bool = False,
+    by_objectives: bool = False,
 ) -> Graph:
     """States as boxes, events as curves.
 
@@ -196,14 +202,17 @@ def states_picture(
         section_of: By objective its section, where each section has a frame of its own.
         actions: Whether to write what the controller does beside each event.
         merged: Whether states that run the same are one box, however few they are.
+        by_objectives: Whether states in which the same objectives run are one box, whatever their modes.
     """
-    merged = merged or section_of is not None or len(states) > MOST_STATES
+    merged = merged or by_objectives or section_of is not None or len(states) > MOST_STATES
+    same = _under_way if by_objectives else _runs
     groups: dict[Hashable, list[int]] = {}
     for number, state in enumerate(states):
-        groups.setdefault(_runs(state) if merged else number, []).append(number)
+        groups.setdefault(same(state) if merged else number, []).append(number)
     key_of = {number: f"s{key}" for key, members in enumerate(groups.values()) for number in members}
     if merged and section_of is None:
-        name += f": {len(states):,} states, those that run the same as one"
+        alike = "in which the same objectives run" if by_objectives else "that run the same"
+        name += f": {len(states):,} states, those {alike} as one"
     nodes, clusters = [Node("enter", ("start",), "node")], dict[str, Cluster]()
     for members in groups.values():
         state = states[members[0]]
@@ -211,7 +220,12 @@ def states_picture(
         if section_of is not None:
             section = next((section_of[o] for o in (*state.objectives, *state.pending)), "")
             cluster = clusters.setdefault(section, Cluster(f"c{len(clusters)}", section)).key
-        lines = tuple(_lines(state, merged=merged, count=len(members)))
+        if by_objectives:
+            modes = {_runs(states[member]) for member in members}
+            state = replace(state, mode={}, waiting={}, refused=())
+            lines = (*_lines(state, merged=True, count=1), f"{len(modes)} modes, {len(members)} states")
+        else:
+            lines = tuple(_lines(state, merged=merged, count=len(members)))
         nodes.append(Node(key_of[members[0]], lines, "node", _title(state, merged=merged), cluster))
     outcomes = dict.fromkeys(p.target for p in passages if isinstance(p.target, str))
     nodes += [

@@ -1,0 +1,122 @@
+"""What the script of a page is given: the controller, words and weights for its events, boxes, losses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.controller.chance import likelihood
+from mcpn.net.events import Event
+from mcpn.report.words import folded, what_happens
+from mcpn.runtime import Controller
+from mcpn.runtime.tables import START
+
+if TYPE_CHECKING:
+    from mcpn.check.causes.find import Causes
+    from mcpn.report.findings import Findings
+
+MOST_EVENTS = 5_000
+"""Events of the run without failures at most; one that is longer need not end."""
+
+MOST_CHIPS = 14
+"""Steps of a strip that are shown; of longer ones the middle is folded."""
+
+
+def live_data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
+    """What the script needs.
+
+    Args:
+        findings: What was found of the mission.
+        keys: By objective the key of its box.
+    """
+    found: dict[str, Any] = {}
+    if findings.causes is not None:
+        found["losses"] = _losses(findings.causes)
+    if findings.controller is None:
+        return found
+    document = dict(findings.controller)
+    mission, weight = document["mission"], likelihood(findings.check.mission_net)
+    events = {START, *document.get("changing", ()), *(e for s in document["sections"] for e in s["events"])}
+    for hardware in document["hardware"]:
+        events |= {f"{hardware}_EV_OOS", f"{hardware}_EV_RD"}
+    typed = {text: Event.parse(text) for text in sorted(events)}
+    document.pop("objectives")
+    document.pop("activities")
+    words = {
+        text: [event.what.value, what_happens(event, mission), float(f"{weight(event):.4g}")]
+        for text, event in typed.items()
+    }
+    return found | {"controller": document, "events": words, "boxes": dict(keys)}
+
+
+def _losses(causes: Causes) -> dict[str, Any]:
+    """Minimal cut sets, from which the page tells what the loss of other sets means."""
+    mission_net = causes.mission_net
+    shared: dict[tuple[CutSet, ...], list[str]] = {}
+    for name, goal in causes.objectives.items():
+        shared.setdefault(tuple(goal.cut_sets), []).append(name)
+    return {
+        "mission": causes.mission.cut_sets,
+        "safety": None if causes.safety is None else causes.safety.cut_sets,
+        "objectives": [
+            [", ".join(folded(mission_net, names)), cut_sets]
+            for cut_sets, names in shared.items()
+            if cut_sets
+        ],
+    }
+
+
+# --- the run without failures --------------------------------------------------------------------------
+
+
+def nominal_run(findings: Findings) -> list[str] | None:
+    """The events of the run in which each objective succeeds and nothing fails, as the controller takes it.
+
+    It is ``None`` where there is no controller, or such a run does not come to success.
+    """
+    if findings.controller is None:
+        return None
+    controller, events = Controller.from_document(findings.controller), [START]
+    controller.handle(START)
+    while controller.outcome is None and len(events) < MOST_EVENTS:
+        possible = controller.possible
+        ends = (f"OBJ_{name}_EV_OK" for name in controller.state.objectives)
+        event = next((end for end in ends if end in possible), None)
+        if event is None:
+            return None
+        controller.handle(event)
+        events.append(event)
+    return events if controller.outcome == "success" else None
+
+
+def strip(findings: Findings, events: Sequence[str]) -> list[str]:
+    """A run as a strip of what begins: objectives that begin together stand in one chip."""
+    assert findings.controller is not None
+    return list(_elided(list(_begun(Controller.from_document(findings.controller), events))))
+
+
+def _begun(controller: Controller, events: Sequence[str]) -> Iterator[str]:
+    running: tuple[str, ...] = ()
+    for event in events:
+        controller.handle(event)
+        now = controller.state.objectives
+        if begun := [name for name in now if name not in running]:
+            yield _chip(begun)
+        running = now
+    yield controller.outcome or "…"
+
+
+def _chip(names: Sequence[str]) -> str:
+    """Objectives that begin together; what stands before all their names is said once."""
+    before = {name.rpartition(".")[0] for name in names}
+    if len(names) == 1 or len(before) > 1 or "" in before:
+        return " ∥ ".join(names)
+    return f"{before.pop()}: {' ∥ '.join(name.rpartition('.')[2] for name in names)}"
+
+
+def _elided(chips: list[str]) -> list[str]:
+    if len(chips) <= MOST_CHIPS:
+        return chips
+    first, last = MOST_CHIPS - 5, 4
+    return [*chips[:first], f"… {len(chips) - first - last} more …", *chips[-last:]]

@@ -1,0 +1,275 @@
+"""The first screen of a page: may the mission be flown, and a sentence for each thing that decides it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mcpn.check.causes.cutsets import CutSet
+from mcpn.net.events import Event
+from mcpn.report.failures.sentences import without_a_rate
+from mcpn.report.pages.live import nominal_run, strip
+from mcpn.report.text import SENTENCES
+from mcpn.report.words import in_words, skipped_in_words, what_happens
+from mcpn.sentences import enumeration
+
+if TYPE_CHECKING:
+    from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.report.findings import Findings
+    from mcpn.space.run import Run
+
+MOST_TOLD = 8
+"""Cut sets, or names, of one sentence; the tables have all."""
+
+MOST_LAST = 3
+"""Events of a run that one sentence has."""
+
+
+@dataclass(frozen=True)
+class StoryLine:
+    """What a page says first.
+
+    Args:
+        state: ``holds``, ``fails``, ``unknown``, or ``note`` for what is neither good nor bad.
+        asked: The question, in a few words.
+        said: The answer.
+        chips: The run that shows it, by what begins.
+        events: The events of this run, as JSON.
+    """
+
+    state: str
+    asked: str
+    said: str
+    chips: Sequence[str] = ()
+    events: str = ""
+
+
+def verdict_of_all(check: MissionCheck) -> StoryLine:
+    """Whether the mission may be flown."""
+    asked = "May it fly?"
+    if check.failing:
+        wrong = (SENTENCES[name][1].rstrip(".") for name in check.failing if name in SENTENCES)
+        return StoryLine("fails", asked, f"No. {'; '.join(wrong)}.")
+    if broken := [a.asked.name for a in check.requirements if a.required and a.met is False]:
+        return StoryLine("fails", asked, f"No. It does not meet what it requires: {enumeration(broken)}.")
+    if not check.passed:
+        unknown = len(check.undecided) + len(check.violated)
+        return StoryLine("unknown", asked, f"Not proved. {unknown} of its questions have no answer.")
+    met = " It meets what it requires." if any(answer.required for answer in check.requirements) else ""
+    return StoryLine("holds", asked, f"Yes. All required verdicts hold.{met}")
+
+
+def story(findings: Findings) -> Iterator[StoryLine]:
+    """The answers of the first screen, each in a sentence."""
+    yield _success(findings)
+    if findings.causes is not None:
+        mission, safety = findings.causes.mission, findings.causes.safety
+        yield _lost(mission.cut_sets, aborts=safety is not None)
+        yield from _survived(findings)
+        if safety is not None:
+            yield _safety(findings, safety.cut_sets)
+    yield from _required(findings.check)
+    if (chance := findings.risk) is not None:
+        aborts = "" if chance.abort is None else f", is aborted with {chance.abort:.6g}"
+        told = (
+            f"it succeeds with probability {chance.success:.6g}{aborts} and fails with {chance.failure:.6g}"
+        )
+        if chance.unrated:
+            told += f"; {without_a_rate(chance)}"
+        yield StoryLine("note", "How probable?", f"With the given rates {told}.")
+    yield _never(findings.check)
+    yield _unproved(findings)
+
+
+def _success(findings: Findings) -> StoryLine:
+    """Whether it can succeed, and the run without failures."""
+    verdict = findings.check.verdicts["success_reachable"]
+    number = {True: 0, False: 1, None: 2}[verdict.holds]
+    said, chips, events = SENTENCES["success_reachable"][number], list[str](), list[str]()
+    if verdict.holds and findings.controller is not None:
+        found = nominal_run(findings)
+        if found is None and verdict.runs and not verdict.runs[0].tail:
+            found = [str(event) for event, _ in in_words(findings.check.mission_net, verdict.runs[0])]
+            said += " Its shortest run to success:"
+        elif found is not None:
+            said += " The run on which nothing fails:"
+        if found is not None:
+            chips, events = strip(findings, found), found
+    state = ("holds", "fails", "unknown")[number]
+    return StoryLine(state, "Can it succeed?", said, chips, json.dumps(events) if events else "")
+
+
+def _lost(cut_sets: Sequence[CutSet], *, aborts: bool) -> StoryLine:
+    """What keeps a mission from success."""
+    asked = "What defeats it?"
+    if () in cut_sets:
+        said = f"It {'can never succeed' if aborts else 'fails'} whatever the hardware does."
+        return StoryLine("fails", asked, said)
+    if cut_sets:
+        lost = _listed(cut_sets)
+        said = f"It can succeed no more once this hardware is lost and not repaired: {lost}."
+        return StoryLine("note", asked, said)
+    keeps = "keeps it from success" if aborts else "makes it fail"
+    return StoryLine("holds", asked, f"No loss of hardware alone {keeps}.")
+
+
+def _listed(cut_sets: Sequence[CutSet]) -> str:
+    lost = "; ".join(map(_together, cut_sets[:MOST_TOLD]))
+    more = len(cut_sets) - MOST_TOLD
+    return lost if more <= 0 else f"{lost}; and {more} more, which the table of causes lists"
+
+
+def _survived(findings: Findings) -> Iterator[StoryLine]:
+    """Which hardware may be lost alone; giving up safely is no success, and is told apart from it."""
+    causes, faulty = findings.causes, [h for h in findings.check.mission_net.mission.hardware if h.faulty]
+    if causes is None:
+        return
+    asked = "What does it survive?"
+
+    def left(cut_sets: Sequence[CutSet]) -> list[str]:
+        alone = {lost[0] for lost in cut_sets if len(lost) == 1}
+        return [] if () in cut_sets else [h.name for h in faulty if h.name not in alone]
+
+    succeeding = left(causes.mission.cut_sets)
+    if causes.safety is None:
+        if succeeding:
+            said = f"It survives the loss of any one of these alone: {', '.join(succeeding)}."
+            yield StoryLine("holds", asked, said)
+        return
+    if succeeding:
+        said = f"It can succeed after the loss of any one of these alone: {', '.join(succeeding)}."
+        yield StoryLine("holds", asked, said)
+    aborting = [name for name in left(causes.safety.cut_sets) if name not in succeeding]
+    if aborting:
+        names = ", ".join(aborting)
+        said = f"After the loss of any one of these alone it can only be aborted: {names}."
+        yield StoryLine("note", "What makes it give up?", said)
+
+
+def _together(lost: CutSet) -> str:
+    return enumeration(lost) + (" together" if len(lost) > 1 else "")
+
+
+def _safety(findings: Findings, cut_sets: Sequence[CutSet]) -> StoryLine:
+    """What makes a mission that can abort end in neither success nor abort."""
+    asked, verdict = "What endangers the robot?", findings.check.verdicts["can_always_end_safely"]
+    if () in cut_sets:
+        return StoryLine("fails", asked, "It can never succeed, and never be aborted.")
+    if not cut_sets and verdict.holds is False:
+        return _unsafe(findings, verdict.runs)
+    if not cut_sets:
+        return StoryLine("holds", asked, "Whatever hardware is lost, it can still succeed or be aborted.")
+    said = "It can neither succeed nor be aborted once this hardware is lost and not repaired:"
+    return StoryLine("note", asked, f"{said} {_listed(cut_sets)}.")
+
+
+def _unsafe(findings: Findings, runs: Sequence[Run]) -> StoryLine:
+    """Says by a run that a mission can end in neither success nor abort with all hardware in service."""
+    asked, said = "What endangers the robot?", "It can come to where it can neither succeed nor be aborted"
+    if not runs or runs[0].tail:
+        return StoryLine("fails", asked, f"{said}, whatever the hardware does.")
+    mission_net = findings.check.mission_net
+    events = [event for event, _ in in_words(mission_net, runs[0].of_events) if isinstance(event, Event)]
+    last = ", then ".join(what_happens(event, mission_net.mission.name) for event in events[-MOST_LAST:])
+    texts = list(map(str, events))
+    chips = () if findings.controller is None else strip(findings, texts)
+    return StoryLine("fails", asked, f"{said}, for example when {last}.", chips, json.dumps(texts))
+
+
+def _required(check: MissionCheck) -> Iterator[StoryLine]:
+    """How many requirements are met, and which are not."""
+    asked, answers = "What must hold?", check.requirements
+    if not answers:
+        yield StoryLine("note", asked, "The mission states no requirements of its own.")
+        return
+    violated = [a.asked.words for a in answers if a.required and a.met is False]
+    unknown = [a.asked.words for a in answers if a.met is None]
+    advice = [a.asked.words for a in answers if not a.required and a.met is False]
+    met = sum(bool(a.met) for a in answers)
+    told = [f"{met} of {len(answers)} requirements are met"]
+    told += [f"violated: {_quoted(violated)}"] if violated else []
+    told += [f"not known: {_quoted(unknown)}"] if unknown else []
+    told += [f"not met, and only advised: {_quoted(advice)}"] if advice else []
+    state = "fails" if violated else "unknown" if unknown else "note" if advice else "holds"
+    yield StoryLine(state, asked, f"{'; '.join(told)}.")
+
+
+def _quoted(words: Sequence[str]) -> str:
+    return enumeration([f"'{text}'" for text in words[:MOST_TOLD]])
+
+
+def _never(check: MissionCheck) -> StoryLine:
+    """What can never run."""
+    asked, verdict = "What can never run?", check.verdicts["unselectable"]
+    if verdict.holds is None:
+        return StoryLine("unknown", asked, SENTENCES["unselectable"][2])
+    if not check.unselectable:
+        return StoryLine("holds", asked, SENTENCES["unselectable"][1])
+    told = "; ".join(problem.message for problem in check.unselectable[:3])
+    more = len(check.unselectable) - 3
+    return StoryLine("note", asked, f"{told}{f'; and {more} more, among the warnings' if more > 0 else ''}.")
+
+
+def _unproved(findings: Findings) -> StoryLine:
+    """What is not known, of what a page says elsewhere."""
+    asked, check = "What is not proved?", findings.check
+    if check.undecided:
+        wrong = " ".join(SENTENCES[name][2] for name in check.undecided if name in SENTENCES)
+        return StoryLine("unknown", asked, wrong)
+    if findings.notes:
+        return StoryLine("note", asked, " ".join(findings.notes))
+    said = "Nothing of this page. It speaks of the mission as written, not of drivers and control laws."
+    return StoryLine("holds", asked, said)
+
+
+def runs_of(check: MissionCheck) -> Iterator[dict[str, Any]]:
+    """Each verdict, then each requirement, as a sentence with its runs in mission words."""
+    yield from _verdicts(check)
+    yield from _requirements(check)
+
+
+def _requirements(check: MissionCheck) -> Iterator[dict[str, Any]]:
+    """Each requirement in its author's words, with the run that violates it."""
+    for answer in check.requirements:
+        asked = answer.asked
+        state = {True: "holds", False: "fails", None: "unknown"}[answer.met]
+        runs, notes = [], [f"{'' if asked.requirement.expected == 'holds' else 'not: '}{asked.text}"]
+        if asked.sentence not in ("", asked.words):
+            notes.insert(0, asked.sentence)
+        if answer.witness is not None and not answer.met:
+            steps = [(str(event), words) for event, words in in_words(check.mission_net, answer.witness.run)]
+            runs = [{"steps": steps, "events": json.dumps([event for event, _ in steps])}]
+            notes += answer.witness.notes
+        yield {
+            "name": asked.name,
+            "sentence": asked.words,
+            "state": state if answer.required or answer.met else "note",
+            "explanation": "; ".join([*notes, *filter(None, [answer.reason, answer.says_nothing_of])]),
+            "runs": runs,
+        }
+
+
+def _verdicts(check: MissionCheck) -> Iterator[dict[str, Any]]:
+    """Each verdict as a sentence, with its runs in mission words."""
+    for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
+        if name not in check.verdicts:
+            continue
+        verdict = check.verdicts[name]
+        sentences = SENTENCES.get(name, (verdict.explanation,) * 3)
+        state = {True: "holds", False: "fails", None: "unknown"}[verdict.holds]
+        runs = []
+        for run in verdict.runs:
+            steps = list(in_words(check.mission_net, run))
+            events = None if run.tail else json.dumps([str(event) for event, _ in steps])
+            runs.append({"steps": [(str(event), words) for event, words in steps], "events": events})
+        yield {
+            "name": name,
+            "sentence": sentences[{True: 0, False: 1, None: 2}[verdict.holds]],
+            "state": state if verdict.required else "note",
+            "explanation": "; ".join(
+                [verdict.explanation, *([skipped_in_words(verdict.skipped)] if verdict.skipped else [])]
+            ),
+            "runs": runs,
+        }

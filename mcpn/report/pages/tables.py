@@ -1,0 +1,237 @@
+"""The tables of a page, each with a line on how to read it; rounds that say the same are one row."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from mcpn.check.logic.names import Names
+from mcpn.report.failures.sentences import risk_counts
+from mcpn.report.failures.tables import COLUMNS, fmeca_rows
+from mcpn.report.words import modes_in_words, modes_together, what_happens
+from mcpn.sentences import enumeration
+
+if TYPE_CHECKING:
+    from mcpn.check.causes.find import Causes
+    from mcpn.check.causes.fmeca import Row
+    from mcpn.check.causes.risk import Risk
+    from mcpn.check.verdicts.mission import MissionCheck
+    from mcpn.net.compose import MissionNet
+    from mcpn.report.findings import Findings
+
+_NAME = re.compile(r"[\w.-]*\w")
+"""What may be the name of an objective, in a text."""
+
+MOST_ROWS = 2000
+"""Rows of one table of a page."""
+
+UNCHANGED = "–"
+"""Says that a failure changes nothing."""
+
+Texts = Sequence[str]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table that can be sorted and filtered.
+
+    Args:
+        name: Its caption.
+        reading: How to read it, in a line.
+        heads: Of its columns.
+        rows: Texts.
+        needs: By row the hardware that it needs, where the page strikes out what is lost; else nothing.
+        wide: Whether it is printed on a sheet that lies.
+        more: Rows that the page has no room for.
+    """
+
+    name: str
+    reading: str
+    heads: Texts
+    rows: Sequence[Texts]
+    needs: Sequence[Texts] = ()
+    wide: bool = False
+    more: int = 0
+
+
+def tables(findings: Findings) -> list[Table]:
+    """All tables of a page, what people ask first in front."""
+    check = findings.check
+    mission_net = check.mission_net
+    found = [_modes(check)]
+    if findings.fmeca:
+        found.insert(0, _what_if(findings.fmeca, mission_net))
+    if findings.risk is not None:
+        found.append(_risk(findings.risk))
+    if findings.causes is not None:
+        found += _cause_tables(findings.causes, mission_net)
+    if findings.fmeca is not None:
+        found.append(_fmeca(findings.fmeca, mission_net))
+    return [_cut(table) for table in (*found, _sizes(findings))]
+
+
+def fold_rows(mission_net: MissionNet, rows: Iterable[Texts], column: int = 0) -> list[Texts]:
+    """Rows of objectives, in which those of all rounds and tries of one are one where they say the same.
+
+    Args:
+        mission_net: The mission's net.
+        rows: Texts.
+        column: Which of them names an objective.
+
+    >>> from mcpn.mission.xml import read_mission
+    >>> from mcpn.net.compose import compose
+    >>> from pathlib import Path
+    >>> drone = compose(read_mission(Path("experiments/drone/mission.xml")))
+    >>> fold_rows(drone, [(f"stock_{aisle}.leave", "no way") for aisle in ("A1", "A2", "B1")])
+    [('stock.leave (all 3)', 'no way')]
+    >>> fold_rows(drone, [("stock_A1.leave", "no way"), ("stock_A2.leave", ""), ("stock_B1.leave", "")])
+    [('stock_A1.leave', 'no way'), ('stock_A2.leave', ''), ('stock_B1.leave', '')]
+    """
+    names = Names(mission_net.net, mission_net)
+    whole = names.folded([objective.name for objective in mission_net.graph.walk()])
+    plain = {copy: name for name, copies in whole.items() if len(copies) > 1 for copy in copies}
+    groups: dict[tuple[str, ...], list[Texts]] = {}
+    for row in rows:
+        said = (_NAME.sub(lambda name: plain.get(name[0], name[0]), cell) for cell in row)
+        groups.setdefault(tuple(said), []).append(row)
+    found: list[Texts] = []
+    for key, same in groups.items():
+        if len(same) > 1 and {row[column] for row in same} == {*whole.get(key[column], ())}:
+            found.append(tuple(f"{c} (all {len(same)})" if i == column else c for i, c in enumerate(key)))
+        else:
+            found += same
+    return found
+
+
+def _what_if(rows: Sequence[Row], mission_net: MissionNet) -> Table:
+    """For each objective that may run, what the failure of each hardware resource alone does."""
+    hardware = list(dict.fromkeys(row.hardware for row in rows))
+    by_objective: dict[str, dict[str, str]] = {}
+    for row in rows:
+        by_objective.setdefault(row.objective, {})[row.hardware] = _effect(row)
+    heads = ("while this runs", *(f"{name} fails" for name in hardware))
+    table = [
+        (objective, *(found.get(name, "") for name in hardware)) for objective, found in by_objective.items()
+    ]
+    return Table(
+        "What happens when hardware fails",
+        "A row is what the robot is doing, a column what fails then, alone; the cell is what follows "
+        f"({UNCHANGED}: nothing changes).",
+        heads,
+        fold_rows(mission_net, table),
+        wide=len(hardware) > 3,
+    )
+
+
+def _effect(row: Row) -> str:
+    if row.local_effect == "none":
+        return UNCHANGED
+    return f"{row.objective_effect} ({row.local_effect}); mission {row.mission_effect}"
+
+
+def _fmeca(rows: Sequence[Row], mission_net: MissionNet) -> Table:
+    """The table of failure modes, effects and criticality; severity stands in front."""
+    order = ("hardware", "objective", "severity", *(c for c in COLUMNS[2:] if c != "severity"))
+    texts = [tuple(row[column] for column in order) for row in fmeca_rows(rows)]
+    return Table(
+        "FMECA: what each failure does",
+        "One row for each hardware resource that fails while an objective runs: how bad it is with all else "
+        "in service, what changes at once, for the objective and for the mission, and what makes up for it.",
+        [column.replace("_", " ") for column in order],
+        fold_rows(mission_net, texts, 1),
+        wide=True,
+    )
+
+
+def _modes(check: MissionCheck) -> Table:
+    """Functioning modes; each with the hardware that its alternatives take."""
+    taken = {
+        f"{activity.name}.{alternative.name}": alternative.consumes
+        for activity in check.mission_net.usage.activities.values()
+        for alternative in activity.alternatives
+    }
+    hardware = {h.name for h in check.mission_net.mission.hardware if h.faulty}
+    needed: dict[str, set[str]] = {}  # where modes read alike and need other things, what all of them need
+    for modes in check.modes.values():
+        for mode, words in ((mode, modes_in_words([mode])[0]) for mode in modes):
+            needs = {name for a, way in mode.items() for name in taken.get(f"{a}.{way}", ())} & hardware
+            needed[words] = needs & needed.get(words, needs)
+    rows, needs_of = [], []
+    for ways, objectives in modes_together(check).items():
+        for number, way in enumerate(ways, 1):
+            rows.append((", ".join(objectives), str(number), way or "as written"))
+            needs_of.append(sorted(needed.get(way, ())))
+    return Table(
+        "Functioning modes",
+        "The ways in which the robot runs these objectives, the preferred one first; 'as written' is with "
+        "the alternatives that are named like their activities.",
+        ("objectives", "mode", "alternatives"),
+        rows,
+        needs_of,
+    )
+
+
+def _risk(risk: Risk) -> Table:
+    """Numbers of risk: the mission's, then the importance of each hardware resource."""
+    said = {end: f"probability of {end}" for end in ("success", "abort", "failure")}
+    said["degraded modes"] = "times in a degraded mode, expected"
+    rows = [(said.get(name, name), f"{value:.6g}") for name, value in risk_counts(risk)]
+    reading = "From the rates and durations that the mission's files give; importance is what success gains "
+    return Table("Risk", f"{reading}where this resource never fails.", ("what", "value"), rows)
+
+
+def _cause_tables(causes: Causes, mission_net: MissionNet) -> Iterator[Table]:
+    goals = [(goal.name, goal) for goal in (causes.mission, *causes.objectives.values())]
+    if causes.safety is not None:
+        goals.insert(1, (f"{causes.safety.name}: its safe ends", causes.safety))
+    sets = [
+        (name, enumeration(lost or ("nothing: it fails anyway",)), str(len(lost)))
+        for name, goal in goals
+        for lost in goal.cut_sets
+    ]
+    critical = [
+        (
+            what_happens(found.event, causes.mission.name),
+            ", ".join(found.objectives) or "no objective",
+            ", ".join(f"{a}: {way}" for a, way in found.mode.items() if a != way) or "as written",
+        )
+        for found in causes.mission.critical or ()
+    ]
+    yield Table(
+        "Causes: smallest losses after which it fails",
+        "Each row is enough by itself: once all of it is lost and not repaired, this cannot succeed.",
+        ("what fails", "lost", "how many"),
+        fold_rows(mission_net, sets),
+    )
+    yield Table(
+        "Critical events: after them only a repair helps",
+        "The last events of runs that lose the mission: what happens, and what the robot was doing.",
+        ("event", "while", "mode"),
+        fold_rows(mission_net, critical, 1),
+    )
+
+
+def _cut(table: Table) -> Table:
+    """A table as far as a page has room for it."""
+    more = max(0, len(table.rows) - MOST_ROWS)
+    return replace(table, rows=table.rows[:MOST_ROWS], needs=table.needs[:MOST_ROWS], more=more)
+
+
+def _sizes(findings: Findings) -> Table:
+    check = findings.check
+    net = check.mission_net.net
+    rows = [("places", str(len(net.places))), ("transitions", str(len(net.transitions)))]
+    for sizes, what in ((check.sizes_seen, ("markings", "edges")), (check.stable_sizes, _STABLE)):
+        if sizes is not None:
+            rows += [(name, str(size)) for name, size in zip(what, sizes, strict=True)]
+    if findings.controller is not None:
+        form, sections = findings.controller["form"], findings.controller["sections"]
+        rows.append((f"sections of the controller of this page, {form}", str(len(sections))))
+    rows.append(("engine", findings.engine))
+    rows += [(f"seconds: {what}", f"{took:.2f}") for what, took in findings.seconds.items()]
+    return Table("Sizes and times", "For those who look after mcpn.", ("what", "value"), rows)
+
+
+_STABLE = ("stable states", "event edges")

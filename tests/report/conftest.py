@@ -1,0 +1,32 @@
+"""What tests of pages share: a browser, and what is found of Ulysse."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.report.findings import Findings, findings
+from tests.conftest import ULYSSE
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+@pytest.fixture(scope="module")
+def ulysse_findings() -> Findings:
+    return findings(compose(read_mission(ULYSSE)))
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    api = pytest.importorskip("playwright.sync_api", reason="needs playwright")
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium: chromium, chromium-browser or google-chrome on the path")
+    with api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield opened
+        opened.close()

@@ -1,0 +1,162 @@
+"""The first screen of a page, what it says that it is of, and rounds that are one row."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+
+from mcpn.errors import InputError
+from mcpn.mission.model import Mission
+from mcpn.mission.xml import read_mission
+from mcpn.net.compose import compose
+from mcpn.report.findings import Findings, findings
+from mcpn.report.page import page
+from mcpn.report.pages.identity import EPOCH, digest_of, identity
+from mcpn.report.pages.live import nominal_run
+from mcpn.report.pages.story import story, verdict_of_all
+from mcpn.report.pages.tables import fold_rows, tables
+from mcpn.runtime import Controller
+from mcpn.testing import missions
+from tests.commands import mcpn
+from tests.conftest import ROOT, ULYSSE
+
+DRONE = ROOT / "experiments" / "drone" / "mission.xml"
+
+MISSION = """<mission name="m" xmlns="urn:mcpn:mission:1">
+  <robot name="r"><hardware name="motor"/><hardware name="lamp"/>
+    <activity name="go" consumes="motor"/><activity name="look" consumes="lamp"/></robot>
+  {}
+</mission>"""
+
+
+def told(text: str, tmp_path: Path) -> tuple[Findings, dict[str, tuple[str, str]]]:
+    """What is found of a mission, and the answers of its first screen by what they answer."""
+    (tmp_path / "m.xml").write_text(MISSION.format(text))
+    found = findings(compose(read_mission(tmp_path / "m.xml")))
+    every = [verdict_of_all(found.check), *story(found)]
+    return found, {answer.asked: (answer.state, answer.said) for answer in every}
+
+
+def test_a_mission_that_may_fly(tmp_path: Path) -> None:
+    _, said = told('<objective name="a" activities="go"/>', tmp_path)
+    assert said["May it fly?"] == ("holds", "Yes. All required verdicts hold.")
+    assert said["Can it succeed?"][0] == "holds"
+    assert said["What defeats it?"][1].endswith("not repaired: motor.")
+    assert said["What must hold?"][1] == "The mission states no requirements of its own."
+    assert said["What can never run?"][0] == "note"
+    assert "lamp" not in said["What defeats it?"][1]
+
+
+def test_a_requirement_that_is_violated(tmp_path: Path) -> None:
+    required = (
+        '<requirement name="never_done" description="It never ends"><absence of="success"/></requirement>'
+    )
+    _, said = told(f'{required}<objective name="a" activities="go"/>', tmp_path)
+    assert said["May it fly?"] == ("fails", "No. It does not meet what it requires: never_done.")
+    assert said["What must hold?"] == (
+        "fails",
+        "0 of 1 requirements are met; violated: 'It never ends'.",
+    )
+
+
+def test_an_end_that_is_not_safe_is_no_safe_end(tmp_path: Path) -> None:
+    """A mission that no loss of hardware endangers, and that fails where its first objective does."""
+    text = """<objective name="a" activities="wait"/>
+      <objective name="b" activities="look" failure="abort"/>"""
+    (tmp_path / "m.xml").write_text(
+        MISSION.format(text).replace("</robot>", '<activity name="wait"/></robot>')
+    )
+    found = findings(compose(read_mission(tmp_path / "m.xml")))
+    assert verdict_of_all(found.check).state == "fails"
+    answer = next(a for a in story(found) if a.asked == "What endangers the robot?")
+    assert answer.state == "fails"
+    assert answer.said == (
+        "It can come to where it can neither succeed nor be aborted, for example when mission m starts, then "
+        "objective a fails."
+    )
+    assert list(answer.chips) == ["a", "failure"]
+
+
+def test_what_is_not_confluent_is_not_proved() -> None:
+    found = findings(compose(read_mission(ROOT / "tests" / "natural" / "inspection.xml")))
+    every = {answer.asked: answer for answer in [verdict_of_all(found.check), *story(found)]}
+    assert every["May it fly?"].said.startswith("No. The reaction to an event depends on chance")
+    assert every["What is not proved?"].state == "unknown"
+    assert not every["Can it succeed?"].chips
+    page(found)
+
+
+@given(missions(max_objectives=4))
+@settings(max_examples=30)
+def test_the_run_without_failures_is_one(mission: Mission) -> None:
+    """It ends in success; nothing in it fails; where there is none, some success leads away from success."""
+    found = findings(compose(mission))
+    events = nominal_run(found)
+    if events is None:
+        return
+    assert found.controller is not None
+    assert events[0] == "MISSION_EV_START"
+    assert all(event.startswith("OBJ_") and event.endswith("_EV_OK") for event in events[1:])
+    runtime = Controller.from_document(found.controller)
+    for event in events:
+        runtime.handle(event)
+    assert runtime.outcome == "success"
+    assert found.check.verdicts["success_reachable"].holds
+
+
+def test_what_a_page_says_that_it_is_of(monkeypatch: pytest.MonkeyPatch, ulysse_findings: Findings) -> None:
+    monkeypatch.setenv(EPOCH, "86400")
+    said = {what: (value, more) for what, value, more in identity(ulysse_findings)}
+    assert said["made"][0].startswith("1970-01-02 00:00 UTC by mcpn ")
+    files = [ULYSSE, ULYSSE.parent / "robot.xml", ULYSSE.parent / "protocols.xml"]
+    digest = hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+    assert said["sources"][0] == f"SHA-256 {digest[:16]} of mission.xml, robot.xml, protocols.xml"
+    assert said["sources"][1].startswith(digest)
+    assert said["engine"][0] == "explicit"
+    assert said["proof"][0]
+    assert page(ulysse_findings) == page(ulysse_findings)  # the same, byte by byte
+    monkeypatch.setenv(EPOCH, "yesterday")
+    with pytest.raises(InputError, match="expected seconds since 1970"):
+        page(ulysse_findings)
+
+
+def test_a_wrong_date_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv(EPOCH, "1e9")
+    done = mcpn("report", ULYSSE, "-o", tmp_path / "u.html")
+    assert done.returncode == 2
+    assert EPOCH in done.stderr
+    assert not (tmp_path / "u.html").exists()
+
+
+def test_a_mission_of_no_file_has_no_sources() -> None:
+    mission = replace(read_mission(ULYSSE), source=None, robots=(), protocols=(), requirements=(), blocks=())
+    assert digest_of(mission) == ("", [])
+
+
+def test_rounds_that_say_the_same_are_one_row() -> None:
+    found = findings(compose(read_mission(DRONE)))
+    by_name = {table.name.split(":")[0]: table for table in tables(found)}
+    assert found.fmeca is not None
+    rows = by_name["FMECA"].rows
+    assert len(rows) < len(found.fmeca)
+    counted = 0
+    for row in rows:
+        several = re.fullmatch(r".*[(]all (\d+)[)]", row[1])
+        counted += int(several[1]) if several else 1
+    assert counted == len(found.fmeca)  # each is told once
+    assert any(row[0] == "stock.leave (all 3)" for row in by_name["What happens when hardware fails"].rows)
+    for table in tables(found):
+        assert table.reading.endswith(".")
+
+
+def test_rounds_that_differ_stay_apart() -> None:
+    drone = compose(read_mission(DRONE))
+    rows = [("stock_A1.leave", "no way"), ("stock_A2.leave", "no way"), ("stock_B1.leave", "")]
+    assert fold_rows(drone, rows) == rows
+    own = [(f"stock_{a}.leave", f"then stock_{a}.wait; mission lost") for a in ("A1", "A2", "B1")]
+    assert fold_rows(drone, own) == [("stock.leave (all 3)", "then stock.wait; mission lost")]
