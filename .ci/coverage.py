@@ -1,6 +1,6 @@
 """Compares the coverage of lines and branches, by room, with the figures that the repository keeps.
 
-``python .ci/coverage.py FOUND.json`` reads what ``coverage json`` wrote and prints a line for each room of
+``python .ci/coverage.py FOUND.json`` reads what ``slipcover --branch --json`` wrote and prints a line for each room of
 the package; it ends with 1 if a figure fell by more than a tenth of a percent. ``--write`` keeps the new
 figures.
 """
@@ -25,7 +25,7 @@ def by_room(found: Mapping[str, Any]) -> Figures:
     """Percent of the lines and of the branches that ran, by room.
 
     Args:
-        found: What ``coverage json --branch`` says.
+        found: What ``slipcover --branch --json`` says.
     """
     counts: dict[str, list[int]] = {}
     for name, of in found["files"].items():
@@ -34,8 +34,9 @@ def by_room(found: Mapping[str, Any]) -> Figures:
         room = inside[0] if len(inside) > 1 else "mcpn"
         said = of["summary"]
         known = counts.setdefault(room, [0, 0, 0, 0])
-        for number, key in enumerate(("covered_lines", "num_statements", "covered_branches", "num_branches")):
-            known[number] += said[key]
+        for number, of_what in enumerate(("lines", "branches")):
+            known[2 * number] += said[f"covered_{of_what}"]
+            known[2 * number + 1] += said[f"covered_{of_what}"] + said[f"missing_{of_what}"]
     return {
         room: {"lines": percent(lines, statements), "branches": percent(taken, branches)}
         for room, (lines, statements, taken, branches) in sorted(counts.items())

@@ -25,15 +25,15 @@ def script() -> ModuleType:
 
 
 def summary(*counts: int) -> dict[str, Any]:
-    keys = ("covered_lines", "num_statements", "covered_branches", "num_branches")
+    keys = ("covered_lines", "missing_lines", "covered_branches", "missing_branches")
     return {"summary": dict(zip(keys, counts, strict=True))}
 
 
 def test_figures_are_by_room(script: ModuleType) -> None:
     files = {
-        "/a/mcpn/net/petri.py": summary(3, 4, 1, 2),
-        "/a/mcpn/net/formats/pnml.py": summary(3, 4, 0, 0),
-        "/a/mcpn/face.py": summary(0, 1, 0, 0),
+        "/a/mcpn/net/petri.py": summary(3, 1, 1, 1),
+        "/a/mcpn/net/formats/pnml.py": summary(3, 1, 0, 0),
+        "/a/mcpn/study.py": summary(0, 1, 0, 0),
     }
     assert script.by_room({"files": files}) == {
         "mcpn": {"lines": 0.0, "branches": 100.0},
