@@ -30,10 +30,12 @@ class TemplateTest(pytest.Item):
     def runtest(self) -> None:
         """Looks for a mission that breaks the property."""
         from mcpn.net.templates.named import templates_named
+        from mcpn.testing.kit.properties import behaves_as
         from mcpn.testing.kit.running import ALL, broken
 
         profile = self.config.getoption("--mcpn-profile")
-        asked = {self.property: ALL[self.property]}
+        like = self.config.getoption("--mcpn-like")
+        asked = {self.property: ALL.get(self.property) or behaves_as(templates_named(like), name=like)}
         finding = broken(templates_named(self.templates), profile=profile, properties=asked)
         if finding is not None:
             raise _Broken(finding)
@@ -62,6 +64,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="Test a set of net templates with mcpn's kit; may be given several times.",
     )
     group.addoption(
+        "--mcpn-like",
+        metavar="SET",
+        help="Test besides that missions behave as with this set: paper, compact, or MODULE:NAME.",
+    )
+    group.addoption(
         "--mcpn-profile",
         default="ci",
         choices=["dev", "ci", "nightly"],
@@ -76,7 +83,7 @@ def pytest_collection_modifyitems(
     for templates in config.getoption("--mcpn-templates"):
         from mcpn.testing.kit.running import ALL
 
-        for name in ALL:
+        for name in (*ALL, *(["behaves_as"] if config.getoption("--mcpn-like") else ())):
             item = TemplateTest.from_parent(session, name=f"{templates}::{name}")
             item.templates, item.property = templates, name
             items.append(item)

@@ -53,7 +53,7 @@ class SetDifference:
 
     Args:
         events: A shortest run of events after which they do.
-        message: What differs then; ``first`` and ``second`` stand for the sets.
+        message: What differs then.
         firings: By set, what fires inside its net.
     """
 
@@ -82,6 +82,7 @@ def likeness(
     first: TemplateSet | None,
     second: TemplateSet | None,
     *,
+    names: tuple[str, str] = ("first", "second"),
     max_states: int | None = None,
 ) -> Likeness:
     """Compares two sets of templates on a mission.
@@ -93,6 +94,7 @@ def likeness(
         mission: The mission.
         first: A set; ``None`` is the paper's.
         second: The other.
+        names: What they are called where they differ.
         max_states: Limit on stable states.
 
     Raises:
@@ -107,10 +109,17 @@ def likeness(
         (None, True)
     """
     both = [(s, compose(mission, s)) for s in (first, second)]
-    return likeness_of(*(Spaces(net, templates=s) for s, net in both), max_states=max_states)
+    one, other = (Spaces(net, templates=s) for s, net in both)
+    return likeness_of(one, other, names=names, max_states=max_states)
 
 
-def likeness_of(first: Spaces, second: Spaces, *, max_states: int | None = None) -> Likeness:
+def likeness_of(
+    first: Spaces,
+    second: Spaces,
+    *,
+    names: tuple[str, str] = ("first", "second"),
+    max_states: int | None = None,
+) -> Likeness:
     """The same of spaces of one mission, composed with each set.
 
     Raises:
@@ -120,9 +129,10 @@ def likeness_of(first: Spaces, second: Spaces, *, max_states: int | None = None)
     sizes = (_sizes(first.net, one), _sizes(second.net, other))
     nets = (first.mission, second.mission)
     if isinstance(one, SemanticsError) or isinstance(other, SemanticsError):
-        return Likeness(sizes, _unlike(nets, (one, other)), isomorphic=False)
-    walk = _Walk(nets, (one, other))
-    return Likeness(sizes, walk.difference(), isomorphic=walk.one_to_one)
+        return Likeness(sizes, _unlike(names, nets, (one, other)), isomorphic=False)
+    walk = _Walk(names, nets, (one, other))
+    difference = walk.difference()
+    return Likeness(sizes, difference, isomorphic=difference is None and walk.one_to_one)
 
 
 def _listed(spaces: Spaces, max_states: int | None) -> AlternativesGraph | SemanticsError:
@@ -140,6 +150,7 @@ def _sizes(net: PetriNet, found: AlternativesGraph | SemanticsError) -> SetSizes
 
 
 def _unlike(
+    names: tuple[str, str],
     nets: tuple[MissionNet, MissionNet],
     found: tuple[AlternativesGraph | SemanticsError, AlternativesGraph | SemanticsError],
 ) -> SetDifference | None:
@@ -149,7 +160,7 @@ def _unlike(
         return None
     parts = [
         f"{name} has {'an alternatives graph' if kind is None else f'none: {each}'}"
-        for name, kind, each in zip(("first", "second"), kinds, found, strict=True)
+        for name, kind, each in zip(names, kinds, found, strict=True)
     ]
     number, error = next((i, each) for i, each in enumerate(found) if isinstance(each, SemanticsError))
     run = error.runs[0] if error.runs else ()
@@ -165,9 +176,12 @@ class _Walk:
     """The pairs of states that the same events lead to."""
 
     def __init__(
-        self, nets: tuple[MissionNet, MissionNet], graphs: tuple[AlternativesGraph, AlternativesGraph]
+        self,
+        names: tuple[str, str],
+        nets: tuple[MissionNet, MissionNet],
+        graphs: tuple[AlternativesGraph, AlternativesGraph],
     ) -> None:
-        self.nets, self.graphs = nets, graphs
+        self.names, self.nets, self.graphs = names, nets, graphs
         self.before: dict[tuple[int, int], tuple[tuple[int, int], Event] | None] = {(0, 0): None}
 
     @property
@@ -182,13 +196,12 @@ class _Walk:
         for pair in queue:  # which grows
             said = [_said(net, graph.marking(s)) for net, graph, s in self._sides(pair)]
             if said[0] != said[1]:
-                told = "; ".join(_apart(said[0], said[1]))
-                return self._after(pair, told)
+                return self._after(pair, "; ".join(self._apart(*said)))
             one, other = (self._onward(graph, s) for _, graph, s in self._sides(pair))
             if one.keys() != other.keys():
                 event = min(one.keys() ^ other.keys(), key=str)
-                which = "first" if event in one else "second"
-                return self._after(pair, f"only with {which} may {event} happen then")
+                which = self.names[event not in one]
+                return self._after(pair, f"{event} may happen with {which} alone")
             for event, after in one.items():
                 reached = after, other[event]
                 if reached not in self.before:
@@ -210,6 +223,13 @@ class _Walk:
                 raise SemanticsError(f"the event {event} fires several transitions, with different outcomes")
         return found
 
+    def _apart(self, one: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
+        for name, value in one.items():
+            if value != other[name]:
+                said = zip(self.names, (value, other[name]), strict=True)
+                both = ", ".join(f"{shown or 'none'} with {which}" for which, shown in said)
+                yield f"{name.replace('_', ' ')}: {both}"
+
     def _after(self, pair: tuple[int, int], message: str) -> SetDifference:
         events: list[Event] = []
         step = self.before[pair]
@@ -228,12 +248,6 @@ def _said(mission_net: MissionNet, marking: tuple[int, ...]) -> dict[str, Any]:
         name: sorted(value) if isinstance(value, tuple) else value
         for name, value in zip(names, astuple(told), strict=True)
     }
-
-
-def _apart(one: dict[str, Any], other: dict[str, Any]) -> Iterator[str]:
-    for name, value in one.items():
-        if value != other[name]:
-            yield f"{name.replace('_', ' ')}: {value} with first, {other[name]} with second"
 
 
 def _both_firings(nets: tuple[MissionNet, MissionNet], events: tuple[Event, ...]) -> tuple[Firings, Firings]:

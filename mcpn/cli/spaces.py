@@ -193,18 +193,38 @@ def alternatives(
     type=FILE,
     help="Write a plot of seconds, memory and nodes: .svg or .png (needs mcpn[experiments]).",
 )
+@click.option(
+    "--templates",
+    "sets",
+    nargs=2,
+    metavar="SET SET",
+    help="Compare two sets of templates on a mission, instead of engines: paper, compact, or MODULE:NAME.",
+)
 @limit_option
 @import_option
 @json_option
 def compare(
-    file: Path, plot: Path | None, max_states: int | None, import_root: Path | None, as_json: bool
+    file: Path,
+    plot: Path | None,
+    sets: tuple[str, str] | None,
+    max_states: int | None,
+    import_root: Path | None,
+    as_json: bool,
 ) -> None:
-    """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree."""
+    """Run every engine on FILE, a mission or a net, side by side; exit code 1 if they disagree.
+
+    With two sets of templates: whether the mission behaves the same with both, event by event.
+    """
     from dataclasses import asdict
 
     from mcpn.check.compare import disagreement, measure
     from mcpn.opening import open_study
 
+    if sets:
+        if plot is not None:
+            raise click.UsageError("--plot is of engines, and not of --templates")
+        _compare_sets(file, sets, max_states, import_root, as_json)
+        return
     study = open_study(file, import_root=import_root)
     subject = study.net if study.is_net else study.mission_net.mission
     if plot is not None:
@@ -233,3 +253,33 @@ def compare(
     print_comparison(found)
     if error is not None:
         raise error
+
+
+def _compare_sets(
+    file: Path, names: tuple[str, str], max_states: int | None, import_root: Path | None, as_json: bool
+) -> None:
+    from dataclasses import asdict
+
+    from mcpn.check.likeness import likeness_of
+    from mcpn.net.templates.named import templates_named
+    from mcpn.opening import open_study
+    from mcpn.report.text import print_likeness
+
+    without_threads_of_numpy()
+    sets = [templates_named(name) for name in names]
+    studies = [open_study(file, import_root=import_root, templates=templates) for templates in sets]
+    one, other = (study.spaces for study in studies)
+    found = likeness_of(one, other, names=names, max_states=max_states)
+    if as_json:
+        parted = found.difference
+        sizes = [{"templates": name} | asdict(of) for name, of in zip(names, found.sizes, strict=True)]
+        told = parted and {
+            "events": [str(event) for event in parted.events],
+            "message": parted.message,
+            "firings": parted.firings,
+        }
+        emit_json({"sets": sizes, "same": parted is None, "isomorphic": found.isomorphic, "difference": told})
+    else:
+        print_likeness(found, names, studies[0].mission_net.mission.name)
+    if found.difference is not None:
+        sys.exit(EXIT_FAILED)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from mcpn.report.terminal import Terminal
-from mcpn.report.words import in_words, modes_together, skipped_in_words
+from mcpn.report.words import in_words, modes_together, skipped_in_words, what_happens
 
 if TYPE_CHECKING:
     from mcpn.check.compare import Measurement
     from mcpn.check.engines import Choice, NoSpace
+    from mcpn.check.likeness import Likeness
     from mcpn.check.logic.questions import Answer
     from mcpn.check.logic.witness import Witness
     from mcpn.check.verdicts.mission import MissionCheck, Verdict
@@ -90,6 +92,40 @@ def print_counts(counts: Mapping[str, object]) -> None:
 def print_choice(choice: Choice | NoSpace) -> None:
     """Prints which engine answered, and why it was asked."""
     Terminal().print(str(choice), style="dim")
+
+
+def print_likeness(found: Likeness, names: tuple[str, str], mission: str) -> None:
+    """Prints how two sets of templates compare on a mission."""
+    terminal = Terminal()
+    rows: list[tuple[str, ...]] = [("templates", "places", "transitions", "stable states", "event edges")]
+    for name, sizes in zip(names, found.sizes, strict=True):
+        counts = (sizes.places, sizes.transitions, sizes.states, sizes.edges)
+        rows.append((name, *("" if count is None else str(count) for count in counts)))
+    terminal.columns(rows)
+    for line in likeness_lines(found, names, mission):
+        terminal.print(line)
+
+
+def likeness_lines(found: Likeness, names: tuple[str, str], mission: str) -> Iterator[str]:
+    """Whether two sets of templates behave the same, or a run after which they do not, side by side."""
+    parted = found.difference
+    if parted is None:
+        if found.sizes[0].reason:
+            yield f"Neither has an alternatives graph: {found.sizes[0].reason}"
+        elif found.isomorphic:
+            yield "The same happens with both: the alternatives graphs are isomorphic."
+        else:
+            yield "The same happens with both: the alternatives graphs are bisimilar."
+        return
+    yield f"They differ: {parted.message}"
+    yield "run:" if parted.events else "before anything happens"
+    for number, event in enumerate(parted.events):
+        yield f"  {number + 1}. {event}: {what_happens(event, mission)}"
+        columns = [each[number] if number < len(each) else ("not possible",) for each in parted.firings]
+        columns = [(name, *column) for name, column in zip(names, columns, strict=True)]
+        width = max(map(len, columns[0]))
+        for one, other in zip_longest(*columns, fillvalue=""):
+            yield f"       {one.ljust(width)}  {other}".rstrip()
 
 
 def print_comparison(found: Sequence[Measurement]) -> None:

@@ -19,7 +19,7 @@ from mcpn.net.templates.named import templates_named
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
 from mcpn.testing.kit.properties import PROPERTIES
-from mcpn.testing.kit.running import BrokenProperty, broken, first_broken, of_the_corpus, small_missions
+from mcpn.testing.kit.running import ALL, BrokenProperty, broken, first_broken, of_the_corpus, small_missions
 from mcpn.testing.kit.subject import Subject, Violation
 from tests.conftest import ULYSSE
 from tests.draws import fewer
@@ -229,6 +229,17 @@ def test_the_plugin_runs_the_kit(pytester: pytest.Pytester, monkeypatch: pytest.
     result = pytester.runpytest_inprocess(*options, *asked)
     result.assert_outcomes(passed=1, failed=1, deselected=2 * len(PROPERTIES))
     result.stdout.fnmatch_lines(["*hardware h0 does not hold one token*", "*<mission *", "*</mission>*"])
+    result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_the_plugin_compares_sets(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    pytester.makepyfile(mine="from tests.kit.test_kit import Forgetful as Mine\n")
+    options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev", "-k", "behaves"]
+    asked = ["--mcpn-templates", "mine:Mine", "--mcpn-templates", "compact", "--mcpn-like", "paper"]
+    result = pytester.runpytest_inprocess(*options, *asked)
+    result.assert_outcomes(passed=1, failed=1, deselected=2 * len(ALL))
+    result.stdout.fnmatch_lines(["*behaves_as is broken: They differ:*", "*these*paper*", "*<mission *"])
     result.stdout.no_fnmatch_line("*Traceback*")
 
 

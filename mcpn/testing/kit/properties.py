@@ -16,12 +16,17 @@ from typing import TypeAlias
 
 import numpy as np
 
-from mcpn.errors import ConfluenceError, DivergenceError, UnsafeError
+from mcpn.check.likeness import likeness_of
+from mcpn.check.spaces import Spaces
+from mcpn.errors import ConfluenceError, DivergenceError, SemanticsError, UnsafeError
 from mcpn.mission.flatten import ObjectivesGraph
+from mcpn.net.compose import compose
+from mcpn.net.templates import TemplateSet
+from mcpn.report.text import likeness_lines
 from mcpn.testing.kit.contract import contract_of_arcs
 from mcpn.testing.kit.promises import idle_again as idle_at_the_end
 from mcpn.testing.kit.promises import invariants_of_units, promises_at_rest
-from mcpn.testing.kit.subject import Subject, Violation
+from mcpn.testing.kit.subject import MOST_MARKINGS, Subject, Violation
 
 Property: TypeAlias = Callable[[Subject], None]
 
@@ -135,3 +140,24 @@ def no_dead_transition(of: Subject) -> None:
     dead = sorted({*range(len(of.net.transitions))} - {*fired.tolist()})
     if dead:
         raise Violation(f"never fired: {', '.join(of.net.transitions[t].name for t in dead)}")
+
+
+def behaves_as(templates: TemplateSet, *, name: str = "the others") -> Property:
+    """The property that a mission behaves as with other templates, event by event.
+
+    Args:
+        templates: The others.
+        name: What they are called where it does not.
+    """
+
+    def holds(of: Subject) -> None:
+        other = Spaces(compose(of.mission_net.mission, templates), templates=templates)
+        names = ("these", name)
+        try:
+            found = likeness_of(of.spaces, other, names=names, max_states=MOST_MARKINGS)
+        except SemanticsError as error:
+            raise Violation(str(error), error.runs, of.net) from None
+        if found.difference is not None:
+            raise Violation("\n".join(likeness_lines(found, names, of.mission_net.mission.name)))
+
+    return holds

@@ -88,6 +88,11 @@ class Subject:
         """Its net."""
         return self.mission_net.net
 
+    @property
+    def spaces(self) -> Spaces:
+        """Its spaces, built or not."""
+        return self._spaces
+
     @cached_property
     def markings(self) -> StateGraph:
         """All its markings.
