@@ -1,8 +1,8 @@
 """Answers the properties of Model Checking Contest nets, and compares with the contest's verdicts.
 
 Usage: ``python experiments/mcc_properties.py FOLDER [NET...]`` with a folder that holds ``formulas.tsv``,
-``formulas_ltl.tsv``, ``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process, 60 s and
-4 GiB of its own; with ``--file together`` all files and examinations of a net share one.
+``formulas_ltl.tsv``, ``oracles.tsv`` and ``NAME/model.pnml``. Each file of properties has a process,
+60 s of CPU time and 4 GiB of its own; with ``--file together`` all files and examinations of a net share one.
 It takes up to a minute for each file of properties.
 """
 
@@ -22,6 +22,7 @@ from pathlib import Path
 from mcpn import __version__
 
 SECONDS, GIB = 60, 4
+PATIENCE = 10  # times as long may a process take beside others
 FILES = (
     "CTLFireability",
     "CTLCardinality",
@@ -51,6 +52,7 @@ def answer_questions(folder: Path, model: str, file: str, answers: multiprocessi
     from mcpn.net.formats import read_net
 
     resource.setrlimit(resource.RLIMIT_AS, (GIB << 30, GIB << 30))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
     questions = Questions(read_net(folder / model / "model.pnml"))
     paths = [folder / model / f"{name}.xml" for name in (FILES if file == TOGETHER else (file,))]
     files = [read_properties(path, questions.names) for path in paths if path.exists()]
@@ -67,7 +69,7 @@ def run(folder: Path, model: str, file: str, used: Counter[str]) -> dict[str, st
     answers: multiprocessing.SimpleQueue = multiprocessing.SimpleQueue()
     process = multiprocessing.Process(target=answer_questions, args=(folder, model, file, answers))
     process.start()
-    process.join(SECONDS)
+    process.join(PATIENCE * SECONDS)
     if process.is_alive():
         process.kill()
         process.join()
@@ -116,7 +118,7 @@ def main() -> None:
                     asked = expected.setdefault((row["model"], row["examination"]), {})
                     asked[row["formula"]] = row["verdict"]
     machine = f"{platform.machine()}, Python {platform.python_version()}, mcpn {__version__}"
-    print(f"{machine}; {SECONDS} s and {GIB} GiB a file")
+    print(f"{machine}; {SECONDS} s of CPU time and {GIB} GiB a file")
     totals: Counter[str] = Counter()
     used: Counter[str] = Counter()
     for model in arguments.nets or sorted(oracles):

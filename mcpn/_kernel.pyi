@@ -583,6 +583,25 @@ class TokenNet:
     ) -> tuple[str, int, list[int]]:
         """Best-first search: ``reached``, ``unreachable`` or the limit hit; the markings seen; the run."""
 
+    def lasso(
+        self,
+        initial: Sequence[int],
+        goals: Goals,
+        roots: Sequence[int],
+        edges: Sequence[Sequence[tuple[Sequence[int], int, int, Sequence[int] | None, bool]]],
+        marks: int,
+        accepting_all: Sequence[bool],
+        max_steps: int,
+        max_bytes: int,
+        seed: int,
+    ) -> tuple[str, int, list[int], int | None]:
+        """A path that an automaton accepts: ``found``, ``none`` or the limit hit; pairs seen; run; cycle.
+
+        An edge of the automaton is given by the roots that hold, the bits of its marks, its target, what
+        fires (``None``: anything) and whether nothing may; it accepts every path from states of
+        ``accepting_all``.
+        """
+
 @disjoint_base
 class Checker:
     """Decides formulas of CTL at a marking, looking at no more markings than a depth-first search needs.

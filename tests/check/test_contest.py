@@ -16,9 +16,10 @@ from hypothesis import strategies as st
 
 from mcpn.check.engines import Asked
 from mcpn.check.logic.contest import read_properties
+from mcpn.check.logic.evaluate import largest
 from mcpn.check.logic.names import Names
 from mcpn.check.logic.questions import Questions
-from mcpn.check.logic.verdicts import answer_all, largest
+from mcpn.check.logic.verdicts import answer_all
 from mcpn.errors import InputError, UnboundedError
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.arrays import ArraySpace

@@ -1,5 +1,6 @@
 // The Python side of walks and searches.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -13,6 +14,7 @@
 
 #include "diagrams/store.hpp"
 #include "python/module.hpp"
+#include "search/lasso.hpp"
 #include "search/local.hpp"
 #include "search/tokens.hpp"
 
@@ -23,12 +25,16 @@ using namespace mcpn::search;
 namespace {
 
 using Given = std::tuple<std::vector<Arc>, std::vector<Arc>, std::uint16_t>;  // need, change, rank
+// Literals, marks, target, what fires (anything where it is not said), whether nothing may.
+using GivenEdge = std::tuple<std::vector<std::uint32_t>, std::uint64_t, std::uint32_t,
+                             std::optional<std::vector<Transition>>, bool>;
 using Spoken = std::tuple<std::string, std::vector<std::uint32_t>, std::vector<Arc>, Tokens>;
 
 constexpr const char* kKinds[] = {"all", "any", "at_most", "dead", "not_dead"};
 constexpr const char* kOperators[] = {"goal", "not", "all", "any", "next", "until", "always"};
 constexpr std::size_t kOperands[] = {1, 1, 0, 0, 1, 2, 1};  // 0: any number
 constexpr const char* kAnswers[] = {"no", "yes", "steps", "bytes", "tokens"};
+constexpr const char* kLassos[] = {"found", "none", "steps", "bytes", "tokens"};
 constexpr const char* kOutcomes[] = {"reached", "unreachable", "states", "bytes", "tokens"};
 
 void check(const std::vector<Arc>& arcs, std::uint32_t places) {
@@ -115,7 +121,34 @@ void bind_search(nb::module_& module) {
         });
         return std::tuple(std::string(kOutcomes[int(found.outcome)]), found.states, found.run);
       }, nb::arg("initial"), nb::arg("goals"), nb::arg("root"), nb::arg("stubborn"), nb::arg("max_states"),
-         nb::arg("max_bytes"));
+         nb::arg("max_bytes"))
+      .def("lasso", [](const TokenNet& net, const Marking& initial, const Goals& goals,
+                       const std::vector<std::uint32_t>& roots, const std::vector<std::vector<GivenEdge>>& edges,
+                       std::uint64_t marks, const std::vector<bool>& accepting_all, std::uint64_t max_steps,
+                       std::uint64_t max_bytes, std::uint64_t seed) {
+        check(initial, net);
+        for (const std::uint32_t root : roots)
+          if (root >= goals.nodes.size()) throw std::invalid_argument("no such goal");
+        if (edges.empty() || edges.size() != accepting_all.size())
+          throw std::invalid_argument("an automaton without states, or not told of each what it accepts");
+        Automaton automaton{{}, marks, accepting_all};
+        for (const auto& of : edges) {
+          auto& told = automaton.edges.emplace_back();
+          for (const auto& [literals, bears, target, fired, rests] : of) {
+            if (target >= edges.size()) throw std::invalid_argument("no such state of the automaton");
+            for (const std::uint32_t literal : literals)
+              if (literal >= roots.size()) throw std::invalid_argument("no such literal");
+            AutomatonEdge edge{literals, bears & marks, target, !fired, rests, fired.value_or(std::vector<Transition>{})};
+            std::sort(edge.fired.begin(), edge.fired.end());
+            told.push_back(std::move(edge));
+          }
+        }
+        const Lasso found = run([&](const GoOn& go_on) {
+          return find_lasso(net, initial, goals, roots, automaton, {max_steps, max_bytes, seed}, go_on);
+        });
+        return std::tuple(std::string(kLassos[int(found.outcome)]), found.states, found.run, found.cycle);
+      }, nb::arg("initial"), nb::arg("goals"), nb::arg("roots"), nb::arg("edges"), nb::arg("marks"),
+         nb::arg("accepting_all"), nb::arg("max_steps"), nb::arg("max_bytes"), nb::arg("seed"));
 
   nb::class_<Checker>(module, "Checker")
       .def("__init__", [](Checker* self, const TokenNet& net, const Marking& initial, const Goals& goals,

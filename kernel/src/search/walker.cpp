@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "diagrams/store.hpp"
+#include "search/draw.hpp"
 #include "search/tokens.hpp"
 
 namespace mcpn::search {
@@ -10,22 +11,6 @@ namespace {
 
 constexpr std::uint32_t kSampled = 48, kSampledDead = 16;  // enabled transitions that a guided step compares
 enum Mode { random, guided, ordered, counted };
-
-// xorshift64*: Vigna, An experimental exploration of Marsaglia's xorshift generators, 2016.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 0x2545F4914F6CDD1Dull) {}
-  std::uint64_t next() {
-    state_ ^= state_ >> 12;
-    state_ ^= state_ << 25;
-    state_ ^= state_ >> 27;
-    return state_ * 0x2545F4914F6CDD1Dull;
-  }
-  std::uint32_t below(std::uint64_t count) { return std::uint32_t((next() >> 32) * count >> 32); }
-
- private:
-  std::uint64_t state_;
-};
 
 // A marking that is changed in place, with the transitions that it enables and the sums that goals ask for.
 class Walker {

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property, reduce
 from itertools import count
 from operator import and_, or_
-from typing import TYPE_CHECKING, Generic
+from typing import TYPE_CHECKING, Any, Generic
 
 from mcpn.check.logic.formulas import EG, EU, EX, Justice
 from mcpn.check.paths.formulas import SomePath
@@ -197,3 +197,25 @@ def _effort(formula: Formula) -> int:
     """How much a formula takes: operators that need a fixpoint count most."""
     costs: dict[type, int] = {SomePath: 1000, EG: 100, EU: 10, EX: 10}
     return sum(costs.get(type(inside), 1) for inside in formula.walk())
+
+
+def largest(space: Space[Any], weights: dict[int, int]) -> int:
+    """The largest weighted sum of tokens in a state of a space; weights are not negative."""
+    from mcpn.space.arrays import ArraySpace
+    from mcpn.space.diagrams.spaces import DiagramMarkings
+
+    if isinstance(space, DiagramMarkings):  # in one pass over the diagram
+        levels, always = space.encoding.weigh(weights)
+        return space.everything.largest(levels) + always
+    if isinstance(space, ArraySpace):
+        return int(space.graph.tokens(weights).max())
+    low, high = 0, sum(weights.values())
+    while space.everything - space.at_most(weights, high):
+        low, high = high + 1, 2 * high + 1
+    while low < high:
+        middle = (low + high) // 2
+        if space.everything - space.at_most(weights, middle):
+            low = middle + 1
+        else:
+            high = middle
+    return low

@@ -18,9 +18,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from mcpn.check.paths.formulas import Next, Release, SomePath, Until, is_of_paths, normal
+from mcpn.check.paths.formulas import Next, Release, SomePath, Until, always, is_of_paths, normal
 from mcpn.errors import LimitError
-from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or
+from mcpn.net.petri import PetriNet
+from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, AtMost, Formula, Not, Operator, Or, as_goal
 
 MAX_SIZE = 50_000
 
@@ -131,6 +132,41 @@ def _some(formula: Formula) -> Formula:
         case Release((left, right)) if not is_of_paths(right):
             return Or(EU(right, And(right, _some(left))), EG(right)) if left != FALSE else EG(right)
     return SomePath(formula)
+
+
+def on_one_path(part: Formula, net: PetriNet) -> Formula | None:
+    """What a part of a formula says of some path from a state; ``None`` where it says more than that.
+
+    Args:
+        part: A formula on states, which some path from there decides if it is true.
+        net: Whose markings are the states.
+    """
+
+    def of_state(formula: Formula) -> bool:
+        return as_goal(formula, net) is not None
+
+    if of_state(part):
+        return part
+    match part:
+        case SomePath((path,)):
+            return path
+        case EX((operand,)):
+            after = on_one_path(operand, net)
+            return None if after is None else And(Not(DEADLOCK), Next(after))
+        case EU((left, right)) if of_state(left):
+            reached = on_one_path(right, net)
+            return None if reached is None else Until(left, reached)
+        case EG((operand,)) if of_state(operand):
+            return always(operand)
+        case Or(operands):
+            found = [on_one_path(operand, net) for operand in operands]
+            parts = [each for each in found if each is not None]
+            return Or(*parts) if len(parts) == len(found) else None
+        case And(operands) if sum(not of_state(operand) for operand in operands) == 1:
+            found = [on_one_path(operand, net) for operand in operands]
+            parts = [each for each in found if each is not None]
+            return And(*parts) if len(parts) == len(found) else None
+    return None
 
 
 def within_limit(formula: Formula) -> Formula:

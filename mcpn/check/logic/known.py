@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from mcpn.check.logic.formulas import EU
 from mcpn.check.logic.names import Names
@@ -15,6 +16,9 @@ from mcpn.net.petri import EVENTS, Marking, PetriNet
 from mcpn.space.algebra import Edge
 from mcpn.space.run import Completion
 from mcpn.space.search.goal import DEADLOCK, FALSE, TRUE, And, Formula, Goal, as_goal, calm, holds
+
+if TYPE_CHECKING:
+    from mcpn.check.paths.search import FoundPath
 
 SOME_DEADLOCK = EU(TRUE, DEADLOCK)
 
@@ -44,12 +48,14 @@ class Known:
     Attributes:
         values: By part of a simplified formula its value at the initial state.
         runs: By part that begins with ``EF`` and holds the transitions of a run to where its operand holds.
+        paths: By part that asks for some path and holds such a path.
     """
 
     def __init__(self, net: PetriNet, *, settled: bool) -> None:
         self.net, self.settled = net, settled
         self.values: dict[Formula, bool] = {}
         self.runs: dict[Formula, tuple[int, ...]] = {}
+        self.paths: dict[Formula, FoundPath] = {}
         self._simple: dict[Formula, Formula] = {}
 
     @cached_property
@@ -165,3 +171,12 @@ class _ByRuns(Explanation):
 
     def show_path(self, formula: SomePath) -> None:
         raise NoRun
+
+    def explain(self, formula: Formula, holds: bool) -> None:
+        found = self.known.paths.get(self.known.simple(formula)) if holds else None
+        if found is None or self.witness.steps:
+            super().explain(formula, holds)
+            return
+        self.note("along this run", formula)
+        self._fire(found.run)
+        self.show_rest(found.cycle, decided=bool(self.known.net.enabled(self.witness.end)))

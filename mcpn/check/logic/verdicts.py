@@ -16,17 +16,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import chain, count
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from mcpn._kernel import Store
 from mcpn.check.engines import Asked, Choice, NoSpace
-from mcpn.check.logic.formulas import EX, says_paths
+from mcpn.check.logic.evaluate import largest
+from mcpn.check.logic.formulas import EX, on_one_path, says_paths
 from mcpn.check.logic.known import SOME_DEADLOCK, Known
 from mcpn.check.logic.questions import Answer, Questions
 from mcpn.check.logic.simplify import at_first, parts_at_first
 from mcpn.check.logic.witness import NoRun, Witness, explain
 from mcpn.errors import InputError, LimitError, McpnError
-from mcpn.space.algebra import Space
 from mcpn.space.diagrams.spaces import DiagramAlternatives, DiagramMarkings
 from mcpn.space.search.goal import FALSE, TRUE, Formula
 from mcpn.steps import Doing, step
@@ -34,6 +34,7 @@ from mcpn.steps import Doing, step
 if TYPE_CHECKING:
     from mcpn.check.logic.contest import Property
     from mcpn.check.logic.local import LocalCheck
+    from mcpn.check.paths.parts import PathParts
     from mcpn.space.search.portfolio import Round
 
 # What searches is loaded when something is searched.
@@ -47,6 +48,8 @@ EFFORT_OF_LIVENESS = 30
 """As many operators a formula has that takes about as long: closures to and fro."""
 LOCAL_STEPS = (20_000, 200_000, 1_000_000, 5_000_000, 25_000_000, 125_000_000)
 """For each part of a formula: two rounds before the space is built, the others between rounds of slices."""
+SEARCHES = 2
+"""How many long searches for paths there are before a space that is not soon made."""
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,8 @@ class _Answers:
         self.ways: dict[str, dict[str, None]] = {name: {} for name in waiting}  # that decided parts of it
         self.known = Known(self.net, settled=questions.on == "alternatives")
         self.local: LocalCheck | None = None
-        self.rounds = 0
+        self.paths: PathParts | None = None
+        self.rounds = self.searches = 0
 
     def all(self) -> Iterator[ContestAnswer]:
         """Asks one way after the other; where there is a space, in turns with markings as they are needed."""
@@ -156,6 +160,12 @@ class _Answers:
             if not questions.small:
                 yield from self.by_search(short=self.net.priorities)
             yield from self.by_need(LOCAL_STEPS[1], searched=False)
+            if not (self.typed or questions.made):
+                yield from self.by_paths(LOCAL_STEPS[0])
+                yield from self.by_paths(LOCAL_STEPS[1], enrich=True)
+                for _ in range(SEARCHES):
+                    if not questions.brief():
+                        yield from self.by_paths(LOCAL_STEPS[2])
         try:
             yield from self.one_safe()
             if self.waiting and isinstance(questions.space, DiagramMarkings | DiagramAlternatives):
@@ -165,6 +175,8 @@ class _Answers:
                 yield from self.by_search()
             for steps in LOCAL_STEPS[2:] if questions.searchable else ():
                 yield from self.by_need(steps, runs=True)
+            for steps in LOCAL_STEPS[2:4]:
+                yield from self.by_paths(steps, enrich=True)
             if self.waiting:
                 raise
         for number in count():
@@ -177,11 +189,13 @@ class _Answers:
             if not self.waiting:
                 return
             yield from self.by_need(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)])
+            yield from self.by_paths(LOCAL_STEPS[min(2 + number, len(LOCAL_STEPS) - 1)], enrich=True)
 
     def shown(self, formula: Formula, holds: bool, ways: Sequence[str]) -> tuple[Witness, Choice | NoSpace]:
         """The run that shows the value of a formula, and who has answered."""
         questions = self.questions
-        if not questions.made:
+        parts = parts_at_first(self.known.simple(formula)) if self.known.paths else []
+        if not questions.made or any(part in self.known.paths for part in parts):
             told = ", ".join(way.lower().replace("_", " ") for way in ways)
             choice = NoSpace(f"no space was needed ({told})")
             try:
@@ -307,6 +321,32 @@ class _Answers:
                 yield from self.learn(part, value, EXPLICIT)
         self.rounds += 1
 
+    def by_paths(self, steps: int, *, enrich: bool = False) -> Iterator[ContestAnswer]:
+        """Looks for paths that parts ask for, marking by marking, so many steps for each part.
+
+        Args:
+            steps: How many.
+            enrich: Whether to ask first what holds always, or never.
+        """
+        parts = [part for part in self.parts() if says_paths(part)]
+        if not parts or not self.questions.searchable or self.net.priorities:
+            return
+        if self.paths is None:
+            from mcpn.check.paths.parts import PathParts
+
+            self.paths = PathParts(self.net)
+        self.searches += 1
+        for part in parts:
+            path = on_one_path(part, self.net)
+            if path is None:
+                continue
+            found = self.paths.decide(path, steps, self.searches, enrich=enrich)
+            if found is None or found.outcome not in ("found", "none"):
+                continue
+            if found.outcome == "found":
+                self.known.paths[part] = found
+            yield from self.learn(part, found.outcome == "found", EXPLICIT)
+
     def by_space(self, name: str) -> int:
         """The answer by the space: a truth value or a number."""
         # A typed formula is asked as it was written: so is the run that shows it.
@@ -353,24 +393,3 @@ def _effort(meaning: Meaning) -> int:
     if isinstance(meaning, Formula):
         return sum(1 for _ in meaning.walk())
     return EFFORT_OF_LIVENESS if meaning == "Liveness" else 0
-
-
-def largest(space: Space[Any], weights: dict[int, int]) -> int:
-    """The largest weighted sum of tokens in a state of a space; weights are not negative."""
-    if isinstance(space, DiagramMarkings):  # in one pass over the diagram
-        levels, always = space.encoding.weigh(weights)
-        return space.everything.largest(levels) + always
-    from mcpn.space.arrays import ArraySpace
-
-    if isinstance(space, ArraySpace):
-        return int(space.graph.tokens(weights).max())
-    low, high = 0, sum(weights.values())
-    while space.everything - space.at_most(weights, high):
-        low, high = high + 1, 2 * high + 1
-    while low < high:
-        middle = (low + high) // 2
-        if space.everything - space.at_most(weights, middle):
-            low = middle + 1
-        else:
-            high = middle
-    return low

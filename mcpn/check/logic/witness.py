@@ -221,6 +221,13 @@ class Explanation(ABC):
         """Says what the run shows at its last state."""
         self.witness.shown.append(Note(len(self.witness.steps), where, formula, reason))
 
+    def show_rest(self, cycle: int | None, *, decided: bool) -> None:
+        """Says how the path goes on whose first steps the run ends with."""
+        self.witness.cycle, self.witness.decided = cycle, decided and cycle is None
+        if cycle is None:
+            end = "decides it: nothing that comes later changes that" if decided else "ends: nothing may fire"
+            self.witness.shown.append(f"here the run {end}")
+
 
 class _InSpace(Explanation, Generic[S]):
     def __init__(self, evaluation: Evaluation[S], witness: Witness) -> None:
@@ -275,7 +282,7 @@ class _InSpace(Explanation, Generic[S]):
                 return
             seen[here] = len(self.witness.steps)
             if not self.go(inside):
-                self.witness.shown.append("here the run ends: nothing may fire")
+                self.show_rest(None, decided=False)
                 return
         self.witness.cycle = seen[here]
 
@@ -286,13 +293,7 @@ class _InSpace(Explanation, Generic[S]):
         begin = len(self.witness.steps)
         lasso = Lasso(self.evaluation.product(formula), self.witness.end)
         self.witness.steps += lasso.steps
-        if lasso.cycle is not None:
-            self.witness.cycle = begin + lasso.cycle
-        elif lasso.decided:
-            self.witness.decided = True
-            self.witness.shown.append("here the run decides it: nothing that comes later changes that")
-        else:
-            self.witness.shown.append("here the run ends: nothing may fire")
+        self.show_rest(None if lasso.cycle is None else begin + lasso.cycle, decided=lasso.decided)
 
     def go_round(self, hull: S) -> None:
         """Appends a cycle that meets every constraint, further on where none leads back to where it began."""

@@ -176,7 +176,8 @@ class Product(Generic[S]):
         goal = {e.source: fair[e.source] for e in inside if e.source in fair}
         found = self.reaching(goal, within, inside)
         for edge in self.edges:
-            if edge.target in found and edge.transitions is None and edge.rests:
+            into_one = edge.target in everything and edge.source not in everything
+            if into_one and edge.target in found and edge.transitions is None and edge.rests:
                 before = self.back(edge, found[edge.target]) & within.get(edge.source, self.space.nothing)
                 found[edge.source] = found.get(edge.source, self.space.nothing) | before
         return found

@@ -8,12 +8,17 @@ from hypothesis import assume, event, given
 from hypothesis import strategies as st
 
 from mcpn.check.logic.evaluate import Evaluation
-from mcpn.check.logic.formulas import Justice, every_path, some_path
+from mcpn.check.logic.formulas import Justice, every_path, on_one_path, says_paths, some_path
+from mcpn.check.logic.known import Known
 from mcpn.check.logic.names import Names
-from mcpn.check.logic.syntax import parse
+from mcpn.check.logic.questions import Questions
+from mcpn.check.logic.syntax import parse, parse_open
 from mcpn.check.logic.witness import explain
 from mcpn.check.logic.writing import show
+from mcpn.check.paths.automaton import translated
 from mcpn.check.paths.formulas import SomePath, is_of_paths, normal
+from mcpn.check.paths.parts import PathParts
+from mcpn.check.paths.search import PathSearch
 from mcpn.net.petri import Marking, NetBuilder, PetriNet
 from mcpn.space.algebra import Space
 from mcpn.space.arrays import ArraySpace
@@ -157,3 +162,95 @@ def test_what_is_shown_of_paths_reads_back(data: st.DataObject) -> None:
         event(f"on paths: {is_of_paths(path)}")
         for space in spaces(net) if reachable(net)[2] else ():
             assert satisfy(Evaluation(space), again) == satisfy(Evaluation(space), formula)
+
+
+@given(NETS, st.data())
+def test_a_search_finds_what_tableaux_find(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    for written in data.draw(st.lists(tableau.formulas(*names(net), of_ctl=False), min_size=2, max_size=2)):
+        if not fits(written, edges):
+            continue
+        expected = net.initial in tableau.satisfying(written, net, edges)
+        search = PathSearch(net, translated(normal(tableau.read(written, net))))
+        assert search.fits
+        for seed in range(3):
+            found = search.search(100_000, seed)
+            assert found.outcome == ("found" if expected else "none")
+            if not expected:
+                continue
+            marking, run = net.initial, list[tuple[Marking, int | None]]()
+            for t in found.run:
+                assert t in net.enabled(marking)
+                run.append((marking, t))
+                marking = net.fire(marking, t)
+            event(f"repeats: {found.cycle is not None}")
+            if found.cycle is not None:
+                assert marking == run[found.cycle][0]
+                assert tableau.on_lasso(written, net, edges, run, found.cycle)
+            for choice in range(3) if found.cycle is None else ():
+                further, begin = gone_on(net, marking, choice)
+                assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+
+
+def test_a_search_for_paths_says_which_limit_it_hit() -> None:
+    builder = NetBuilder("counter")
+    for bit in range(20):
+        builder.place(f"off{bit}", initial=1)
+        builder.place(f"on{bit}")
+        builder.transition(f"up{bit}", consume=[f"off{bit}"], produce=[f"on{bit}"])
+        builder.transition(f"down{bit}", consume=[f"on{bit}"], produce=[f"off{bit}"])
+    net = builder.build()
+    formula = parse_open("(F G tokens(on0, off0) = 2) & F (on1 & X on2)", Names(net))
+    search = PathSearch(net, translated(normal(formula)))
+    assert search.search(1_000, 0).outcome == "steps"
+    assert search.search(10_000_000, 0, max_bytes=1 << 20).outcome == "bytes"
+    grows = NetBuilder("grows")
+    grows.place("heap")
+    grows.transition("more", produce=["heap"])
+    automaton = translated(normal(parse_open("G F !heap", Names(grows.build()))))
+    assert PathSearch(grows.build(), automaton).search(10**9, 0, max_bytes=1 << 20).outcome == "bytes"
+
+
+@given(NETS, st.data())
+def test_parts_of_formulas_are_decided_marking_by_marking(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    written = data.draw(tableau.formulas(*names(net), of_ctl=False))
+    if not fits(written, edges):
+        return
+    expected = net.initial in tableau.satisfying(written, net, edges)
+    formula = some_path(tableau.read(written, net))
+    known = Known(net, settled=False)
+    parts = PathParts(net)
+    path = on_one_path(formula, net)
+    event(f"read as one path: {path is not None}; needs an automaton: {says_paths(formula)}")
+    if path is None:
+        return
+    for of in (formula, known.simple(formula)):
+        for enrich in (False, True):
+            path = on_one_path(of, net)
+            assert path is not None
+            found = parts.decide(path, 100_000, 1, enrich=enrich)
+            assert found is not None
+            assert found.outcome == ("found" if expected else "none")
+
+
+def test_a_path_is_shown_where_there_is_no_space() -> None:
+    builder = NetBuilder("grows")
+    for name, tokens in (("a", 1), ("b", 0), ("heap", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("ab", consume=["a"], produce=["b"])
+    builder.transition("ba", consume=["b"], produce=["a"])
+    builder.transition("more", consume=["a"], produce=["a", "heap"])
+    net = builder.build()
+    fails = Questions(net, max_states=1_000).answer("(F G a) | F G (b | heap)")
+    assert not fails.holds
+    witness = fails.witness
+    assert witness.cycle is not None
+    assert {net.transitions[t].name for t in witness.repeated} == {"ab", "ba"}
+    decided = Questions(net, max_states=1_000).answer("G (a & X b -> X X b)")
+    *_, first, last = [net.transitions[t].name for t in decided.witness.firings]
+    assert (first, last) == ("ab", "ba")
+    assert decided.witness.decided
+    assert any("decides it" in note for note in decided.witness.notes)
