@@ -89,6 +89,6 @@ def test_what_is_not_decided_is_not_said_to_fail(contended: Path) -> None:
     assert all("the mission is not confluent" in reason for reason in found["undecided"].values())
     run = mcpn("check", contended, "--engine", "local")
     assert run.returncode == 1
-    fails, undecided = run.stdout.splitlines()[-2:]
+    fails, undecided = run.stdout.splitlines()[1:3]
     assert fails == "verdicts fail: confluent"
     assert undecided.startswith("not decided: safe, bounded, deadlock_free, success_reachable, ")

@@ -128,7 +128,8 @@ def causes(
         return
     terminal.print_causes(found)
     if rows:
-        terminal.print_fmeca([r for r in rows if not objectives or r.objective in objectives], classes)
+        asked = [row for row in rows if not objectives or row.objective in objectives]
+        terminal.print_fmeca(asked, found.mission_net, classes)
     if numbers is not None:
         terminal.print_risk(numbers)
     print_choice(every.choice)

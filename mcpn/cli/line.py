@@ -15,7 +15,7 @@ import click
 from mcpn import __version__
 from mcpn.cli.shared import EXIT_BAD_INPUT, EXIT_FAILED, emit_json, json_asked
 from mcpn.errors import ConfluenceError, InputError, McpnError, SemanticsError
-from mcpn.report.terminal import plain
+from mcpn.report.terminal import LEAST_WIDTH, WIDTH, plain
 
 TRACEBACK = "MCPN_TRACEBACK"
 """Variable of the environment that shows where an internal error comes from."""
@@ -84,8 +84,15 @@ class _CommandLine(click.Group):
 
 @click.group(cls=_CommandLine, commands=_Commands(), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mcpn")
-def command_line() -> None:
+@click.option(
+    "--width",
+    type=click.IntRange(LEAST_WIDTH, 10_000),
+    help="Characters of a line (default: the terminal's; in a pipe lines are whole).",
+)
+@click.pass_context
+def command_line(context: click.Context, width: int | None) -> None:
     """Verify robot missions and generate their controllers."""
+    context.meta[WIDTH] = width
 
 
 def run(arguments: Sequence[str] | None = None) -> int:

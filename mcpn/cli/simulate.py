@@ -23,7 +23,13 @@ if TYPE_CHECKING:
     help="Replay a file: what check and causes print as a run, JSON, or a journal of the runtime.",
 )
 @click.option("--tokens", is_flag=True, help="Fire the transitions of the net one by one, internal ones too.")
-@click.option("--random", "steps", type=click.IntRange(min=0), help="Take this number of steps at random.")
+@click.option(
+    "--random",
+    "steps",
+    type=click.IntRange(min=0),
+    help="Take this number of steps at random: events by the rates of the mission, successes ten times as "
+    "often as failures where it gives none.",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the steps at random.")
 @limit_option
 @import_option
@@ -85,9 +91,11 @@ def _play_events(
     as_json: bool,
 ) -> None:
     from mcpn.cli.play.events import EventSession
+    from mcpn.controller.chance import drawn_event, likelihood
     from mcpn.controller.simulator import MAX_VISITED, Simulation
 
     simulation = Simulation(study.mission_net, max_states or MAX_VISITED)
+    weight = likelihood(study.mission_net)
     session = EventSession(simulation, quiet=as_json)
     if events is not None:
         session.replay(events)
@@ -95,7 +103,7 @@ def _play_events(
         possible = simulation.possible
         if not possible or simulation.situation.outcome:
             break
-        session.take(rng.choice(possible))
+        session.take(drawn_event(possible, weight, rng))
     if events is None and steps is None:
         session.prompt()
     elif not as_json:

@@ -1,4 +1,4 @@
-"""What a person sees while a mission is played: plain lines of 80 columns, the same in a pipe."""
+"""What a person sees while a mission is played: plain lines, in a pipe of 80 columns."""
 
 from __future__ import annotations
 
@@ -10,10 +10,17 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import VERBS, PlannedAction
 from mcpn.controller.simulator import Change, Simulation, resources
 from mcpn.net.compose import MissionNet
-from mcpn.report.words import event_in_words
+from mcpn.net.events import Event
+from mcpn.report.terminal import Terminal
+from mcpn.report.words import event_in_words, what_happens
 
 WIDTH = 80
+"""Of lines, where nobody has said another width."""
 INDENT = 12
+
+
+def _width() -> int:
+    return Terminal().width or WIDTH
 
 
 def state_lines(simulation: Simulation) -> Iterator[str]:
@@ -28,8 +35,17 @@ def state_lines(simulation: Simulation) -> Iterator[str]:
             yield from _wrapped(head, ("; " if head == "resources" else ", ").join(items))
     if not simulation.possible:
         yield "no event is possible"
+    mission = simulation.mission_net.mission.name
     for number, event in enumerate(simulation.possible, 1):
-        yield f"{number:4}  {event}"
+        yield from _event_line(number, event, mission)
+
+
+def _event_line(number: int, event: Event, mission: str) -> list[str]:
+    """What may happen, in words, its identifier beside it: below it where they have no room in one line."""
+    words = f"{number:4}  {what_happens(event, mission)}  [{event}]"
+    return textwrap.wrap(
+        words, _width(), subsequent_indent=" " * 6, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def _facts(simulation: Simulation, now: Situation) -> Iterator[tuple[str, list[str]]]:
@@ -53,7 +69,7 @@ def change_lines(change: Change, mission_net: MissionNet) -> Iterator[str]:
     ]
     if failing:
         words = f"{words}; {', '.join(failing)} can only fail now"
-    yield from textwrap.wrap(words, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    yield from textwrap.wrap(words, _width(), subsequent_indent="  ", break_on_hyphens=False)
     for verb in VERBS:
         items = [_item(action) for action in change.actions if action.verb == verb]
         if items:
@@ -68,7 +84,7 @@ def _item(action: PlannedAction) -> str:
 def _wrapped(head: str, text: str) -> list[str]:
     return textwrap.wrap(
         f"{head:{INDENT}}{text}",
-        WIDTH,
+        _width(),
         subsequent_indent=" " * INDENT,
         break_long_words=False,
         break_on_hyphens=False,

@@ -2,7 +2,8 @@
 
 Texts are shown as they are, markup included. Where a person watches, lines are wrapped between words at the
 terminal's width and have colours, unless the environment sets ``NO_COLOR``; in a pipe or a file they are
-whole and plain, so that other programs find names in them. ``COLUMNS`` in the environment sets the width.
+whole and plain, so that other programs find names in them. ``mcpn --width N``, or
+``COLUMNS`` in the environment, sets the width.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from collections.abc import Sequence
 import click
 
 LEAST_WIDTH = 40
+WIDTH = "mcpn.width"
+"""What the context of a command calls the width that was asked for."""
 
 
 def plain(text: str) -> str:
@@ -32,6 +35,12 @@ def _decorated() -> bool:
     """Whether standard output is a terminal on which colours are wanted."""
     wanted = not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
     return wanted and sys.stdout is not None and sys.stdout.isatty()
+
+
+def _asked() -> int | None:
+    """How many characters a line is to have, where the command line says so."""
+    context = click.get_current_context(silent=True)
+    return None if context is None else context.meta.get(WIDTH)
 
 
 def _width() -> int:
@@ -63,7 +72,7 @@ class Terminal:
         self.colour = _decorated()
         self.watched = sys.stdout is not None and sys.stdout.isatty()
         bounded = self.watched or "COLUMNS" in os.environ
-        self.width = _width() if bounded else None
+        self.width = _asked() or (_width() if bounded else None)
 
     def print(self, text: str = "", *, style: str | None = None, indent: int = 0, hang: int = 2) -> None:
         """Prints a text, wrapped between words; names are never broken.

@@ -289,6 +289,7 @@ def print_check(
     """
     terminal = Terminal()
     terminal.print(f"mission {check.mission_net.mission.name}", style="bold")
+    _print_summary(terminal, check)
     terminal.print()
     for name in (*SENTENCES, *(name for name in check.verdicts if name not in SENTENCES)):
         if name in check.verdicts:
@@ -307,6 +308,13 @@ def print_check(
 
         terminal.print(f"controller: {foreseen(composite)}", style="dim")
     print_choice(check.choice)
+    if strict and (warned := len(check.warnings)):
+        several = "s" if warned > 1 else ""
+        terminal.print(f"{warned} warning{several}, and none is allowed (--strict)", style="red")
+
+
+def _print_summary(terminal: Terminal, check: MissionCheck) -> None:
+    """What whoever reads one line reads: whether all that is required holds."""
     if check.passed:
         asked, met = check.requirements, sum(bool(answer.met) for answer in check.requirements)
         counted = f", and {met} of {len(asked)} requirements are met" if asked else ""
@@ -318,9 +326,6 @@ def print_check(
             terminal.print(f"not decided: {', '.join(check.undecided)}", style="yellow")
         if check.violated:
             terminal.print(f"requirements violated: {', '.join(check.violated)}", style="red")
-    if strict and (warned := len(check.warnings)):
-        several = "s" if warned > 1 else ""
-        terminal.print(f"{warned} warning{several}, and none is allowed (--strict)", style="red")
 
 
 def _sizes(check: MissionCheck, seconds: float) -> str:

@@ -6,6 +6,7 @@ import fcntl
 import logging
 import os
 import pty
+import re
 import struct
 import subprocess
 import sys
@@ -27,8 +28,8 @@ from mcpn.report.words import modes_in_words
 from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.section_type import SectionType
 from mcpn.steps import Doing, WorkStep, step
-from tests.commands import mcpn
-from tests.conftest import ULYSSE
+from tests.commands import mcpn, output
+from tests.conftest import ROOT, ULYSSE
 
 WORDS = st.lists(st.text(st.characters(codec="utf-8"), max_size=30), max_size=20).map(" ".join)
 
@@ -222,3 +223,40 @@ def test_a_report_tells_how_far_each_step_is(monkeypatch: pytest.MonkeyPatch) ->
     findings(compose(read_mission(ULYSSE)), "local", None, steps)
     assert {name for name, _, _ in told} == {"verdicts", "local graphs"}
     assert all(0 <= done <= total for _, done, total in told)
+
+
+def test_a_width_is_asked_for() -> None:
+    """Every command keeps to it; names are never broken."""
+    for command in (["check", str(ULYSSE)], ["simulate", str(ULYSSE), "--random", "3"]):
+        narrow, wide = (mcpn("--width", width, *command).stdout for width in ("60", "200"))
+        assert any(60 < len(line) <= 200 for line in wide.splitlines())
+        names = [line for line in narrow.splitlines() if len(line) > 60]
+        assert all(" " not in line.strip() for line in names)
+        words = ([w.strip("()") for w in re.sub(r"[0-9.]+ s\n", "", text).split()] for text in (narrow, wide))
+        assert next(words) == next(words)
+    assert mcpn("--width", "3", "check", ULYSSE).returncode == 2
+
+
+def test_the_summary_stands_first() -> None:
+    lines = mcpn("check", ULYSSE).stdout.splitlines()
+    assert lines[:2] == ["mission ulysse", "all required verdicts hold, and 5 of 6 requirements are met"]
+
+
+def test_rounds_are_folded_in_causes() -> None:
+    """Each objective of the drone stands in what is printed, by itself or among its rounds."""
+    text = mcpn("causes", ROOT / "experiments" / "drone" / "mission.xml").stdout
+    assert "stock.leave (all 3)" in text
+    assert "stock_A1.leave, stock_A2.leave" not in text
+    assert "during stock.film (all 3)" in text
+
+
+def test_events_are_listed_in_words_with_their_identifiers() -> None:
+    lines = mcpn("simulate", ULYSSE, "--random", 0).stdout.splitlines()
+    assert any(re.fullmatch(r" +[0-9]  mission ulysse starts  .MISSION_EV_START.", line) for line in lines)
+    assert any(re.fullmatch(r" +[0-9]  GPS_sensor fails  .GPS_sensor_EV_OOS.", line) for line in lines)
+
+
+def test_a_walk_at_random_starts_and_mostly_succeeds() -> None:
+    ends = [output("simulate", ULYSSE, "--random", 60, "--seed", seed) for seed in range(5)]
+    assert all(end["steps"][0]["event"] == "MISSION_EV_START" or len(end["steps"]) > 1 for end in ends)
+    assert sum(end["outcome"] == "success" for end in ends) >= 2

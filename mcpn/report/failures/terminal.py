@@ -15,7 +15,7 @@ from mcpn.report.failures.sentences import condition, headlines, risk_counts, su
 from mcpn.report.failures.tables import STANDARD, Classes, fmeca_rows
 from mcpn.report.terminal import Terminal
 from mcpn.report.text import print_counts, print_steps
-from mcpn.report.words import in_words, what_happens
+from mcpn.report.words import folded, in_words, what_happens
 from mcpn.sentences import enumeration
 from mcpn.space.run import Run
 
@@ -28,20 +28,20 @@ AFTER = "critical events: after them nothing but repair can help"
 
 def print_causes(causes: Causes) -> None:
     """Prints conditions of failure, what is survived, runs to failure, and critical events."""
-    terminal = Terminal()
+    terminal, mission_net = Terminal(), causes.mission_net
     for told in headlines(causes):
         terminal.print(told, style="bold")
     shared: dict[tuple[CutSet, ...], list[str]] = {}
     for name, goal in causes.objectives.items():
         shared.setdefault(tuple(goal.cut_sets), []).append(name)
     for cut_sets, names in shared.items():
-        told = condition(", ".join(names), cut_sets)
+        told = condition(", ".join(folded(mission_net, names)), cut_sets)
         if len(names) > 1:
             told = told.replace(" fails if ", " fail if ")
         terminal.print(told, indent=2)
     terminal.print()
     _print_survival(terminal, causes.survival)
-    safety, mission_net = causes.safety, causes.mission_net
+    safety = causes.safety
     ends = [("failure" if safety is None else "no success", causes.mission)]
     ends += [] if safety is None else [("no safe end", safety)]
     for end, goal in ends:
@@ -112,7 +112,7 @@ def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, headin
     for moments, events in shared.items():
         for event in events:
             terminal.print(f"{what_happens(event, causes.mission.name)}  [{event}]", indent=2)
-        names = sorted(moments - {""})
+        names = folded(causes.mission_net, sorted(moments - {""}))
         if moments == everything:
             told = "at any moment"
         elif not names:
@@ -123,10 +123,15 @@ def _print_critical(terminal: Terminal, causes: Causes, goal: GoalCauses, headin
         terminal.print(told, indent=6)
 
 
-def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
+def print_fmeca(rows: Sequence[Row], mission_net: MissionNet, classes: Classes = STANDARD) -> None:
     """Prints the table in short: what fails while what runs, what happens, how bad it is.
 
-    Objectives on which a resource has the same effect stand together.
+    Objectives on which a resource has the same effect stand together, their rounds and tries as one.
+
+    Args:
+        rows: The table.
+        mission_net: The mission's net.
+        classes: Names of severities.
     """
     terminal = Terminal()
     shared: dict[str, dict[tuple[str, str, str], list[str]]] = {}
@@ -142,7 +147,7 @@ def print_fmeca(rows: Sequence[Row], classes: Classes = STANDARD) -> None:
         for (severity, with_others, effect), objectives in effects_of.items():
             if (severity, with_others, effect) == nothing and len(effects_of) > 1:
                 continue
-            terminal.print(f"during {', '.join(objectives)}", indent=2)
+            terminal.print(f"during {', '.join(folded(mission_net, objectives))}", indent=2)
             terminal.print(severity + (f"; {with_others}" if with_others else ""), indent=6)
             if effect:
                 terminal.print(effect, indent=6)
