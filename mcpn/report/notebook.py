@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from mcpn.check.causes.find import Causes
-from mcpn.check.verdicts.mission import MissionCheck
+from mcpn.check.causes.find import Causes, GoalCauses
+from mcpn.check.logic.questions import Answer
+from mcpn.check.verdicts.mission import MissionCheck, Verdict
 from mcpn.controller.hierarchy import TableController
 from mcpn.errors import McpnError
 from mcpn.mission.graph import ObjectivesGraph
@@ -20,6 +21,7 @@ from mcpn.report.pictures.nets import net_drawing, units_drawing
 from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.report.templates import environment
 from mcpn.report.text import SENTENCES
+from mcpn.report.words import in_words
 from mcpn.sentences import enumeration
 from mcpn.space.stable.alternatives import AlternativesGraph
 
@@ -34,14 +36,27 @@ _TABLE = (
 def show(what: object, kind: str) -> str | None:
     """An object as ``svg`` or ``html``, or ``None`` where it has no such form, or is too large for it."""
     if kind == "html":
-        if isinstance(what, MissionCheck):
-            return _check(what)
-        return _causes(what) if isinstance(what, Causes) else None
+        return _told(what)
     try:
         found = _drawing(what)
         return None if found is None else found.svg
     except McpnError:  # too large, or the extra is missing: a notebook then shows the repr
         return None
+
+
+def _told(what: object) -> str | None:
+    match what:
+        case MissionCheck():
+            return _check(what)
+        case Verdict():
+            return _verdict(what)
+        case Answer():
+            return _answer(what)
+        case Causes():
+            return _causes(what)
+        case GoalCauses():
+            return _goal(what)
+    return None
 
 
 def _drawing(what: object) -> Drawing | None:
@@ -70,9 +85,8 @@ def _check(check: MissionCheck) -> str:
     rows = []
     for name, verdict in check.verdicts.items():
         number = {True: 0, False: 1, None: 2}[verdict.holds]
-        sentences = SENTENCES.get(name, (verdict.explanation,) * 3)
         mark = ("✓", "✗", "?")[number] if verdict.required else "i"
-        rows.append((mark, sentences[number], name))
+        rows.append((mark, _sentence(verdict), name))
     return _table(f"Verdicts of the mission {check.mission_net.mission.name}", ("", "says", "verdict"), rows)
 
 
@@ -87,3 +101,43 @@ def _causes(causes: Causes) -> str:
     ]
     name = causes.mission_net.mission.name
     return _table(f"What makes the mission {name} fail", ("fails", "if these are lost"), rows)
+
+
+def _verdict(verdict: Verdict) -> str:
+    """A verdict with the events of its runs."""
+    rows = [
+        (str(number), str(step), text)
+        for number, run in enumerate(verdict.runs_of_events, 1)
+        for step, text in enumerate([*map(str, run.events), *run.tail], 1)
+    ]
+    caption = f"{_sentence(verdict)} {verdict.explanation}"
+    return _table(caption, ("run", "step", "what happens"), rows)
+
+
+def _sentence(verdict: Verdict) -> str:
+    sentences = SENTENCES.get(verdict.name, (verdict.explanation,) * 3)
+    return sentences[{True: 0, False: 1, None: 2}[verdict.holds]]
+
+
+def _answer(answer: Answer) -> str:
+    """An answer with the run that shows it, in mission words where it is of a mission."""
+    witness = answer.witness
+    mission_net = witness.names.mission_net
+    if mission_net is not None:
+        steps = [(words, str(event)) for event, words in in_words(mission_net, witness.run)]
+    else:
+        steps = [(witness.names.net.transitions[t].name, "") for t in witness.firings]
+    rows = [(str(number), *step) for number, step in enumerate(steps, 1)]
+    rows += [("", note, "") for note in witness.notes]
+    caption = f"{answer.formula} {'holds' if answer.holds else 'fails'}"
+    return _table(caption, ("", "what shows it", "event"), rows)
+
+
+def _goal(goal: GoalCauses) -> str:
+    """The minimal cut sets of a goal, with a shortest run to its failure by each."""
+    rows = []
+    for lost in goal.cut_sets:
+        run = goal.runs[lost]
+        events = "" if run is None else " ".join(map(str, run.events))
+        rows.append((enumeration(lost) or "nothing", events))
+    return _table(f"What makes {goal.name} fail", ("lost", "a run to its failure"), rows)

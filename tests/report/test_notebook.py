@@ -15,6 +15,7 @@ from mcpn.net.compose import compose
 from mcpn.net.sections import section_part
 from mcpn.space.markings.explicit import explore
 from mcpn.space.stable.alternatives import direct_with_proof
+from mcpn.testing.nets import philosophers
 from tests.conftest import ULYSSE
 from tests.report.test_pictures import HOSTILE, hostile
 from tests.small import activity, hw, mission, robot
@@ -60,6 +61,28 @@ def test_tables_are_texts() -> None:
     text = _table(HOSTILE, (HOSTILE,), [(HOSTILE,)])
     assert "<script" not in text
     assert text.count("<td>") == 1
+
+
+def test_answers_verdicts_and_causes_are_tables() -> None:
+    study = mcpn.open(ULYSSE)
+    answer = study.ctl("EF (failure & oos(GPS_sensor))")
+    table = etree.fromstring(answer._repr_html_() or "")
+    assert table.findtext("caption") == "EF (failure & oos(GPS_sensor)) holds"
+    events = [row[2].text for row in table.iter("tr")][1:]
+    assert [event for event in events if event] == [str(event) for event in answer.witness.run.events]
+    verdict = study.verdicts().verdicts["success_reachable"]
+    table = etree.fromstring(verdict._repr_html_() or "")
+    assert (table.findtext("caption") or "").startswith("The mission can succeed. a run")
+    told = [row[2].text for row in table.iter("tr")][1:]
+    assert told == [str(event) for event in verdict.runs_of_events[0].events]
+    goal = study.causes().mission
+    table = etree.fromstring(goal._repr_html_() or "")
+    assert [row[0].text for row in table.iter("tr")][1:] == ["thruster_actuator", "GPS_sensor and IMU_sensor"]
+    assert "thruster_actuator_EV_OOS" in ([row[1].text for row in table.iter("tr")][1] or "")
+    net = mcpn.open(philosophers(2)).ctl("EF deadlock")
+    text = net._repr_html_() or ""
+    assert net.holds
+    assert [row[1].text for row in etree.fromstring(text).iter("tr")][1] in {"wake0", "wake1"}
 
 
 def test_a_mission_that_can_never_succeed() -> None:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class GoalCauses:
+class GoalCauses(Told):
     """Why one goal fails.
 
     Args:

@@ -14,6 +14,7 @@ from mcpn.check.logic.names import PROGRESS, Names, progress
 from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import Subject, spaces_of
 from mcpn.errors import InputError, UnsafeError
+from mcpn.notebook import Told
 from mcpn.space.algebra import Space
 from mcpn.space.diagrams.base import Diagrams
 from mcpn.space.diagrams.spaces import DiagramMarkings
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Answer(Told):
     """The answer to a formula.
 
     Args:

@@ -71,7 +71,7 @@ RUNS = {
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(Told):
     """One verdict.
 
     Args:
