@@ -44,6 +44,14 @@ def sloan(groups: Sequence[Sequence[int]], start: Sequence[int]) -> list[int]:
         start: The first of each component says where its ends are looked for.
     """
 
+def clustered(groups: Sequence[Sequence[int]], start: Sequence[int]) -> list[int]:
+    """An order in which those stand together that many groups hold, and few others beside them.
+
+    Args:
+        groups: Numbers below ``len(start)``, each group without repeats; the wider, the less it pulls.
+        start: Of two parts that become one, the one that is further up there on the average comes first.
+    """
+
 def stable_ends(
     offsets: npt.NDArray[np.int64], targets: npt.NDArray[np.int64], transient: npt.NDArray[np.bool_]
 ) -> tuple[npt.NDArray[np.int64], int]:

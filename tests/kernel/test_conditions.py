@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import reduce
+from itertools import combinations
 from random import Random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn._kernel import Store, closing, force, sloan
+from mcpn._kernel import Store, closing, clustered, force, sloan
 
 LEVELS = 9
 MARKINGS = st.sets(st.frozensets(st.integers(0, LEVELS - 1)), max_size=12)
@@ -80,11 +81,45 @@ def test_greedy_orders_follow_a_chain_from_one_end_to_the_other() -> None:
 @given(st.lists(st.sets(st.integers(0, 11), max_size=6), max_size=12), st.permutations(range(12)))
 def test_orders_hold_each_number_once(groups: list[set[int]], start: list[int]) -> None:
     asked = [sorted(group) for group in groups]
-    for order in (closing(asked, start), sloan(asked, start), force(asked, start, 20)):
+    for order in (
+        closing(asked, start),
+        clustered(asked, start),
+        sloan(asked, start),
+        force(asked, start, 20),
+    ):
         assert sorted(order) == list(range(12))
 
 
-@pytest.mark.parametrize("make", [closing, sloan])
+@given(st.lists(st.sets(st.integers(0, 11), max_size=6), max_size=12), st.permutations(range(12)))
+def test_clusters_are_made_of_the_two_that_pull_most(groups: list[set[int]], start: list[int]) -> None:
+    pulls: dict[frozenset[int], float] = {}
+    for group in groups:
+        for pair in combinations(sorted(group), 2):
+            pulls[frozenset(pair)] = pulls.get(frozenset(pair), 0.0) + (len(group) - 1) ** -2.0
+    whole = {number: (float(start.index(number)), [number]) for number in range(12)}
+    for number in range(12, 24):
+        if not pulls:
+            break
+
+        def worth(pair: frozenset[int]) -> tuple[float, list[int]]:
+            sizes = [float(len(whole[part][1])) for part in pair]
+            return -pulls[pair] / (sizes[0] * sizes[1]) ** 0.75, sorted(pair)
+
+        parts = min(pulls, key=worth)
+        (upper, above), (lower, below) = sorted(whole.pop(part) for part in parts)
+        mean = (upper * len(above) + lower * len(below)) / (len(above) + len(below))
+        whole[number] = mean, above + below
+        for pair, pull in [*pulls.items()]:
+            if pair & parts:
+                del pulls[pair]
+            if len(pair & parts) == 1:
+                joined = pair - parts | {number}
+                pulls[joined] = pulls.get(joined, 0.0) + pull
+    expected = [member for _, members in sorted(whole.values()) for member in members]
+    assert clustered([sorted(group) for group in groups], start) == expected
+
+
+@pytest.mark.parametrize("make", [closing, clustered, sloan])
 def test_what_is_no_order_is_refused(make: Callable[..., list[int]]) -> None:
     with pytest.raises(ValueError, match="each number once"):
         make([], [0, 0])

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <queue>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -226,6 +228,80 @@ std::vector<std::uint32_t> sloan(const Groups& groups, const std::vector<std::ui
     }
     for (const std::uint32_t member : found) distance[member] = kNowhere;
   }
+  return order;
+}
+
+// Clusters: two members pull each other by each group that holds both, less the wider it is; the two clusters that
+// pull most, divided by a power of their sizes, are made one, again and again.
+std::vector<std::uint32_t> clustered(const Groups& groups, const std::vector<std::uint32_t>& start) {
+  constexpr double kWidth = 2, kSize = 0.75;  // powers of a group's other members, and of the two sizes
+  struct Cluster {
+    double mean;  // of the places that its members have at the start
+    std::vector<std::uint32_t> members;
+    std::map<std::uint32_t, double> pulls;  // by later number too
+  };
+  struct Pair {
+    double pull;
+    std::uint32_t first, second;
+    bool operator<(const Pair& other) const {
+      return pull != other.pull ? pull < other.pull : std::pair(first, second) > std::pair(other.first, other.second);
+    }
+  };
+  const auto place = places_of(start);
+  std::vector<Cluster> clusters(start.size());
+  std::set<std::uint32_t> whole;  // those that are no part of another
+  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+    clusters[i] = {double(place[i]), {i}, {}};
+    whole.insert(whole.end(), i);
+  }
+  for (const auto& group : groups) {
+    const double pull = group.size() < 2 ? 0 : std::pow(double(group.size() - 1), -kWidth);
+    for (std::size_t i = 0; i < group.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        if (group[i] == group[j]) continue;
+        clusters[group[i]].pulls[group[j]] += pull;
+        clusters[group[j]].pulls[group[i]] += pull;
+      }
+  }
+  std::priority_queue<Pair> queue;
+  for (const std::uint32_t i : whole)
+    for (const auto& [other, pull] : clusters[i].pulls)
+      if (other < i) queue.push({pull, other, i});
+  const auto above = [&](std::uint32_t a, std::uint32_t b) {
+    return clusters[a].mean != clusters[b].mean ? clusters[a].mean < clusters[b].mean
+                                                : clusters[a].members < clusters[b].members;
+  };
+  while (!queue.empty()) {
+    auto [pull, upper, lower] = queue.top();
+    queue.pop();
+    if (!whole.contains(upper) || !whole.contains(lower)) continue;
+    if (above(lower, upper)) std::swap(upper, lower);
+    const auto number = std::uint32_t(clusters.size());
+    Cluster made = std::move(clusters[upper]);
+    const Cluster under = std::move(clusters[lower]);
+    const auto size = double(made.members.size()), below = double(under.members.size());
+    made.mean = (made.mean * size + under.mean * below) / (size + below);
+    made.members.insert(made.members.end(), under.members.begin(), under.members.end());
+    for (const auto& [other, also] : under.pulls) made.pulls[other] += also;
+    made.pulls.erase(upper);
+    made.pulls.erase(lower);
+    whole.erase(upper);
+    whole.erase(lower);
+    for (const auto& [other, together] : made.pulls) {
+      Cluster& beside = clusters[other];
+      beside.pulls.erase(upper);
+      beside.pulls.erase(lower);
+      beside.pulls[number] = together;
+      const double sizes = double(made.members.size()) * double(beside.members.size());
+      queue.push({together / std::pow(sizes, kSize), other, number});
+    }
+    clusters.push_back(std::move(made));
+    whole.insert(whole.end(), number);
+  }
+  std::vector<std::uint32_t> numbers(whole.begin(), whole.end()), order;
+  std::sort(numbers.begin(), numbers.end(), above);
+  for (const std::uint32_t number : numbers)
+    order.insert(order.end(), clusters[number].members.begin(), clusters[number].members.end());
   return order;
 }
 

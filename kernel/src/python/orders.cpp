@@ -40,4 +40,9 @@ void bind_orders(nb::module_& module) {
     const nb::gil_scoped_release release;
     return sloan(groups, start);
   }, nb::arg("groups"), nb::arg("start"));
+  module.def("clustered", [](const Groups& groups, const std::vector<std::uint32_t>& start) {
+    check_order(groups, start);
+    const nb::gil_scoped_release release;
+    return clustered(groups, start);
+  }, nb::arg("groups"), nb::arg("start"));
 }

@@ -11,11 +11,11 @@ reverse differ.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from heapq import heapify, heappop, heappush
-from itertools import chain, combinations
+from itertools import chain
 from pathlib import Path
 
 from mcpn._kernel import closing as kernel_closing
+from mcpn._kernel import clustered as kernel_clustered
 from mcpn._kernel import force as kernel_force
 from mcpn._kernel import sloan as kernel_sloan
 from mcpn.errors import InputError, Problem, Source
@@ -27,10 +27,6 @@ Order = tuple[int, ...]
 """Indices of places, the first on top."""
 
 MAX_ROUNDS = 200
-CLUSTER_WIDTH = 2
-"""By which power of its other places a transition pulls less."""
-CLUSTER_SIZE = 0.75
-"""By which power of their sizes two clusters pull each other less."""
 MAX_BYTES = 100_000_000
 MOST_PAIRS = 20_000_000
 """Pairs of neighbours up to which orders are made that look at each."""
@@ -214,37 +210,8 @@ def clustered(net: PetriNet) -> Order:
     a mission that share a resource are one block each; FORCE mixes them, as it draws all of them to what they
     share. It says in which order the two parts of each cluster stand, and hardware is below.
     """
-    pulls: dict[int, dict[int, float]] = {p: {} for p in range(len(net.places))}
-    for beside in _touched(net):
-        for a, b in combinations(beside, 2):
-            pull = (len(beside) - 1) ** -CLUSTER_WIDTH
-            pulls[a][b] = pulls[b][a] = pulls[a].get(b, 0.0) + pull
-    level = {p: float(i) for i, p in enumerate(force(net, tuple(range(len(net.places)))))}
-    clusters: dict[int, tuple[float, Order]] = {p: (level[p], (p,)) for p in pulls}
-    queue = [(-pull, b, a) for a, near in pulls.items() for b, pull in near.items() if b < a]
-    heapify(queue)
-    number = len(pulls)
-    while queue:
-        _, a, b = heappop(queue)
-        if a not in clusters or b not in clusters:
-            continue
-        parts = sorted((clusters.pop(a), clusters.pop(b)))
-        sizes = [len(places) for _, places in parts]
-        mean = sum(at * size for (at, _), size in zip(parts, sizes, strict=True)) / sum(sizes)
-        clusters[number] = mean, parts[0][1] + parts[1][1]
-        near: dict[int, float] = {}
-        for part in (a, b):
-            for other, pull in pulls.pop(part).items():
-                if other in clusters:
-                    near[other] = near.get(other, 0.0) + pull
-                    del pulls[other][part]
-        pulls[number] = near
-        for other, pull in near.items():
-            pulls[other][number] = pull
-            size = sum(sizes) * len(clusters[other][1])
-            heappush(queue, (-pull / size**CLUSTER_SIZE, other, number))
-        number += 1
-    order = tuple(p for _, places in sorted(clusters.values()) for p in places)
+    start = force(net, tuple(range(len(net.places))))
+    order = tuple(kernel_clustered(_touched(net), list(start)))
     return order if _stands_on_hardware(net, order) else order[::-1]
 
 
