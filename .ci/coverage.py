@@ -1,8 +1,8 @@
 """Compares the coverage of lines and branches, by room, with the figures that the repository keeps.
 
-``python .ci/coverage.py FOUND.json`` reads what ``slipcover --branch --json`` wrote and prints a line for each
-room of the package; it ends with 1 if a figure fell by more than a tenth of a percent. ``--write`` keeps the
-new figures.
+``python .ci/coverage.py FOUND.json`` reads what ``slipcover --branch --json`` wrote and prints a line for
+each room of the package; it ends with 1 if a figure fell by more than a tenth of a percent. ``--write`` keeps
+the new figures.
 """
 
 from __future__ import annotations

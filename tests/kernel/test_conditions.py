@@ -94,8 +94,8 @@ def test_orders_hold_each_number_once(groups: list[set[int]], start: list[int]) 
 def test_clusters_are_made_of_the_two_that_pull_most(groups: list[set[int]], start: list[int]) -> None:
     pulls: dict[frozenset[int], float] = {}
     for group in groups:
-        for pair in combinations(sorted(group), 2):
-            pulls[frozenset(pair)] = pulls.get(frozenset(pair), 0.0) + (len(group) - 1) ** -2.0
+        for two in combinations(sorted(group), 2):
+            pulls[frozenset(two)] = pulls.get(frozenset(two), 0.0) + (len(group) - 1) ** -2.0
     whole = {number: (float(start.index(number)), [number]) for number in range(12)}
     for number in range(12, 24):
         if not pulls:
