@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 from hypothesis import event, given
+from hypothesis import strategies as st
 
+from mcpn.controller.monitors.merging import merged
 from mcpn.controller.monitors.writing import files, monitors_of
 from mcpn.opening import open_study
 from mcpn.runtime import Controller, ControllerFileError, Decision, Monitors, Refused
@@ -49,6 +51,33 @@ def test_verdicts_are_those_of_ltl3(text: str) -> None:
     for word, value in ltl3.by_monitor(text):
         assert value == expected[word], (text, word)
     event(", ".join(sorted(set(expected.values()))))
+
+
+@given(st.data())
+def test_merged_machines_say_the_same_after_each_run_that_may_be(data: st.DataObject) -> None:
+    states = data.draw(st.integers(1, 8))
+    values = data.draw(st.lists(st.sampled_from("vso"), min_size=states, max_size=states))
+    move = st.dictionaries(st.sampled_from("abc"), st.integers(0, states - 1))
+    moves = data.draw(st.lists(move, min_size=states, max_size=states))
+    fewer, short = merged(values, moves)
+    assert len(fewer) == len(short) <= states
+    seen, queue = {(0, 0)}, [(0, 0)]
+    for one, other in queue:
+        assert values[one] == fewer[other]
+        for event_, target in moves[one].items():
+            if (pair := (target, short[other].get(event_, other))) not in seen:
+                seen.add(pair)
+                queue.append(pair)
+    event(f"smaller by {states - len(fewer)}")
+
+
+def test_states_that_only_impossible_events_tell_apart_are_one() -> None:
+    # s says yes behind b alone; where b may not be, nobody has to know.
+    chain = ["no"] * 5 + ["yes"]
+    moves = [{"a": 1}, {"a": 2}, {"a": 3}, {"a": 4}, {"b": 5}, {}]
+    assert merged(chain, moves) == (["no", "yes"], [{"b": 1}, {}])
+    # a after a says yes: how many there were is to be known.
+    assert len(merged(["no", "no", "yes"], [{"a": 1}, {"a": 2}, {}])[0]) == 3
 
 
 @pytest.fixture(scope="module")

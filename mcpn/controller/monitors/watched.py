@@ -4,6 +4,7 @@ The verdicts are those of LTL3 (Bauer, Leucker, Schallhart, *Runtime verificatio
 2011): a formula is violated when no way to go on satisfies it, satisfied when each does, else open. A way to
 go on is any: its states and events need not be those of the mission. What holds in the states passed, that
 behind the last event included, is taken from the mission's stable states, which the events lead through.
+States of a monitor that no run of the mission tells apart are one (:mod:`mcpn.controller.monitors.merging`).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from mcpn.check.logic.syntax import parse_open
 from mcpn.check.paths.automaton import Automaton, AutomatonEdge, kept, translated
 from mcpn.check.paths.formulas import Happens, always, eventually, is_of_paths, normal
 from mcpn.check.requirements import AskedRequirement
+from mcpn.controller.monitors.merging import merged
 from mcpn.errors import LimitError
 from mcpn.space.algebra import Space
 from mcpn.space.search.goal import TRUE, And, Formula, Not, Or
@@ -85,7 +87,7 @@ class Watcher:
         self._edges: dict[Any, list[tuple[int, str, Any]]] = {}
 
     def monitor(self, asked: AskedRequirement, formula: Formula) -> Monitor:
-        """The monitor of a requirement, with as few states as it can have.
+        """The monitor of a requirement, with few states.
 
         Args:
             asked: The requirement; where it is expected to fail, its negation is watched.
@@ -95,7 +97,7 @@ class Watcher:
             LimitError: It has too many states before they are merged.
         """
         holds = asked.requirement.expected == "holds"
-        values, moves = _merged(*self._beside(formula if holds else ~formula))
+        values, moves = merged(*self._beside(formula if holds else ~formula))
         words = asked.words if holds else f"not: {asked.words}"
         text = asked.text if holds else f"!({asked.text})"
         return Monitor(asked.name, words, text, tuple(values), tuple(moves))
@@ -201,28 +203,3 @@ def _happens(literal: Formula, transition: int) -> bool:
 def _targets(ways: Iterable[AutomatonEdge], true: frozenset[Formula]) -> frozenset[int]:
     """Where some edges lead whose literals of events are all true."""
     return frozenset(e.target for e in ways if all(f in true for f in e.literals if _of_event(f)))
-
-
-def _merged(values: list[Value], moves: list[dict[str, int]]) -> tuple[list[Value], list[dict[str, int]]]:
-    """States that no further events tell apart are one (Moore 1956); moves that change nothing go."""
-    events = sorted({event for of in moves for event in of})
-    blocks = [("violated", "satisfied", "open").index(value) for value in values]
-    count = 0
-    while count != len(set(blocks)):
-        count = len(set(blocks))
-        numbers: dict[object, int] = {}
-        blocks = [
-            numbers.setdefault((blocks[q], tuple(blocks[of.get(event, q)] for event in events)), len(numbers))
-            for q, of in enumerate(moves)
-        ]
-    first: dict[int, int] = {}
-    for q, block in enumerate(blocks):
-        first.setdefault(block, q)  # in the order of their first states, so that 0 stays 0
-    number = {block: i for i, block in enumerate(first)}
-    return (
-        [values[q] for q in first.values()],
-        [
-            {e: number[blocks[t]] for e, t in sorted(moves[q].items()) if blocks[t] != block}
-            for block, q in first.items()
-        ],
-    )
