@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, reduce
+from functools import cache, reduce
+from heapq import heapify, heappop, heapreplace
 from operator import or_
 
 from mcpn._kernel import Zdd
@@ -60,7 +61,7 @@ def reduced(cubes: Sequence[Cube], spoken: Collection[int]) -> tuple[list[Short]
     groups = [_Group(group) for group in of.values()]
     known = ~0
     while True:  # what changes and is not spoken of need not be told: more rules do the same then
-        found = list(_once(groups, known))
+        found = [short for group in groups for short in group.short(known)]
         bits = set(spoken).union(told >> 1 for _, literals, _, _ in found for told in literals)
         needed = sum(1 << level for level in bits)
         if needed & known == known:
@@ -89,63 +90,71 @@ class _Group:
             self.literals.append((kept, others))
             for told in _literals(cube.asked, cube.marked):
                 self.asking[told] = self.asking.get(told, 0) | 1 << i
+        self._alike: tuple[int, ...] = ()
+        self._short = list[tuple[int, tuple[int, ...]]]()
 
-    @cached_property
-    def states(self) -> Zdd:
-        """The states that some rule fits."""
-        return _union(cube.states for cube in self.cubes)
+    def short(self, known: int) -> Iterator[Short]:
+        """One round of :func:`reduced`: rules that make the same changes to the levels of a mask."""
+        effects = [(cube.changes & known, cube.ordered) for cube in self.cubes]
+        first: dict[tuple[int, Ordered], int] = {}
+        alike = tuple(first.setdefault(effect, i) for i, effect in enumerate(effects))
+        if alike != self._alike:  # which rules do the same is all that the rounds differ in
+            self._alike, self._short = alike, list(self._needed(alike))
+        for i, literals in self._short:
+            yield self.cubes[i].event, literals, *effects[i]
 
+    def _needed(self, alike: Sequence[int]) -> Iterator[tuple[int, tuple[int, ...]]]:
+        """Rules by number, made short, of which one that does the same fits whatever a full one fits."""
+        short, cubes = list(self._told_apart(alike)), self.cubes
+        doing: dict[int, list[int]] = {}
+        for i in sorted(range(len(cubes)), key=lambda i: len(short[i])):
+            doing.setdefault(alike[i], []).append(i)
+        for those in doing.values():
+            left = _union(cubes[i].states for i in those)
+            for i in those:
+                if cubes[i].states & left:
+                    yield i, short[i]
+                    left -= _where(left, short[i])
 
-def _once(groups: Sequence[_Group], known: int) -> Iterator[Short]:
-    """One round of :func:`reduced`: rules that make the same changes to the levels of a mask."""
-    for group in groups:
-        yield from _needed(group.cubes, list(_short(group, known)))
+    def _told_apart(self, alike: Sequence[int]) -> Iterator[tuple[int, ...]]:
+        """By rule, as few of its literals as tell it from those that do something else.
 
+        Args:
+            alike: By rule, the first one that does the same.
+        """
+        doing: dict[int, int] = {}
+        for i, first in enumerate(alike):
+            doing[first] = doing.get(first, 0) | 1 << i
+        every = _union(cube.states for cube in self.cubes)
 
-def _needed(group: Sequence[Cube], short: Sequence[Short]) -> Iterator[Short]:
-    """Short rules of which one that does the same fits whatever a full one fits."""
-    doing: dict[tuple[int, Ordered], list[int]] = {}
-    for i in sorted(range(len(group)), key=lambda i: len(short[i][1])):
-        doing.setdefault(short[i][2:], []).append(i)
-    for alike in doing.values():
-        left = _union(group[i].states for i in alike)
-        for i in alike:
-            if group[i].states & left:
-                yield short[i]
-                left -= _where(left, short[i][1])
+        @cache
+        def elsewhere(first: int) -> Zdd:
+            """The states that rules with another effect fit."""
+            return every - _union(self.cubes[i].states for i in levels_of(doing[first]))
 
-
-def _short(group: _Group, known: int) -> Iterator[Short]:
-    """The rules of one transition, each with as few literals as tell it from those that do something else."""
-    doing: dict[tuple[int, Ordered], int] = {}
-    for i, cube in enumerate(group.cubes):
-        effect = cube.changes & known, cube.ordered
-        doing[effect] = doing.get(effect, 0) | 1 << i
-
-    @cache
-    def elsewhere(effect: tuple[int, Ordered]) -> Zdd:
-        """The states that rules with another effect fit."""
-        own = _union(group.cubes[i].states for i in levels_of(doing[effect]))
-        return group.states - own
-
-    asking, every = group.asking, (1 << len(group.cubes)) - 1
-    for cube, (kept, rest) in zip(group.cubes, group.literals, strict=True):
-        effect = cube.changes & known, cube.ordered
-        left = every & ~doing[effect]
-        for told in kept:
-            left &= ~asking.get(told ^ 1, 0)
-        others = {told: asking.get(told ^ 1, 0) for told in rest}
-        chosen = list[int]()
-        while left and others:
-            best = max(others, key=lambda told: ((others[told] & left).bit_count(), -told))
-            apart = others.pop(best) & left
-            if not apart:  # some full rules do not contradict this one; the states of the others go
-                states = _where(elsewhere(effect), (*chosen, *kept))
-                chosen += _enough(states, (best, *others))
-                break
-            chosen.append(best)
-            left &= ~apart
-        yield cube.event, (*chosen, *kept), *effect
+        asking, all_ = self.asking, (1 << len(self.cubes)) - 1
+        for first, (kept, rest) in zip(alike, self.literals, strict=True):
+            left = all_ & ~doing[first]
+            for told in kept:
+                left &= ~asking.get(told ^ 1, 0)
+            chosen = list[int]()
+            # What a literal tells apart gets less as others are chosen, so most need not be counted again.
+            most = [(-(asking.get(told ^ 1, 0) & left).bit_count(), told) for told in rest]
+            heapify(most)
+            while left and most:
+                _, best = most[0]
+                apart = asking.get(best ^ 1, 0) & left
+                if -apart.bit_count() != most[0][0]:
+                    heapreplace(most, (-apart.bit_count(), best))
+                    continue
+                heappop(most)
+                if not apart:  # some full rules do not contradict this one; the states of the others go
+                    states = _where(elsewhere(first), (*chosen, *kept))
+                    chosen += _enough(states, (best, *sorted(told for _, told in most)))
+                    break
+                chosen.append(best)
+                left &= ~apart
+            yield (*chosen, *kept)
 
 
 def _literals(asked: int, marked: int) -> Iterator[int]:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, reduce
+from operator import or_, xor
+
+import numpy as np
 
 from mcpn._kernel import Zdd
 from mcpn.check.verdicts.modes import said_as
@@ -11,7 +15,7 @@ from mcpn.controller.hierarchy import placed_machines
 from mcpn.controller.machine import Ordered, situations
 from mcpn.controller.modular import Effect, ModularController, Rule, Rules, Shown, Status
 from mcpn.controller.reduce import Cube, levels_of, reduced
-from mcpn.controller.run import Passage, Runner
+from mcpn.controller.run import Left, Runner
 from mcpn.controller.sizes import each_step, standing
 from mcpn.errors import LimitError
 from mcpn.net.events import Event
@@ -21,6 +25,7 @@ from mcpn.space.local.composite import CompositeSpace
 from mcpn.space.local.layout import idle_places
 from mcpn.space.local.section_type import SectionType
 from mcpn.space.markings.explicit import KernelNet
+from mcpn.space.markings.graph import StateGraph, pack
 from mcpn.space.stable.big_steps import MOST_STEPS, is_function, reach_in_big_steps
 
 
@@ -63,9 +68,9 @@ def big_steps(type_: SectionType, section: str) -> Mapping[int, bytes | None]:
     return found[1]
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Way:
-    """A big step of some states, and what happens in one of them.
+    """A big step of some states, of which there are some.
 
     Masks have a bit for each level.
     """
@@ -75,8 +80,21 @@ class _Way:
     marked: int
     changes: int
     states: Zdd
-    levels: list[int]
-    """The marked levels of one of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown(_Way):
+    """A big step with the same actions in all of its states, and what happens in one of them.
+
+    Args:
+        before: That marking, a bit for each place.
+        after: The one after it.
+        left: What is done to activities.
+    """
+
+    before: int
+    after: int
+    left: Left
 
 
 class _Maker:
@@ -107,6 +125,13 @@ class _Maker:
             for activity in section_.activities:
                 if section_.name in objective:
                     self.naming.setdefault(activity, []).append(objective[section_.name])
+        self._running = {activity: self._mask(places) for activity, places in active.items()}
+        """By activity, the levels that say that it runs."""
+        self._resting = {
+            activity: (self._mask(levels_of(places)), self._mask_of(at_rest))
+            for activity, (places, at_rest) in self.runner.control.items()
+        }
+        """By activity, the levels of its own places, and those of them marked while it is idle."""
         said = [place for role in ("objective", "pending", "done") for place in type_.net.saying(role)]
         homeless = self.encoding.restricted(type_.inside, (), said)
         running = [place for places in active.values() for place in places]
@@ -115,13 +140,8 @@ class _Maker:
 
     def rules(self) -> Rules:
         """The rules."""
-        ways = [way for t in self.steps for way in self._ways(t)]
-        markings, passages = list[int](), list[Passage]()
-        for way in ways:
-            marking = self._packed(way.levels)
-            passage = self.runner.fire(marking, way.transition)
-            markings += [marking, passage.marking]
-            passages.append(passage)
+        ways = self._settled([way for t in self.steps for way in self._ways(t)])
+        markings = [marking for way in ways for marking in (way.before, way.after)]
         ordered = Ordered(self.net, situations(self.net, markings))
         transitions = self.net.net.transitions
         found = {
@@ -129,14 +149,14 @@ class _Maker:
         }
         numbers = {event: number for number, event in enumerate(sorted(found))}
         cubes = list[Cube]()
-        for i, (way, passage) in enumerate(zip(ways, passages, strict=True)):
+        for i, way in enumerate(ways):
             t = way.transition
             starts = t == self.net.start
             event = -1 if starts else numbers[_event(transitions[t].event)]
             safe = self.net.net.safe_transitions[t]
             enabling = 0 if starts else self._mask((*safe.consume, *safe.read))
             to = next((exit_ for exits, exit_ in self.exits.items() if way.changes & exits), None)
-            actions = ordered.actions(2 * i, 2 * i + 1, passage)
+            actions = ordered.actions(2 * i, 2 * i + 1, way.left)
             cubes.append(
                 Cube(event, t, way.asked, way.marked, enabling, way.changes, (actions, to), way.states)
             )
@@ -207,49 +227,75 @@ class _Maker:
                 marked |= level if what in (0, 2) else 0
                 changes |= level if what < 2 else 0
             states = within.subset(levels_of(marked), levels_of(asked & ~marked))
-            yield from self._split(_Way(transition, asked, marked, changes, states, []))
+            if states:
+                yield _Way(transition, asked, marked, changes, states)
 
-    def _split(self, way: _Way) -> Iterator[_Way]:
-        """A big step of some states, or several of parts of them, each with the same actions throughout."""
-        states = way.states
-        picked = states.pick()
-        if picked is None:
-            return
-        way.levels = [level for level in picked if level < self.type.layout.first_slot]
-        passage = self.runner.fire(self._packed(way.levels), way.transition)
-        before = sum(1 << level for level in way.levels)
-        assert self._mask_of(passage.marking) == before ^ way.changes, (
-            "a big step is the outcome of its event"
+    def _settled(self, ways: list[_Way]) -> list[_Shown]:
+        """Big steps of some states, split into parts of them where actions differ, each with what happens.
+
+        In each round every big step that is left is shown in one of its states, and split or done.
+        """
+        settled: list[_Way] = ways
+        while open_ := [i for i, way in enumerate(settled) if not isinstance(way, _Shown)]:
+            shown = self._shown([settled[i] for i in open_])
+            parts: dict[int, Sequence[_Way]] = {
+                i: self._split(way) for i, way in zip(open_, shown, strict=True)
+            }
+            settled = [part for i, way in enumerate(settled) for part in parts.get(i, (way,))]
+        return [way for way in settled if isinstance(way, _Shown)]
+
+    def _shown(self, ways: Sequence[_Way]) -> list[_Shown]:
+        """Big steps with what happens in one state of each, run in the kernel."""
+        beginning = self.type.layout.first_slot
+        pairs = []
+        for way in ways:
+            levels = way.states.pick()
+            assert levels is not None, "there are some"
+            marking = self._packed(level for level in levels if level < beginning)
+            pairs.append((marking, marking ^ self._flipped(way.changes)))
+        net, count = self.net.net, len(ways)
+        edges = StateGraph(
+            net,
+            pack((marking for pair in pairs for marking in pair), len(net.places)),
+            np.arange(1, 2 * count + 2, dtype=np.int64) // 2,
+            np.arange(1, 2 * count, 2, dtype=np.int64),
+            np.array([way.transition for way in ways], np.int64),
         )
-        deciding = self._deciding(way, passage, before)
-        if deciding is None:
-            yield way
-            return
-        level = 1 << deciding
-        for marked in (0, level):
-            some = states.subset([deciding]) if marked else states.subset(unmarked=[deciding])
-            yield from self._split(
-                _Way(way.transition, way.asked | level, way.marked | marked, way.changes, some, [])
-            )
+        numbers, kinds = self.runner.passages(edges)
+        return [
+            _Shown(way.transition, way.asked, way.marked, way.changes, way.states, *pair, kinds[number])
+            for way, pair, number in zip(ways, pairs, numbers.tolist(), strict=True)
+        ]
 
-    def _deciding(self, way: _Way, passage: Passage, before: int) -> int | None:
+    def _split(self, way: _Shown) -> Sequence[_Way]:
+        """A big step of some states, or two of parts of them where it is not the same actions throughout."""
+        deciding = self._deciding(way, self._mask_of(way.before))
+        if deciding is None:
+            return (way,)
+        level, states = 1 << deciding, way.states
+        sides = (0, states.subset(unmarked=[deciding])), (level, states.subset([deciding]))
+        asked = way.asked | level
+        return [
+            _Way(way.transition, asked, way.marked | side, way.changes, some) for side, some in sides if some
+        ]
+
+    def _deciding(self, way: _Shown, before: int) -> int | None:
         """A level that the big step does not look at, that differs between its states, and may matter."""
-        control, active, states = self.runner.control, self.active, way.states
-        touched = set(passage.left)
-        for activity, places in active.items():
-            if self._mask(places) & way.changes:
+        active, states = self.active, way.states
+        touched = set(way.left.left)
+        for activity, levels in self._running.items():
+            if levels & way.changes:
                 touched.add(activity)
         places = [p for a in touched for p in (*active[a], *self.naming.get(a, ()))] + self.home
         left = self._mask(places) & ~way.asked
         if states.subset(levels_of(before & left), levels_of(~before & left)) != states:
             return self._parting(states, left)
-        for activity in passage.left:
-            places = levels_of(control[activity][0])
-            left = self._mask(places) & ~way.asked
+        for activity in way.left.left:
+            levels, at_rest = self._resting[activity]
+            left = levels & ~way.asked
             if not left:
                 continue
-            at_rest = self._mask_of(control[activity][1]) & left
-            resting = states.subset(levels_of(at_rest), levels_of(~at_rest & left))
+            resting = states.subset(levels_of(at_rest & left), levels_of(~at_rest & left))
             if resting and resting != states:
                 return self._parting(states, left)
         return None
@@ -272,13 +318,27 @@ class _Maker:
         """The levels that speak of some places."""
         return sum({1 << self.encoding.bit(place)[0] for place in places})
 
-    def _packed(self, levels: list[int]) -> int:
+    @cached_property
+    def _flips(self) -> list[int]:
+        """By level, the places that change as it does, a bit for each."""
+        flips = [1 << place for place in self.encoding.places]
+        for dropped, kept in self.encoding.partner.items():
+            flips[self.encoding.level[kept]] |= 1 << dropped
+        return flips
+
+    def _flipped(self, levels: int) -> int:
+        """The places that change as some levels do."""
+        return reduce(or_, (self._flips[level] for level in levels_of(levels)), 0)
+
+    def _packed(self, levels: Iterable[int]) -> int:
         """A marking as :class:`Runner` has it, from its marked levels."""
-        return sum(1 << place for place, tokens in enumerate(self.encoding.marking(levels)) if tokens)
+        unmarked = sum(1 << dropped for dropped in self.encoding.partner)
+        return reduce(xor, (self._flips[level] for level in levels), unmarked)
 
     def _mask_of(self, marking: int) -> int:
         """The marked levels of such a marking."""
-        return sum(1 << level for level, place in enumerate(self.encoding.places) if marking >> place & 1)
+        level = self.encoding.level
+        return sum(1 << level[place] for place in levels_of(marking) if place in level)
 
 
 def _event(event: Event | None) -> Event:

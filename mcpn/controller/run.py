@@ -25,8 +25,7 @@ from mcpn.space.markings.firing import MaskedNet, bits_of
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from mcpn.space.markings.graph import Ints
-    from mcpn.space.stable.alternatives import AlternativesGraph
+    from mcpn.space.markings.graph import Ints, StateGraph
 
 MAX_FIRINGS = 1_000_000
 """Internal firings after one event beyond which a run is taken for endless."""
@@ -118,8 +117,11 @@ class Runner:
                     idled.add(activity)
         return Passage(frozenset(left), frozenset(idled), frozenset(ended), marking, tuple(fired))
 
-    def passages(self, graph: AlternativesGraph) -> tuple[Ints, list[Left]]:
-        """What the edges of an alternatives graph of the net do to activities.
+    def passages(self, graph: StateGraph) -> tuple[Ints, list[Left]]:
+        """What the events between stable markings of the net do to activities.
+
+        Args:
+            graph: The markings, with an edge for each event.
 
         Returns:
             By edge, a number, and by number, what is done.
