@@ -183,8 +183,8 @@ class Glued:
         """States of a set with an event that leads out of their section, into another set."""
         sources = SectionSets()
         for name in dict.fromkeys(stage for route in into for stage in self.into[route]):
-            if name in within.parts:
-                stage = self.stages[name]
+            stage = self.stages[name]
+            if name in within.parts and stage.type.may_end(allowed(name).local):
                 ends = self.ends_into(stage, into)
                 sources.add(name, stage.type.before_step(ends, allowed(name)) & within.of(name))
         return sources

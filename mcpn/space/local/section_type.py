@@ -119,6 +119,16 @@ class SectionType:
         return self.inside & self.graph.before(goal, *allowed.own)
 
     @memoized
+    def may_end(self, local: frozenset[int] | None) -> bool:
+        """Whether one of some events of the section, of all by default, leads to an end of it."""
+        return local is None or any(map(self._ends, local))
+
+    @memoized
+    def _ends(self, transition: int) -> bool:
+        after = self.graph.after(self.inside, [transition])
+        return any(after & ended for ended in self.ended.values())
+
+    @memoized
     def crossing(
         self, among: Zdd, goal: Zdd, own: tuple[Element, ...]
     ) -> tuple[Mapping[int, Zdd], Mapping[int, Zdd]]:
