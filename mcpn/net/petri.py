@@ -169,6 +169,16 @@ class PetriNet(Drawn):
         return tuple(tuple(i for i, of in enumerate(self.ranks) if of == rank) for rank in ranks)
 
     @cached_property
+    def internal_users(self) -> Mapping[int, Sequence[int]]:
+        """The internal transitions that consume or read each place, where there are some."""
+        users: dict[int, list[int]] = {}
+        for number, transition in enumerate(self.transitions):
+            if transition.internal:
+                for place, _ in (*transition.consume, *transition.read):
+                    users.setdefault(place, []).append(number)
+        return users
+
+    @cached_property
     def safe_transitions(self) -> tuple[SafeTransition, ...]:
         """Each transition as it acts on 1-safe markings, in the net's order."""
         return tuple(_safe(transition) for transition in self.transitions)
@@ -309,6 +319,8 @@ class NetBuilder:
         index = {name: number for number, name in enumerate(self._places)}
 
         def resolve(weights: Mapping[str, int], user: str, provenance: Provenance | None) -> Arcs:
+            if not weights:
+                return ()
             try:
                 arcs = [(index[place], weight) for place, weight in weights.items()]
             except KeyError as missing:
@@ -316,7 +328,10 @@ class NetBuilder:
                     provenance.source if provenance else None,
                     f"{user} names the place {missing.args[0]}, which is not declared",
                 ) from None
-            return tuple(sorted(arc for arc in arcs if arc[1]))
+            if 0 in weights.values():
+                arcs = [arc for arc in arcs if arc[1]]
+            arcs.sort()
+            return tuple(arcs)
 
         ranks = sorted({bare.rank for bare, _ in self._transitions.values() if bare.internal})
         number = {rank: i for i, rank in enumerate(ranks)}
@@ -341,7 +356,7 @@ class NetBuilder:
 
 
 def _weights(side: Iterable[str] | Mapping[str, int]) -> dict[str, int]:
-    if isinstance(side, Mapping):
+    if isinstance(side, dict) or (not isinstance(side, list) and isinstance(side, Mapping)):
         return dict(side)
     weights: dict[str, int] = {}
     for place in side:

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import takewhile
+from itertools import chain, takewhile
 
 from mcpn.net.events import Event
-from mcpn.net.petri import Marking, PetriNet
+from mcpn.net.petri import Arcs, Marking, PetriNet
 from mcpn.space.algebra import Edge, S, Space
 
 MOST_REPLAYS = 1_000
@@ -29,15 +29,9 @@ class Completion:
 
     def __init__(self, net: PetriNet) -> None:
         self.net = net
-        internal = {t: transition for t, transition in enumerate(net.transitions) if transition.internal}
-        self._internal = list(internal)
-        self._rank = {t: rank for rank, of in enumerate(net.internal_ranks) for t in of}
-        self._needs = {t: (*transition.consume, *transition.read) for t, transition in internal.items()}
+        self._number = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
+        self._needs: dict[int, Arcs] = {}
         self._known: dict[int, list[int]] = {}
-        self._users: dict[int, list[int]] = {}
-        for t, needs in self._needs.items():
-            for place, _ in needs:
-                self._users.setdefault(place, []).append(t)
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
@@ -48,18 +42,20 @@ class Completion:
         """
         # Those that may be enabled, by rank.
         queues: list[deque[int]] = [deque() for _ in self.net.internal_ranks]
-        for t in self._internal if fired is None else [u for of in fired for u in self._beside(of)]:
-            queues[self._rank[t]].append(t)
+        number, ranks = self._number, self.net.ranks
+        begin = chain.from_iterable(self.net.internal_ranks if fired is None else map(self._beside, fired))
+        for t in begin:
+            queues[number[ranks[t]]].append(t)
         while queue := next((queue for queue in queues if queue), None):
             t = queue.popleft()
-            for place, weight in self._needs[t]:
+            for place, weight in self._needed(t):
                 if marking[place] < weight:
                     break
             else:
                 self.net.fire_in_place(marking, t)
                 yield t
                 for u in (t, *self._beside(t)):
-                    queues[self._rank[u]].append(u)
+                    queues[number[ranks[u]]].append(u)
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
@@ -67,10 +63,16 @@ class Completion:
         self.net.fire_in_place(at, event)
         return tuple(self.settle(at, [event])), tuple(at)
 
+    def _needed(self, t: int) -> Arcs:
+        if t not in self._needs:
+            transition = self.net.transitions[t]
+            self._needs[t] = (*transition.consume, *transition.read)
+        return self._needs[t]
+
     def _beside(self, fired: int) -> list[int]:
         if fired not in self._known:
-            produced = self.net.transitions[fired].produce
-            self._known[fired] = sorted({t for place, _ in produced for t in self._users.get(place, ())})
+            users, produced = self.net.internal_users, self.net.transitions[fired].produce
+            self._known[fired] = sorted({t for place, _ in produced for t in users.get(place, ())})
         return self._known[fired]
 
 

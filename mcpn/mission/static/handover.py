@@ -15,7 +15,7 @@ it is idle. ``papers/composition.md`` has the argument.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -43,20 +43,12 @@ class Handover:
         So it is where one edge of the objectives graph stops and starts the same activity (a retry, a
         protocol used twice in a row), and where two branches of a parallel block start the same one.
         """
-        activities = set[str]()
-        for ending, target in _onward(self.usage.graph, {}):
-            activities |= ending & _activities(entries(target))
-        return frozenset(activities).union(activity for *_, activity in self.usage.started_twice())
+        return self._found[0].union(activity for *_, activity in self.usage.started_twice())
 
     @cached_property
     def gated(self) -> frozenset[str]:
         """The sections, at any depth, that begin only when what stops before them has stopped."""
-        names = set[str]()
-        for ending, target in _onward(self.usage.graph, {}):
-            before = self._reached(ending)
-            after = self._reached(_activities(entries(target)))
-            if self._may_compete(before, after):
-                names.add(target.name)
+        names = set(self._found[1])
         names.update(section.name for graph in self.usage.graphs() for section in _stopped_at_once(graph))
         # What begins changes facts when what stops has stopped, so that this is not moved by it.
         for section in self.usage.graph.sections:
@@ -64,9 +56,20 @@ class Handover:
                 names.add(section.name)
         return frozenset(names)
 
-    def _may_compete(self, before: frozenset[str], after: frozenset[str]) -> bool:
+    @cached_property
+    def _found(self) -> tuple[frozenset[str], frozenset[str]]:
+        """Activities that one edge of the graph stops and starts, and sections that it leads to in time."""
+        activities, names, may_compete = set[str](), set[str](), cache(self._may_compete)
+        for ending, target in _onward(self.usage.graph, {}):
+            beginning = _activities(entries(target))
+            activities |= ending & beginning
+            if may_compete(ending, beginning):
+                names.add(target.name)
+        return frozenset(activities), frozenset(names)
+
+    def _may_compete(self, ending: frozenset[str], beginning: frozenset[str]) -> bool:
         """Whether what some activities do while they stop may compete with what others begin with."""
-        usage = self.usage
+        usage, before, after = self.usage, self._reached(ending), self._reached(beginning)
         if not any(usage.may_wait(a) or usage.sharing.serves(a) for a in before):
             return False
         shared = usage.resources_of(before) & usage.resources_of(after)

@@ -100,6 +100,8 @@ def ways(
     Raises:
         LimitError: There are too many combinations of values.
     """
+    if not cases and not changes:
+        return [Way([], [], [], default)]
     facts, found = canvas.usage.world.facts, list[Way]()
     for known, target in _decided(cases, default, dict(changes), facts):
         read = [canvas.fact(name, value) for name, value in known.items() if name not in changes]

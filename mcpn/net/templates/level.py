@@ -36,9 +36,17 @@ class Level:
         self.graph = graph
         self.exits = exits
         self.around = around or Around()
+        self._inside: dict[tuple[str, str], Self] = {}
+        self._entered: dict[str, list[str]] = {}
 
     def inside(self, section: ParallelSection, branch: Branch) -> Self:
-        """The level of a branch of a section of this graph."""
+        """The level of a branch of a section of this graph; one for all who ask."""
+        known = section.name, branch.name
+        if known not in self._inside:
+            self._inside[known] = self._inside_of(section, branch)
+        return self._inside[known]
+
+    def _inside_of(self, section: ParallelSection, branch: Branch) -> Self:
         around = Around(in_branch=True, eventful=self.eventful(section))
         if self.halted(section):
             running = (*self.around.running, self.of(section, "running"))
@@ -61,7 +69,11 @@ class Level:
         """Places to mark so as to enter a section, or to leave the graph."""
         if target in self.exits:
             return self.exits[target]
-        section = self.graph.section(target)
+        if target not in self._entered:
+            self._entered[target] = self._entering(self.graph.section(target))
+        return self._entered[target]
+
+    def _entering(self, section: Section) -> list[str]:
         if self.around.in_branch and self.starting(section):
             return [self.of(section, "starts")]
         return self.come_to(section)

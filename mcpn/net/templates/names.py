@@ -53,11 +53,12 @@ class NetNames:
         whole = kind, element, *part
         if whole not in self._given:
             self._given[whole] = self._name(kind, element, *part)
-            self._meant[self._given[whole]] = whole
         return self._given[whole]
 
     def meaning(self, name: str) -> tuple[str, ...] | None:
         """The kind, the element and the part that a name was given to; ``None`` if it was given to none."""
+        if len(self._meant) < len(self._given):
+            self._meant = {given: whole for whole, given in self._given.items()}
         return self._meant.get(name)
 
     def _name(self, kind: str, element: str, *part: str) -> str:
