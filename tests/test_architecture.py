@@ -29,6 +29,7 @@ WAY = [
     "check",
     "controller",
     "bench",
+    "drivers",
     "report",
     "study",
     "testing",

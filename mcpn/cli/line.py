@@ -34,6 +34,7 @@ COMMANDS = {
     "lsp": "editor",
     "monitor": "robot.monitor",
     "report": "report",
+    "run": "robot.run",
     "schema": "begin",
     "simulate": "simulate",
     "states": "spaces",

@@ -1,0 +1,1 @@
+"""What the activities of a robot are (processes, Python, topics), and the loop that runs them."""

@@ -1,0 +1,284 @@
+"""Reads a file of drivers, and says in which line what is wrong with it."""
+
+from __future__ import annotations
+
+import re
+import signal
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from mcpn.drivers.plan import KINDS, DriverSpec, Kind, Place, Plan, Topics
+from mcpn.errors import InputError, Problem, Source
+from mcpn.files import read_bounded
+from mcpn.mission.near import did_you_mean
+
+MAX_BYTES = 1 << 20
+TOP = ("activities", "sources", "release", "never", "mqtt", "zenoh")
+COMMON = (*KINDS, "lines", "ends", "stop", "grace")
+MQTT: Mapping[str, type] = {
+    "host": str,
+    "port": int,
+    "keepalive": int,
+    "qos": int,
+    "username": str,
+    "password": str,
+}
+ZENOH = ("mode", "connect", "listen")
+WORDS: Mapping[type, str] = {str: "a text", int: "a whole number", dict: "a table", list: "a list of texts"}
+
+
+def read_drivers(path: Path) -> Plan:
+    """Reads a file of drivers.
+
+    Raises:
+        InputError: It is no TOML, or says what no such file says: every mistake with its line.
+    """
+    data = read_bounded(path, MAX_BYTES)
+    try:
+        text = data.decode()
+        said = tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        raise InputError.at(Source(str(path), data.count(b"\n", 0, error.start) + 1), "no UTF-8") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        at = re.search(r"\(at line (\d+)", str(error))
+        end = text.count("\n") + 1 if "end of document" in str(error) else None
+        raise InputError.at(Source(str(path), int(at[1]) if at else end), f"no TOML: {error}") from None
+    reader = _Reader(lines_of(text))
+    plan = reader.plan(path, said)
+    if reader.problems:
+        raise InputError(
+            sorted(Problem(Source(str(path), line), message) for line, message in reader.problems)
+        )
+    return plan
+
+
+def lines_of(text: str) -> dict[Place, int]:
+    """By the keys that lead to a value, the line that it begins in.
+
+    Lines are read together until they are TOML, below the head of the table that they stand in.
+    """
+    found: dict[Place, int] = {}
+    head, chunk, begun = "", "", 1
+    for number, line in enumerate(text.splitlines(keepends=True), 1):
+        chunk += line
+        top = chunk.lstrip().startswith("[")
+        try:
+            said = tomllib.loads(chunk if top else head + chunk)
+        except tomllib.TOMLDecodeError:
+            continue
+        for place in _places(said):
+            found.setdefault(place, begun)
+        head, chunk, begun = (chunk if top else head), "", number + 1
+    return found
+
+
+def _places(said: Any, above: Place = ()) -> Iterator[Place]:
+    for key, value in said.items():
+        yield (*above, key)
+        if isinstance(value, dict):
+            yield from _places(value, (*above, key))
+
+
+class _Reader:
+    def __init__(self, lines: Mapping[Place, int]) -> None:
+        self.lines = lines
+        self.problems: list[tuple[int, str]] = []
+
+    def _wrong(self, place: Place, message: str) -> None:
+        self.problems.append((_line(self.lines, place), message))
+
+    @contextmanager
+    def _at(self, place: Place) -> Iterator[None]:
+        """Notes what is wrong with one value, and lets the next one be read."""
+        try:
+            yield
+        except ValueError as error:
+            self._wrong(place, str(error))
+
+    def plan(self, path: Path, said: dict[str, Any]) -> Plan:
+        self._known((), said, TOP)
+        activities: dict[tuple[str, str | None], DriverSpec] = {}
+        for name, table in self._tables(said, "activities"):
+            place: Place = ("activities", name)
+            ways = self._tables(table, "alternatives", place)
+            if spec := self._spec(place, table, ("alternatives",), needed=not ways):
+                activities[name, None] = spec
+            for way, inner in ways:
+                own = {key: value for key, value in table.items() if key != "alternatives"}
+                if any(kind in inner for kind in KINDS):
+                    own = {key: value for key, value in own.items() if key not in KINDS}
+                if spec := self._spec((*place, "alternatives", way), inner, (), around=own):
+                    activities[name, way] = spec
+        sources = self._specs(said, "sources")
+        releases = self._specs(said, "release")
+        never: tuple[str, ...] = ()
+        with self._at(("never",)):
+            never = _texts("never", said.get("never", []))
+        return Plan(
+            path, self.lines, activities, sources, releases, never, self._mqtt(said), self._zenoh(said)
+        )
+
+    def _specs(self, said: dict[str, Any], key: str) -> dict[str, DriverSpec]:
+        found = ((name, self._spec((key, name), table, ())) for name, table in self._tables(said, key))
+        return {name: spec for name, spec in found if spec is not None}
+
+    def _tables(self, said: Any, key: str, above: Place = ()) -> list[tuple[str, dict[str, Any]]]:
+        """The tables inside of one, which must all be tables."""
+        found = said.get(key, {})
+        if not isinstance(found, dict):
+            self._wrong((*above, key), f"{key}: expected a table, found {found!r}")
+            return []
+        tables = []
+        for name, table in found.items():
+            if isinstance(table, dict):
+                tables.append((name, table))
+            else:
+                self._wrong((*above, key, name), f"{key}.{name}: expected a table, found {table!r}")
+        return tables
+
+    def _known(self, place: Place, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
+        for key in table:
+            if key not in known:
+                hint = did_you_mean(key, known) or f", expected one of {', '.join(known)}"
+                self._wrong((*place, key), f"unknown key {key!r}{hint}")
+
+    def _spec(
+        self,
+        place: Place,
+        own: dict[str, Any],
+        more: tuple[str, ...],
+        *,
+        around: Mapping[str, Any] | None = None,
+        needed: bool = True,
+    ) -> DriverSpec | None:
+        """A driver, with what the table around it says and its own does not."""
+        self._known(place, own, (*COMMON, *more))
+        table = {**(around or {}), **own}
+        kinds: list[Kind] = [kind for kind in KINDS if kind in table]
+        if len(kinds) != 1:
+            if kinds or needed:
+                said = " and ".join(kinds) or "none"
+                self._wrong(place, f"{'.'.join(place)}: expected one of {', '.join(KINDS)}, found {said}")
+            return None
+        (kind,) = kinds
+        values: dict[str, Any] = {}
+
+        def read(key: str, name: str, make: Callable[[str, Any], Any]) -> None:
+            if key in table:
+                with self._at((*place, key) if key in own else place[:2]):
+                    values[name] = make(key, table[key])
+
+        read("process", "command", _command)
+        read("python", "function", _function)
+        read("nothing", "nothing", _nothing)
+        read(kind if kind in ("mqtt", "zenoh") else "", "topics", _topics)
+        read("lines", "lines", _lines)
+        read("ends", "ends", _ends)
+        read("stop", "stop", _signal)
+        read("grace", "grace", _seconds)
+        if "stop" in table and kind != "process":
+            self._wrong((*place, "stop"), f"stop: a signal is for a process, not for {kind}")
+        if "ends" in table and kind not in ("process", "python"):
+            self._wrong((*place, "ends"), f"ends: {kind} does not end by itself")
+        values.pop("nothing", None)
+        return DriverSpec(place, kind, **values)
+
+    def _mqtt(self, said: dict[str, Any]) -> dict[str, str | int]:
+        table, found = said.get("mqtt", {}), dict[str, str | int]()
+        with self._at(("mqtt",)):
+            self._known(("mqtt",), _typed("mqtt", table, dict), tuple(MQTT))
+            for key, value in table.items():
+                with self._at(("mqtt", key)):
+                    if key in MQTT:
+                        found[key] = _typed(key, value, MQTT[key])
+        for key, most in (("port", 65535), ("qos", 2), ("keepalive", 65535)):
+            if isinstance(found.get(key), int) and not 0 <= int(found[key]) <= most:
+                self._wrong(("mqtt", key), f"{key}: expected 0 to {most}, found {found[key]}")
+        return found
+
+    def _zenoh(self, said: dict[str, Any]) -> dict[str, str | tuple[str, ...]]:
+        table, found = said.get("zenoh", {}), dict[str, str | tuple[str, ...]]()
+        with self._at(("zenoh",)):
+            self._known(("zenoh",), _typed("zenoh", table, dict), ZENOH)
+            for key, value in table.items():
+                with self._at(("zenoh", key)):
+                    found[key] = _typed(key, value, str) if key == "mode" else _texts(key, value)
+        return found
+
+
+def _line(lines: Mapping[Place, int], place: Place) -> int:
+    while place and place not in lines:
+        place = place[:-1]
+    return lines.get(place, 1)
+
+
+def _typed(key: str, value: Any, kind: type) -> Any:
+    if type(value) is not kind:
+        raise ValueError(f"{key}: expected {WORDS[kind]}, found {value!r}")
+    return value
+
+
+def _texts(key: str, value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(text, str) for text in value):
+        raise ValueError(f"{key}: expected {WORDS[list]}, found {value!r}")
+    return tuple(value)
+
+
+def _command(key: str, value: Any) -> tuple[str, ...]:
+    command = _texts(key, value)
+    if not command or not command[0] or any("\0" in text for text in command):
+        raise ValueError(f"{key}: expected a command and its arguments, found {value!r}")
+    return command
+
+
+def _function(key: str, value: Any) -> str:
+    text: str = _typed(key, value, str)
+    if not re.fullmatch(r"[^\W\d][\w.]*:[^\W\d]\w*", text):
+        raise ValueError(f"{key}: expected 'module:function', found {text!r}")
+    return text
+
+
+def _nothing(key: str, value: Any) -> bool:
+    if value is not True:
+        raise ValueError(f"{key}: expected true, found {value!r}")
+    return True
+
+
+def _topics(key: str, value: Any) -> Topics:
+    table: dict[str, Any] = _typed(key, value, dict)
+    if not table or table.keys() - {"start", "stop", "says"}:
+        raise ValueError(f"{key}: expected some of start, stop, says, found {', '.join(table) or 'none'}")
+    return Topics(**{name: _typed(f"{key}.{name}", text, str) for name, text in table.items()})
+
+
+def _lines(key: str, value: Any) -> dict[str, str]:
+    table: dict[str, Any] = _typed(key, value, dict)
+    for text, event in table.items():
+        _typed(f"{key}.{text!r}", event, str)
+        try:
+            re.compile(text)
+        except (re.error, RecursionError) as error:
+            raise ValueError(f"{key}: {text!r} is no regular expression: {error}") from None
+    return table
+
+
+def _ends(key: str, value: Any) -> dict[str, str]:
+    table: dict[str, Any] = _typed(key, value, dict)
+    return {how: _typed(f"{key}.{how}", event, str) for how, event in table.items()}
+
+
+def _signal(key: str, value: Any) -> signal.Signals:
+    try:
+        return signal.Signals[_typed(key, value, str)]
+    except KeyError:
+        raise ValueError(f"{key}: expected the name of a signal such as SIGTERM, found {value!r}") from None
+
+
+def _seconds(key: str, value: Any) -> float:
+    if type(value) not in (int, float) or not isfinite(value) or value < 0:
+        raise ValueError(f"{key}: expected seconds, found {value!r}")
+    return float(value)

@@ -1,0 +1,136 @@
+"""One start of a driver: what it is called with, and what it tells while it runs."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Protocol
+
+from mcpn.drivers.functions import Call, FunctionDriver, function_of
+from mcpn.drivers.plan import DriverSpec, filled
+from mcpn.drivers.processes import ProcessDriver
+from mcpn.drivers.topics import Bus, TopicDriver
+
+NOT_STARTED = "not_started"
+"""How a driver ends that could not be started."""
+
+_log = logging.getLogger("mcpn.drivers")
+
+
+class _Driver(Protocol):
+    async def start(self) -> None: ...
+
+    async def stop(self, grace: float) -> bool: ...
+
+
+class Started:
+    """A driver from its start to its stop; what it tells after that counts no more.
+
+    Args:
+        spec: What it is.
+        name: The activity, the source or the hardware.
+        alternative: The alternative.
+        objective: The objective that the activity is started for.
+        parameters: Their texts, by name.
+        number: How many drivers were started before.
+        told: Called on the loop's thread with each text that ``lines`` or ``ends`` map to, and with ``None``
+            and the line where they do not.
+    """
+
+    def __init__(
+        self,
+        spec: DriverSpec,
+        name: str,
+        alternative: str | None,
+        objective: str | None,
+        parameters: Mapping[str, str],
+        number: int,
+        told: Callable[[Started, str | None, str], None],
+    ) -> None:
+        self.spec, self.name, self.alternative, self.objective = spec, name, alternative, objective
+        self.parameters, self.number, self._told = parameters, number, told
+        self.over = False
+        """Whether it has been stopped."""
+        self._driver: _Driver | None = None
+        self._ended = asyncio.Event()
+
+    async def start(self, folder: Path, buses: Mapping[str, Bus]) -> None:
+        """Starts it; a driver that cannot be started has ended."""
+        try:
+            self._driver = self._made(folder, buses)
+            if self._driver is not None:
+                await self._driver.start()
+        except Exception as error:  # whatever starting raises: a missing program, a callable's own error
+            self._driver = None
+            self._has_ended(NOT_STARTED, error)
+
+    def _made(self, folder: Path, buses: Mapping[str, Bus]) -> _Driver | None:
+        spec, loop = self.spec, asyncio.get_running_loop()
+        own = {"activity": self.name, "alternative": self.alternative, "objective": self.objective}
+        said = {key: value for key, value in own.items() if value is not None}
+        values = {**self.parameters, **said, "run": str(self.number), "python": sys.executable}
+
+        def say(line: str) -> None:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(self._line, line)
+
+        if spec.kind == "process":
+            command = [filled(text, values) for text in spec.command]
+            return ProcessDriver(command, folder, say, self._has_ended, spec.stop)
+        if spec.kind == "python":
+            call = Call(self.name, self.alternative, self.objective, self.parameters, say)
+            return FunctionDriver(function_of(spec.function, folder), call, self._has_ended)
+        if spec.kind in buses:
+            topics = spec.topics
+            start, stop, says = (
+                None if text is None else filled(text, values)
+                for text in (topics.start, topics.stop, topics.says)
+            )
+            message = json.dumps({**own, "run": self.number, "parameters": dict(self.parameters)})
+            return TopicDriver(buses[spec.kind], start, stop, says, message, say)
+        return None
+
+    def _line(self, line: str) -> None:
+        if not self.over:
+            self._told(self, self.spec.of_line(line), line)
+
+    def _has_ended(self, how: str, error: Exception | None) -> None:
+        self._ended.set()
+        if error is not None:
+            _log.error("%s: %r", self, error, exc_info=error if how != NOT_STARTED else None)
+        if not self.over:
+            self._told(self, self.spec.of_end(how), f"ended: {how}")
+
+    async def ended(self) -> None:
+        """Waits until it has ended by itself, which what is reached by messages never does."""
+        if self.spec.kind in ("process", "python"):
+            await self._ended.wait()
+
+    async def stop(self, hurry: bool = False) -> None:
+        """Stops it.
+
+        Args:
+            hurry: Whether it has no time to end by itself.
+        """
+        self.over = True
+        if self._driver is None:
+            return
+        try:
+            in_time = await self._driver.stop(0.0 if hurry else self.spec.grace)
+        except Exception as error:  # of what carries messages; the others are to be stopped all the same
+            _log.error("%s cannot be stopped: %r", self, error, exc_info=error)
+            return
+        if not in_time:
+            _log.warning("%s has not ended within %g seconds", self, self.spec.grace)
+
+    def kill(self) -> None:
+        """Ends it at once, if it is a process."""
+        if isinstance(self._driver, ProcessDriver):
+            self._driver.kill()
+
+    def __str__(self) -> str:
+        return self.name if self.alternative in (None, self.name) else f"{self.name} ({self.alternative})"

@@ -1,0 +1,34 @@
+"""A part of a robot, as a process: it notes its number, and ends when a file of its name says so."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+name, *options = sys.argv[1:]
+if "stubborn" in options:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+child = subprocess.Popen(["sleep", "1000"]) if "parent" in options else None
+numbers = Path(f"{name}.pids")
+with numbers.open("a") as file:
+    file.write(f"{os.getpid()}\n" + (f"{child.pid}\n" if child else ""))
+
+
+def say(text: str) -> None:
+    """Writes a line that is read at once."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+say(f"{name} runs")
+order = Path(f"{name}.order")  # what to print, or a status to end with
+while True:
+    if order.exists():
+        text = order.read_text()
+        order.unlink()
+        if text.isdigit():
+            sys.exit(int(text))
+        say(text)
+    time.sleep(0.01)

@@ -1,0 +1,166 @@
+"""Files of drivers: what is wrong in them is told with its line, all in one go."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mcpn.drivers.reading import lines_of, read_drivers
+from mcpn.errors import InputError
+from tests.commands import mcpn
+from tests.drivers.robots import MISSION, NEVER
+
+GOOD = f"""never = {json.dumps([*NEVER, "called_back"])}
+[activities.lidar_driver]
+process = ["true"]
+ends.other = "lidar_EV_OOS"
+[activities.localisation]
+nothing = true
+[activities.drive]
+process = ["true", "{{room}}"]
+ends = {{0 = "success", other = "failure"}}
+[activities.hand_over]
+python = "hand:over"
+ends = {{true = "success", other = "failure"}}
+"""
+
+
+def said(folder: Path, text: str) -> list[str]:
+    """What ``mcpn run --check`` says is wrong."""
+    (folder / "mission.xml").write_text(MISSION)
+    (folder / "hand.py").write_text("def over(call):\n    return True\n")
+    (folder / "drivers.toml").write_text(text)
+    found = mcpn("run", folder / "mission.xml", "--drivers", folder / "drivers.toml", "--check")
+    assert (found.returncode == 0) == (found.stderr == "")
+    assert found.returncode in (0, 2)
+    start = f"error: {folder / 'drivers.toml'}"
+    lines = found.stderr.splitlines()
+    assert all(line.startswith(start) for line in lines), found.stderr
+    return [line.removeprefix(start) for line in lines]
+
+
+def test_a_good_one(tmp_path: Path) -> None:
+    assert said(tmp_path, GOOD) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("never = [", "never = [[", [":2: no TOML"]),
+        ("[activities.drive]", "[activities.drive", [":7: no TOML"]),
+        ("[activities.drive]", "[activities.drve]", [
+            ":7: the mission's controller has no activity 'drve' (did you mean drive?)",
+            ": no driver for activity drive: expected a table [activities.drive]",
+            ": no driver tells the event OBJ_home_EV_FAIL",
+        ]),
+        ("nothing = true", "nothing = false", [":6: nothing: expected true, found False"]),
+        ("nothing = true", "noting = true", [":6: unknown key 'noting' (did you mean nothing?)", ":5: "]),
+        ("nothing = true", "nothing = true\nstop = 'SIGTERM'", [":7: stop: a signal is for a process"]),
+        ("nothing = true", "nothing = true\nends = {}", [":7: ends: nothing does not end by itself"]),
+        ("nothing = true", "nothing = true\npython = 'a:b'", [":5: activities.localisation: expected one"]),
+        ("nothing = true", "nothing = true\ngrace = -1", [":7: grace: expected seconds, found -1"]),
+        ('["true"]', '["true"]\nstop = "SIGHURRY"', [":4: stop: expected the name of a signal"]),
+        ('["true"]', "[1]", [":3: process: expected a list of texts, found [1]"]),
+        ('["true"]', "[]", [":3: process: expected a command and its arguments"]),
+        ('["true"]', '["no such program"]', [":2: process: no program 'no such program' is found"]),
+        ('["true"]', '["true", "{room}"]', [":2: {room}: lidar_driver has no such parameter"]),
+        ('ends.other = "lidar_EV_OOS"', 'ends.other = "success"', [
+            ": no driver tells the event lidar_EV_OOS: name it in one, or in never",
+            ":4: success: activities.lidar_driver is of no objective",
+        ]),
+        ('ends.other = "lidar_EV_OOS"', 'ends.other = "lidar_EV_OS"', [
+            ": no driver tells",
+            ":4: 'lidar_EV_OS' is no event of the mission's controller (did you mean lidar_EV_OOS?)",
+        ]),
+        ('0 = "success"', '0 = "OBJ_travel_EV_OK"', [": no driver tells the event OBJ_home_EV_OK"]),
+        ('{0 = "success"', '{0 = 5', [":9: ends.0: expected a text, found 5"]),
+        ("{true", "{raised", []),
+        ('"hand:over"', '"hand"', [":11: python: expected 'module:function', found 'hand'"]),
+        ('"hand:over"', '"hand:under"', [":10: hand:under: AttributeError"]),
+        ('"hand:over"', '"no_hands:over"', [":10: no_hands:over: ModuleNotFoundError"]),
+        ("called_back", "calledback", [
+            ": no driver tells the event called_back_EV",
+            ":1: never: 'calledback' is no event",
+        ]),
+        ("[activities.hand", "[release.wings]\nnothing = true\n[activities.hand", [
+            ":10: the mission's controller has no hardware 'wings'",
+        ]),
+        ("nothing = true", "nothing = true\nalternatives.by_gps.nothing = true", [
+            ":7: the mission's controller has no alternative of localisation 'by_gps'",
+        ]),
+        ("[activities.hand", "[mqtt]\nport = 70000\nhosts = 'a'\n[activities.hand", [
+            ":11: port: expected 0 to 65535, found 70000",
+            ":12: unknown key 'hosts' (did you mean host?)",
+        ]),
+        ("[activities.hand", "[sources.x]\nmqtt = {say = 'a'}\n[activities.hand", [
+            ":11: mqtt: expected some of start, stop, says, found say",
+        ]),
+        ("[activities.hand", "[sources.x]\nnothing = true\nlines = {'(' = 'called_back'}\n[activities.hand", [
+            ":12: lines: '(' is no regular expression",
+        ]),
+        ("[activities.hand", "[sources.x]\nprocess = ['true', '{room}']\n[activities.hand", [
+            ":10: {room}: sources.x is of no activity",
+        ]),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_told(tmp_path: Path, old: str, new: str, expected: list[str]) -> None:
+    assert GOOD.count(old) == 1
+    found = said(tmp_path, GOOD.replace(old, new))
+    if expected or not found:
+        assert len(found) >= len(expected)
+    for message in expected:
+        assert any(line.startswith(message) for line in found), found
+    if not expected:
+        assert found == []
+
+
+def test_an_alternative_of_its_own_keeps_what_its_activity_says(tmp_path: Path) -> None:
+    own = "[activities.localisation.alternatives.by_odometry]\npython = 'hand:over'"
+    text = GOOD.replace("nothing = true", f"process = ['true']\ngrace = 3\n{own}")
+    assert said(tmp_path, text) == []
+    plan = read_drivers(tmp_path / "drivers.toml")
+    one, other = (plan.driver("localisation", way) for way in ("by_odometry", "by_scan"))
+    assert one is not None
+    assert other is not None
+    assert (one.kind, one.function, one.grace) == ("python", "hand:over", 3.0)
+    assert (other.kind, other.command, other.grace) == ("process", ("true",), 3.0)
+
+
+KEYS = st.lists(st.sampled_from("abc"), min_size=1, max_size=3).map(tuple)
+VALUES = st.sampled_from(["1", '"#"', "'''\n[a]\n'''", "[\n 1,\n # c\n 2]", "{x = 1}", '"""\\\n x = 1"""'])
+
+
+@given(st.lists(st.tuples(KEYS, st.booleans(), VALUES, st.sampled_from(["", "\n", "# c\n"])), max_size=6))
+def test_lines_are_those_of_the_keys(rows: list[tuple[tuple[str, ...], bool, str, str]]) -> None:
+    """By construction: each value is written with a name of its own, and its line counted."""
+    text, expected, head = "", {}, tuple[str, ...]()
+    for number, (keys, begins, value, after) in enumerate(rows):
+        if begins:
+            head = (*keys, f"t{number}")
+            expected[head] = text.count("\n") + 1
+            text += f"[{'.'.join(head)}]\n"
+        place = (*head, *keys, f"k{number}")
+        expected[place] = text.count("\n") + 1
+        text += f"{'.'.join(place[len(head) :])} = {value}\n{after}"
+    found = lines_of(text)
+    assert {place: found[place] for place in expected} == expected
+
+
+@given(st.binary(max_size=200) | st.text("[]{}='\"#a.1\n,", max_size=60).map(str.encode))
+def test_any_bytes_are_read_or_refused_with_a_place(data: bytes) -> None:
+    with tempfile.NamedTemporaryFile() as file:
+        file.write(data)
+        file.flush()
+        try:
+            plan = read_drivers(Path(file.name))
+        except InputError as error:
+            problems = error.problems
+        else:
+            problems = ()
+            assert plan.specs == () or b"true" in data
+    assert all(problem.source is not None for problem in problems)

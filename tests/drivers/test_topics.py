@@ -1,0 +1,182 @@
+"""``mcpn run`` over messages: a robot behind a real broker (mosquitto), and in a session of zenoh."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import socket
+import subprocess
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.commands import mcpn, output
+from tests.drivers.robots import MISSION, NEVER, until
+
+
+def drivers(kind: str, options: str) -> str:
+    """Each activity behind topics of its own; what they say is behind the number of the start."""
+    topics = ", ".join(
+        f'{key} = "robot/{{activity}}/{text}"'
+        for key, text in (("start", "start"), ("stop", "stop"), ("says", "{run}/result"))
+    )
+    ends = 'lines = {"done.*" = "success", "failed" = "failure"}'
+    return f"""
+never = {json.dumps([*NEVER, "called_back"])}
+[{kind}]
+{options}
+[activities.lidar_driver]
+{kind} = {{ {topics} }}
+[activities.localisation]
+{kind} = {{ {topics} }}
+[activities.drive]
+{kind} = {{ {topics} }}
+{ends}
+[activities.hand_over]
+{kind} = {{ {topics} }}
+{ends}
+[sources.health]
+{kind} = {{ says = "robot/health" }}
+lines = {{ "lidar lost" = "lidar_EV_OOS" }}
+"""
+
+
+class Robot:
+    """What it is told, and what it answers: its lidar fails once it drives, then it arrives.
+
+    Args:
+        publish: Sends a message.
+    """
+
+    def __init__(self, publish: Callable[[str, str], object]) -> None:
+        self.publish = publish
+        self.told: list[tuple[str, str, str]] = []
+        self.runs: set[str] = set()
+
+    def hear(self, topic: str, text: str) -> None:
+        """Takes one message."""
+        _, activity, verb = topic.split("/")
+        message = json.loads(text)
+        assert message["activity"] == activity
+        self.told.append((verb, activity, message["alternative"]))
+        (self.runs.add if verb == "start" else self.runs.discard)(activity)
+        if verb == "stop":
+            return
+        result = f"robot/{activity}/{message['run']}/result"
+        if activity == "drive" and message["parameters"] == {"room": "12"}:
+            self.publish("robot/health", "lidar lost")
+        elif activity == "localisation" and message["alternative"] == "by_odometry":
+            drives = f"robot/drive/{message['run'] - 1}/result"
+            self.publish(drives, "nothing that ends it")
+            self.publish(drives, "done, at 12")
+        elif activity in ("drive", "hand_over"):
+            self.publish(result, "done")
+
+
+def ran(folder: Path, robot: Robot) -> None:
+    """The mission succeeds without its lidar, and the robot is told so."""
+    (folder / "mission.xml").write_text(MISSION)
+    arguments = ["run", folder / "mission.xml", "--drivers", folder / "drivers.toml"]
+    said = output(*arguments, "--journal", folder / "log.jsonl")
+    assert (said["outcome"], said["refused"]) == ("success", 0)
+    events = [json.loads(line)["event"] for line in (folder / "log.jsonl").read_text().splitlines()]
+    assert events[:3] == ["MISSION_EV_START", "lidar_EV_OOS", "OBJ_travel_EV_OK"]
+    until(lambda: not robot.runs, 10)
+    assert robot.told[:6] == [
+        ("start", "lidar_driver", "lidar_driver"),
+        ("start", "localisation", "by_scan"),
+        ("start", "drive", "drive"),
+        ("stop", "lidar_driver", "lidar_driver"),
+        ("stop", "localisation", "by_scan"),
+        ("start", "localisation", "by_odometry"),
+    ]
+    assert [told for told in robot.told if told[1] == "hand_over"] == [
+        ("start", "hand_over", "hand_over"),
+        ("stop", "hand_over", "hand_over"),
+    ]
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        number: int = found.getsockname()[1]
+        return number
+
+
+def answers(port: int) -> bool:
+    try:
+        socket.create_connection(("127.0.0.1", port), 1).close()
+    except OSError:
+        return False
+    return True
+
+
+@pytest.fixture
+def broker() -> Iterator[int]:
+    """The port of a broker."""
+    program = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin")
+    if program is None:
+        pytest.skip("needs mosquitto, a broker for MQTT")
+    port = free_port()
+    run = subprocess.Popen([program, "-p", str(port)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        until(lambda: answers(port) or run.poll() is not None, 20)
+        assert run.poll() is None
+        yield port
+    finally:
+        run.terminate()
+        run.wait()
+
+
+def test_over_mqtt(broker: int, tmp_path: Path) -> None:
+    pytest.importorskip("paho.mqtt", reason="needs mcpn[mqtt]")
+    from paho.mqtt import client as paho
+    from paho.mqtt.enums import CallbackAPIVersion
+
+    client = paho.Client(CallbackAPIVersion.VERSION2)
+    robot = Robot(lambda topic, text: client.publish(topic, text, 1))
+    ready = threading.Event()
+    client.on_message = lambda _client, _data, message: robot.hear(message.topic, message.payload.decode())
+    client.on_subscribe = lambda *_: ready.set()
+    client.connect("127.0.0.1", broker)
+    client.subscribe([("robot/+/start", 1), ("robot/+/stop", 1)])
+    client.loop_start()
+    assert ready.wait(20)
+    (tmp_path / "drivers.toml").write_text(drivers("mqtt", f'host = "127.0.0.1"\nport = {broker}'))
+    try:
+        ran(tmp_path, robot)
+    finally:
+        client.disconnect()
+        client.loop_stop()
+
+
+def test_over_zenoh(tmp_path: Path) -> None:
+    zenoh = pytest.importorskip("zenoh", reason="needs mcpn[zenoh]")
+    config, port = zenoh.Config(), free_port()
+    config.insert_json5("listen/endpoints", json.dumps([f"tcp/127.0.0.1:{port}"]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    with zenoh.open(config) as session:
+        robot = Robot(session.put)
+
+        def hear(sample: Any) -> None:
+            robot.hear(str(sample.key_expr), sample.payload.to_bytes().decode())
+
+        heard = [session.declare_subscriber(f"robot/*/{verb}", hear) for verb in ("start", "stop")]
+        (tmp_path / "drivers.toml").write_text(
+            drivers("zenoh", f'mode = "client"\nconnect = ["tcp/127.0.0.1:{port}"]')
+        )
+        ran(tmp_path, robot)
+        for each in heard:
+            each.undeclare()
+
+
+def test_without_a_broker_it_is_said_where(tmp_path: Path) -> None:
+    pytest.importorskip("paho.mqtt", reason="needs mcpn[mqtt]")
+    (tmp_path / "mission.xml").write_text(MISSION)
+    (tmp_path / "drivers.toml").write_text(drivers("mqtt", f'host = "127.0.0.1"\nport = {free_port()}'))
+    found = mcpn("run", tmp_path / "mission.xml", "--drivers", tmp_path / "drivers.toml")
+    assert found.returncode == 2
+    assert "drivers.toml:3: no connection to the broker 127.0.0.1:" in found.stderr
