@@ -9,15 +9,15 @@ their names qualified by the use (``transect_north.diving``). Rounds of ``each``
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
-from mcpn.errors import LimitError
-from mcpn.mission.expansion.recovery import entered, following, recovering
+from mcpn.errors import InputError, LimitError
+from mcpn.mission.expansion.leads import Lead, Leads, by_facts
+from mcpn.mission.expansion.pauses import suffix_at
+from mcpn.mission.expansion.recovery import entered, following, helping
 from mcpn.mission.expansion.scope import MAX_NESTING, MAX_OBJECTIVES, Scope, copies, several
 from mcpn.mission.graph import (
-    TIMED_OUT,
     Branch,
     ElementarySection,
     Interruption,
@@ -42,7 +42,7 @@ from mcpn.mission.requirement import Requirement
 from mcpn.mission.robot import BOOLEAN_VALUES
 from mcpn.mission.validate import valid
 from mcpn.mission.world.conditions import facts_of, resolved
-from mcpn.mission.world.decisions import Condition, FactCase, Setting
+from mcpn.mission.world.decisions import Condition, Setting
 
 __all__ = [
     "MAX_NESTING",
@@ -120,63 +120,16 @@ def blocks_of(mission: Mission) -> dict[str, tuple[str, ...]]:
     }
 
 
-class _Lead(NamedTuple):
-    """Where something leads, sections or exits of the graph: the first case that fits, else the default."""
-
-    target: str
-    cases: tuple[FactCase, ...] = ()
-
-
-def _by_facts(cases: Iterable[tuple[Condition, _Lead]], default: _Lead) -> _Lead:
-    """A lead that facts decide between others."""
-    found = list[FactCase]()
-    for when, lead in cases:
-        inner = ((_both(when, case.when), case.target) for case in lead.cases)
-        found += (FactCase(both, target) for both, target in inner if both is not None)
-        found.append(FactCase(when, lead.target))
-    return _Lead(default.target, (*found, *default.cases)) if found else default
-
-
-def _both(one: Condition, other: Condition) -> Condition | None:
-    """Two conditions at once; ``None`` where they exclude each other."""
-    both = dict(one)
-    if any(both.setdefault(fact, value) != value for fact, value in other):
-        return None
-    return tuple(both.items())
-
-
-class _Leads(NamedTuple):
-    """Where the outcomes of a block lead."""
-
-    success: _Lead
-    failure: _Lead
-    abort: _Lead
-    timed_out: _Lead
-
-    @property
-    def cases(self) -> tuple[tuple[str, FactCase], ...]:
-        """What facts decide, with its outcome."""
-        leads = {
-            "success": self.success,
-            "failure": self.failure,
-            "abort": self.abort,
-            TIMED_OUT: self.timed_out,
-        }
-        return tuple((outcome, case) for outcome, lead in leads.items() for case in lead.cases)
-
-    @property
-    def exits(self) -> dict[str, _Lead]:
-        """The same by the routes that the blocks in it, and copies of it, name."""
-        exits = {SUCCEED: self.success, FAIL: self.failure, ABORT: self.abort}
-        return exits | {TIMED_OUT: self.timed_out}
-
-
 class _Flattening:
     def __init__(self, mission: Mission) -> None:
         self.requirements: dict[str, tuple[str, Requirement]] = {}
         self.held: dict[str, list[Section]] = {}
         self.protocols: dict[str, Protocol] = {p.name: p for p in mission.protocols}
         self.facts = facts_of(mission)
+        self.pauses: dict[str, str] = {}
+        """By a mark that stands for where a pause leads, the name of the sibling that is run."""
+        self.copied: set[str] = set()
+        """Names of copies of siblings that are run while blocks pause."""
         self.objectives = 0
         self.parameters = 0
 
@@ -187,7 +140,7 @@ class _Flattening:
         handlers: tuple[Handler, ...] = (),
     ) -> ObjectivesGraph:
         sections: list[Section] = []
-        exits = {exit_: _Lead(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
+        exits = {exit_: Lead(exit_) for exit_ in (SUCCEED, FAIL, ABORT)}
         self.series(blocks, scope, exits, sections, handlers)
         return ObjectivesGraph(tuple(sections), self.entry(blocks[0], scope)).reachable()
 
@@ -195,15 +148,15 @@ class _Flattening:
         self,
         blocks: tuple[Block, ...],
         scope: Scope,
-        exits: dict[str, _Lead],
+        exits: dict[str, Lead],
         sections: list[Section],
         around: tuple[Handler, ...] = (),
     ) -> None:
         """Adds the sections of sibling blocks, under handlers that lead to them as well."""
-        routes = {block.name: _Lead(self.entry(block, scope)) for block in blocks} | exits
+        routes = {block.name: Lead(self.entry(block, scope)) for block in blocks} | exits
         scope = self.handling(scope, around, routes, "")
         after, named = following(blocks), {block.name: block for block in blocks}
-        aside = set(recovering(blocks))
+        aside = helping(blocks)
         aside -= entered(blocks, around) if aside else aside
         for block in blocks:
             if block.name in aside:
@@ -212,7 +165,7 @@ class _Flattening:
             inner = self.handling(scope, block.handlers, routes, block.name)
             failure = block.failure or FAIL
             late = (block.timeout_goto if isinstance(block, Objective) else None) or failure
-            leads = _Leads(*(routes[to] for to in (success, failure, block.abort or ABORT, late)))
+            leads = Leads(*(routes[to] for to in (success, failure, block.abort or ABORT, late)))
             before = len(sections)
             if block.routes:
                 leads = self.deciding(block, routes, leads)
@@ -221,23 +174,26 @@ class _Flattening:
             else:
                 recovery = named[block.recover], scope, routes
                 self.recovered(block, inner, leads, recovery, sections)
-            self.held[scope.name(block)] = sections[before:]
+            end, own = len(sections), inner.handlers[: len(block.handlers)]
+            if runs := {i.target: named[self.pauses[i.target]] for i in own if i.target in self.pauses}:
+                self.paused(before, runs, (scope, routes), leads.failure, sections)
+            self.held.setdefault(scope.name(block), []).extend(sections[before:end])
 
-    def deciding(self, block: Block, routes: Mapping[str, _Lead], leads: _Leads) -> _Leads:
+    def deciding(self, block: Block, routes: Mapping[str, Lead], leads: Leads) -> Leads:
         """The leads of a block with its own routes that facts decide."""
-        own: dict[str, list[tuple[Condition, _Lead]]] = {"success": [], "failure": []}
+        own: dict[str, list[tuple[Condition, Lead]]] = {"success": [], "failure": []}
         for route in block.routes:
             own[route.on].append((resolved(route.when, self.facts), routes[route.goto]))
-        success, failure = _by_facts(own["success"], leads.success), _by_facts(own["failure"], leads.failure)
+        success, failure = by_facts(own["success"], leads.success), by_facts(own["failure"], leads.failure)
         late = isinstance(block, Objective) and block.timeout_goto is not None
-        return _Leads(success, failure, leads.abort, leads.timed_out if late else failure)
+        return Leads(success, failure, leads.abort, leads.timed_out if late else failure)
 
     def recovered(
         self,
         block: Block,
         scope: Scope,
-        leads: _Leads,
-        recovery: tuple[Block, Scope, Mapping[str, _Lead]],
+        leads: Leads,
+        recovery: tuple[Block, Scope, Mapping[str, Lead]],
         sections: list[Section],
     ) -> None:
         """Adds the runs of a block that recovers, and between them the sibling that does that."""
@@ -248,26 +204,62 @@ class _Flattening:
                 self.series(blocks, inside, leads.exits, sections)
                 return
             here = around.copy(by, f"{block.name}{number}")
-            self.series(blocks, inside, leads._replace(failure=_Lead(self.entry(by, here))).exits, sections)
+            self.series(blocks, inside, leads._replace(failure=Lead(self.entry(by, here))).exits, sections)
             late = by.timeout_goto if isinstance(by, Objective) else None
-            back = _Lead(self.entry(again[0][0], again[1]))
-            ways = _Leads(
+            back = Lead(self.entry(again[0][0], again[1]))
+            ways = Leads(
                 back, leads.failure, routes[by.abort or ABORT], routes[late] if late else leads.failure
             )
             before = len(sections)
             self.block(by, self.handling(here, by.handlers, routes, by.name), ways, sections)
             self.held.setdefault(around.name(by), []).extend(sections[before:])
 
+    def paused(
+        self,
+        before: int,
+        runs: Mapping[str, Block],
+        around: tuple[Scope, Mapping[str, Lead]],
+        failure: Lead,
+        sections: list[Section],
+    ) -> None:
+        """Adds for each section of a block that pauses the sibling that is run before it is entered again."""
+        scope, routes = around
+        for number in range(before, len(sections)):
+            section, entries = sections[number], dict[str, str]()
+            marks = (i.target for i in section.interruptions if i.target in runs)
+            for by in {id(runs[mark]): runs[mark] for mark in marks}.values():
+                here = scope.copy(by, suffix_at(section.name, scope))
+                if here.name(by) in self.copied:
+                    message = f"two copies of {by.name} would be called {here.name(by)}"
+                    raise InputError.at(by.source, f"{message}: rename one of the blocks that pause")
+                self.copied.add(here.name(by))
+                late = by.timeout_goto if isinstance(by, Objective) else None
+                back = Lead(section.name)
+                ways = Leads(back, failure, routes[by.abort or ABORT], routes[late] if late else failure)
+                first = len(sections)
+                self.block(by, self.handling(here, by.handlers, routes, by.name), ways, sections)
+                self.held.setdefault(scope.name(by), []).extend(sections[first:])
+                entries |= {mark: self.entry(by, here) for mark, of in runs.items() if of is by}
+            led = (replace(i, target=entries.get(i.target, i.target)) for i in section.interruptions)
+            sections[number] = replace(section, interruptions=tuple(led))
+
     def handling(
-        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, _Lead], block: str
+        self, scope: Scope, handlers: tuple[Handler, ...], routes: Mapping[str, Lead], block: str
     ) -> Scope:
         """The scope under some handlers more, those of a block or of the mission."""
         found = []
         for handler in handlers:
             once = scope.written_at(block, handler.event) if handler.once else None
-            lead = routes[handler.goto]
+            lead = self.leading(handler, routes)
             found.append(Interruption(handler.event, lead.target, once, handler.source, lead.cases))
         return replace(scope, handlers=(*found, *scope.handlers)) if found else scope
+
+    def leading(self, handler: Handler, routes: Mapping[str, Lead]) -> Lead:
+        """Where a handler leads: of a pause a mark, which stands for a copy of its sibling."""
+        if handler.pause is None:
+            return routes[handler.goto or ABORT]  # a valid one has one of the two
+        self.pauses[mark := f"pause {len(self.pauses)}"] = handler.pause
+        return Lead(mark)
 
     def inside(self, block: Recursive | Parallel | Use, scope: Scope) -> tuple[tuple[Block, ...], Scope]:
         """What a block holds, and the scope of that."""
@@ -290,7 +282,7 @@ class _Flattening:
                 return scope.name(block)
             block = blocks[0]
 
-    def block(self, block: Block, scope: Scope, leads: _Leads, sections: list[Section]) -> None:
+    def block(self, block: Block, scope: Scope, leads: Leads, sections: list[Section]) -> None:
         if several(block):
             self.copies(block, scope, leads, sections)
         elif isinstance(block, Objective):
@@ -343,7 +335,7 @@ class _Flattening:
         done = f"done({block.name})"
         return (*said, Setting(done, BOOLEAN_VALUES[True], "success")) if done in self.facts else said
 
-    def copies(self, block: Block, scope: Scope, leads: _Leads, sections: list[Section]) -> None:
+    def copies(self, block: Block, scope: Scope, leads: Leads, sections: list[Section]) -> None:
         """Adds the rounds of a block, or its tries, one after the other."""
         tries = block.repeat is None and block.retries > 0
         here: tuple[tuple[Block, ...], Scope] | None = next(each := copies(block, scope))
@@ -353,9 +345,9 @@ class _Flattening:
             if following is None:
                 each_leads = leads
             elif tries:
-                each_leads = leads._replace(failure=_Lead(following))
+                each_leads = leads._replace(failure=Lead(following))
             else:
-                each_leads = leads._replace(success=_Lead(following))
+                each_leads = leads._replace(success=Lead(following))
             self.series(blocks, inner, each_leads.exits, sections)
 
     def branch(self, child: Block, scope: Scope) -> Branch:

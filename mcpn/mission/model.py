@@ -70,18 +70,22 @@ ABORT = "abort"
 class Handler(Described):
     """What the block around it does when an event happens while it runs.
 
-    Everything in it stops, and it is left. The innermost handler counts; in a parallel block those of its
-    branches do first.
+    Everything in it stops, and it is left, or it is paused: another block is run, then it goes on where it
+    was. The innermost handler counts; in a parallel block those of its branches do first.
     """
 
     TAG = "on"
     event: Annotated[EventName, "A declared event."]
     goto: Annotated[
-        str,
-        ROUTE,
+        Route,
         "Where it leads: a sibling of the block, succeed, fail or abort. From the mission: one of its own "
         "blocks, succeed, fail or abort. From a child of a parallel block: succeed, fail or abort.",
-    ]
+    ] = None
+    pause: Annotated[
+        Route,
+        "In the place of goto: this sibling is run, then the block goes on where it was: the objective that "
+        "ran is entered again. A copy of the sibling for the objective travel is named shelter_at_travel.",
+    ] = None
     once: Annotated[
         bool,
         "true: a handler written once happens at most once in the whole mission, whichever copy of it "

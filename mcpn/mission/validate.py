@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Iterator, Mapping
 
 from mcpn.errors import InputError, Problem, Source
 from mcpn.mission.expansion.clashes import clashes
 from mcpn.mission.expansion.faults import failure_errors
+from mcpn.mission.expansion.pauses import no_siblings, pause_problems
 from mcpn.mission.expansion.recovery import problems as recoveries
 from mcpn.mission.language.datatypes import NAME
 from mcpn.mission.language.forms import form_of
+from mcpn.mission.language.repeats import cycles, duplicates, elements, repeats
 from mcpn.mission.model import (
     ABORT,
     FAIL,
@@ -92,16 +92,16 @@ class _Checks:
 
     def errors(self) -> Iterator[Problem]:
         mission = self.mission
-        for element in _elements(mission):
+        for element in elements(mission):
             yield from self.attributes(element)
-        yield from _duplicates("robot", mission.robots)
-        yield from _duplicates("resource", (*mission.hardware, *mission.software))
-        yield from _duplicates("activity", mission.activities)
-        yield from _duplicates("fact", mission.facts)
-        yield from _duplicates("event", mission.events)
-        yield from _duplicates("protocol", mission.protocols)
+        yield from duplicates("robot", mission.robots)
+        yield from duplicates("resource", (*mission.hardware, *mission.software))
+        yield from duplicates("activity", mission.activities)
+        yield from duplicates("fact", mission.facts)
+        yield from duplicates("event", mission.events)
+        yield from duplicates("protocol", mission.protocols)
         for requirements in (mission.requirements, *(p.requirements for p in mission.protocols)):
-            yield from _duplicates("requirement", requirements)
+            yield from duplicates("requirement", requirements)
             for requirement in requirements:
                 yield from self.requirement(requirement)
         yield from failure_errors(mission.robots, self.hints)
@@ -110,7 +110,7 @@ class _Checks:
         for robot in mission.robots:
             for activity in robot.activities:
                 yield from self.activity(activity)
-        yield from self.cycles(
+        yield from cycles(
             "activities need each other's resources",
             self.activities,
             lambda name: [
@@ -119,7 +119,7 @@ class _Checks:
         )
         for owner, blocks in self.scopes:
             yield from self.blocks(owner, blocks)
-        yield from self.cycles(
+        yield from cycles(
             "protocols use each other",
             self.protocols,
             lambda name: [b.protocol for b in walk(self.protocols[name].blocks) if isinstance(b, Use)],
@@ -135,7 +135,7 @@ class _Checks:
         yield from self.values(element, element.name)
         for content in form_of(type(element)).contents:
             if content.classes == (Parameter,):
-                yield from _duplicates("parameter", getattr(element, content.name))
+                yield from duplicates("parameter", getattr(element, content.name))
 
     def values(self, element: Described, name: str) -> Iterator[Problem]:
         """Values of its attributes that do not count."""
@@ -144,7 +144,7 @@ class _Checks:
             if value is attribute.default:
                 continue
             if attribute.several:
-                yield from _repeats(element.source, f"{attribute.tag} of {name}", value)
+                yield from repeats(element.source, f"{attribute.tag} of {name}", value)
             elif value is not None and not holds.allows(value):
                 shown = f"{value:g}" if isinstance(value, float) else value
                 message = f"{attribute.tag} of {name} is {shown}, expected {holds.allowed}"
@@ -173,7 +173,7 @@ class _Checks:
                 yield Problem(software.source, f"{needed}, found {names}: {remedy}")
 
     def activity(self, activity: Activity) -> Iterator[Problem]:
-        yield from _duplicates("alternative", activity.alternatives)
+        yield from duplicates("alternative", activity.alternatives)
         if not activity.alternatives:
             yield Problem(activity.source, f"activity {activity.name} has no alternative")
         if activity.switch_back and len(activity.alternatives) == 1:
@@ -196,45 +196,22 @@ class _Checks:
     def unknown(self, source: Source | None, who: str, name: str, known: Collection[str]) -> Problem:
         return Problem(source, f"{who} {name}, which is not declared{self.hints.known(name, known)}")
 
-    def cycles(
-        self, what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
-    ) -> Iterator[Problem]:
-        """One problem for each cycle that a depth-first walk closes."""
-        finished: set[str] = set()
-        for start in elements:
-            path: dict[str, None] = {}
-            stack = [(start, iter(after(start)))] if start not in finished else []
-            if stack:
-                path[start] = None
-            while stack:
-                name, left = stack[-1]
-                following = next(left, None)
-                if following is None:
-                    finished.add(name)
-                    stack.pop()
-                    del path[name]
-                elif following in path:
-                    names = list(path)
-                    cycle = [*names[names.index(following) :], following]
-                    yield Problem(elements[following].source, f"{what}: {' -> '.join(cycle)}")
-                elif following in elements and following not in finished:
-                    path[following] = None
-                    stack.append((following, iter(after(following))))
-
     # --- blocks ----------------------------------------------------------------------------------------
 
     def blocks(self, owner: Element, blocks: tuple[Block, ...]) -> Iterator[Problem]:
         all_blocks = list(walk(blocks))
         if not blocks:
             yield Problem(owner.source, f"{owner.name} has no blocks")
-        yield from _duplicates("block", all_blocks)
+        yield from duplicates("block", all_blocks)
         yield from clashes(blocks)
         around = owner.handlers if isinstance(owner, Mission) else ()
         for siblings in _families(blocks):
             yield from self.routing(siblings)
             yield from recoveries(siblings, around if siblings is blocks else ())
+            yield from pause_problems(siblings, blocks, self.protocols)
         if isinstance(owner, Mission):
             yield from self.handlers(owner.name, owner.handlers, {block.name: None for block in blocks})
+            yield from no_siblings(owner.name, owner.handlers, "put its blocks into an objective")
         for block in all_blocks:
             if isinstance(block, Holder) and not block.blocks:
                 yield Problem(block.source, f"{block.name} has no blocks")
@@ -285,9 +262,12 @@ class _Checks:
             if handler.event in handled:
                 yield Problem(handler.source, f"{owner} handles the event {handler.event} twice")
             handled.add(handler.event)
-            yield from self.route(
-                handler.source, f"the event {handler.event} of {owner}", handler.goto, names
-            )
+            what = f"the event {handler.event} of {owner}"
+            if (handler.goto is None) == (handler.pause is None):
+                found = "nowhere" if handler.goto is None else f"to {handler.goto} and pauses"
+                yield Problem(handler.source, f"{what} leads {found}; expected one of goto and pause")
+            elif handler.goto is not None:
+                yield from self.route(handler.source, what, handler.goto, names)
 
     def each(self, block: Each) -> Iterator[Problem]:
         if not block.values:
@@ -342,6 +322,7 @@ class _Checks:
                 message = f"parallel block {block.name} holds the parallel block {child.name} directly"
                 yield Problem(child.source, f"{message}; expected an objective or a use")
             yield from self.handlers(child.name, child.handlers, {})
+            yield from no_siblings(child.name, child.handlers, "put it into an objective in its branch")
             for exit_name, route in (("abort", child.abort), *_timed_out(child)):
                 if route is not None:
                     yield from self.route(child.source, f"{exit_name} of {child.name}", route, {})
@@ -371,30 +352,3 @@ def _families(blocks: tuple[Block, ...]) -> Iterator[tuple[Block, ...]]:
     for block in walk(blocks):
         if isinstance(block, Recursive | Each):
             yield block.blocks
-
-
-def _elements(mission: Mission) -> Iterator[Element]:
-    """Every named element of a mission, itself first, in document order."""
-    stack: list[Any] = [mission]
-    while stack:
-        element = stack.pop()
-        if isinstance(element, Element):
-            yield element
-        for content in reversed(form_of(type(element)).contents):
-            stack.extend(reversed(getattr(element, content.name)))
-
-
-def _duplicates(kind: str, elements: Iterable[Element]) -> Iterator[Problem]:
-    first: dict[str, Element] = {}
-    for element in elements:
-        earlier = first.get(element.name)
-        if earlier is not None:
-            where = f", first declared at {earlier.source}" if earlier.source else ""
-            yield Problem(element.source, f"{kind} {element.name} is declared twice{where}")
-        first.setdefault(element.name, element)
-
-
-def _repeats(source: Source | None, what: str, names: tuple[str, ...]) -> Iterator[Problem]:
-    for name, count in Counter(names).items():
-        if count > 1:
-            yield Problem(source, f"{what} names {name} {count} times")

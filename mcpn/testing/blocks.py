@@ -7,6 +7,7 @@ from typing import Literal, TypeVar
 
 from hypothesis import strategies as st
 
+from mcpn.mission.expansion.pauses import pause_problems
 from mcpn.mission.expansion.recovery import problems
 from mcpn.mission.model import (
     ABORT,
@@ -107,7 +108,8 @@ class MissionDrawing(RobotDrawing):
             block, size = self.block(depth, islands, budget - taken - left)
             blocks.append(block)
             taken += size
-        return self.recovering(tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))), taken
+        routed = tuple(self.routed(block, i, blocks) for i, block in enumerate(blocks))
+        return self.pausing(self.recovering(routed)), taken
 
     def recovering(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
         """A series, perhaps with a block that recovers by another one, where it may."""
@@ -117,6 +119,19 @@ class MissionDrawing(RobotDrawing):
         found = replace(block, recover=by.name, times=self.number(1, 2))
         recovering = tuple(found if other is block else other for other in blocks)
         return blocks if any(problems(recovering, ())) else recovering
+
+    def pausing(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        """A series, perhaps with a block that pauses while another one is run, where it may."""
+        if len(blocks) < 2 or not self.events or not self.rarely(self.shape.pauses):
+            return blocks
+        block, by = self.draw(st.permutations(blocks))[:2]
+        on = self.draw(st.sampled_from(self.events))
+        once = self.number(0, 3) == 0
+        handler = Handler(event=on, pause=by.name, once=once, description=self.description())
+        handlers = (*(other for other in block.handlers if other.event != on), handler)
+        pausing = tuple(replace(b, handlers=handlers) if b is block else b for b in blocks)
+        protocols = {protocol.name: protocol for protocol, _, _ in self.protocols}
+        return blocks if any((*pause_problems(pausing, (), protocols), *problems(pausing, ()))) else pausing
 
     def routed(self, block: Block, index: int, blocks: list[Block]) -> Block:
         """A block of a series with its routes and handlers."""

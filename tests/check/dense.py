@@ -354,6 +354,7 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(aborting),
             missions(small, faults=1, sections=4),
             missions(small, lasting=True, sections=4),
+            missions(small, pauses=8, sections=4, own_hardware=True, shared_activities=False),
             missions(aborting, lasting=True, own_hardware=True, shared_activities=False),
             missions(aborting, own_hardware=True, shared_activities=False),
         )

@@ -380,6 +380,7 @@ def test_engines_agree_on_causes_of_missions_that_abort(mission: Mission) -> Non
     | missions(max_hardware=3, max_sections=5, events=1, early=6)
     | fragile_missions(max_hardware=2, max_sections=4, faults=1)
     | fragile_missions(max_hardware=3, max_sections=5, lasting=True)
+    | missions(max_hardware=2, max_sections=4, events=2, pauses=8)
 )
 def test_engines_agree_on_all_causes(mission: Mission) -> None:
     agree_on_all_causes(mission)

@@ -59,6 +59,7 @@ class Node:
         written: Its name in the text.
         sets: Facts that an elementary objective changes.
         deciding: Its own routes that facts decide, in order.
+        pauses: What is run while it pauses, by the written name of that and the objective that is stopped.
     """
 
     name: str
@@ -79,6 +80,7 @@ class Node:
     written: str = ""
     sets: tuple[FactChange, ...] = ()
     deciding: tuple[FactRoute, ...] = ()
+    pauses: dict[tuple[str, str], Node] = field(default_factory=dict)
 
     @property
     def first(self) -> Node:
@@ -137,6 +139,11 @@ def written_out(mission: Mission) -> Node:
     return _Writing(mission).mission()
 
 
+def objectives(node: Node) -> list[Node]:
+    """The elementary objectives in a node, at any depth."""
+    return [leaf for child in node.children.values() for leaf in objectives(child)] or [node]
+
+
 class _Writing:
     def __init__(self, mission: Mission) -> None:
         self.of = mission
@@ -151,7 +158,7 @@ class _Writing:
 
     def series(self, parent: Node, blocks: tuple[Block, ...], scope: _Scope) -> None:
         """Writes out blocks that run one after the other, or as branches."""
-        aside = {block.recover for block in blocks}
+        aside = {block.recover for block in blocks} | {h.pause for block in blocks for h in block.handlers}
         by_name = {block.name: block for block in blocks}
         for number, block in enumerate(blocks):
             after = [b.name for b in blocks[number + 1 :] if b.name not in aside and not parent.parallel]
@@ -165,6 +172,21 @@ class _Writing:
             parent.children[block.name] = node
             if block.recover is not None:
                 self.recoveries(node, block, by_name[block.recover], scope)
+            for name in {h.pause for h in block.handlers if h.pause is not None}:
+                self.pauses(node, by_name[name], scope)
+
+    def pauses(self, node: Node, by: Block, scope: _Scope) -> None:
+        """Gives each objective in a block what is run when it is stopped, which leads back to it."""
+        assert node.parent is not None
+        for leaf in objectives(node):
+            at = leaf.name.removeprefix(scope.prefix).replace(".", "_")
+            shelter = self.block(by, node.parent, scope.copy(f"at_{at}"))
+            shelter.success, shelter.failure = leaf, node.failure
+            shelter.abort, shelter.handlers = by.abort or ABORT, by.handlers
+            shelter.deciding = tuple(route for route in node.deciding if route.on == "failure")
+            shelter.timed_out = by.timeout_goto if isinstance(by, Objective) else None
+            node.pauses[by.name, leaf.name] = shelter
+            node.parent.children[f"{by.name} at {leaf.name}"] = shelter
 
     def recoveries(self, node: Node, block: Block, by: Block, scope: _Scope) -> None:
         """Lets each run of a block but the last lead by its failure to a recovery, that to the next run."""

@@ -38,6 +38,10 @@ RECOVERING = st.integers(0, 1).flatmap(
     )
 )
 """Blocks that recover by a sibling."""
+PAUSING = missions(
+    sections=6, objectives=3, hardware=2, producers=2, events=2, aborts=1, recovers=1, pauses=9, timeouts=1
+)
+"""Blocks that pause while a sibling is run."""
 TIMED = missions(sections=6, hardware=2, producers=2, branches=3, events=1, aborts=2, timeouts=7)
 """Objectives that end when their time is over."""
 WORLD = missions(sections=5, hardware=2, producers=2, facts=2, events=1)
@@ -70,6 +74,7 @@ MISSIONS: st.SearchStrategy[Mission] = st.one_of(
     LASTING,
     LASTING_APART,
     RECOVERING,
+    PAUSING,
     TIMED,
     WORLD,
     WORLD_ABORTED,

@@ -180,7 +180,7 @@ class Interpreter:
             found = self.handling(self.root, element, state)
             once = {id(handler) for _, handler in found if handler.once}
             state = replace(state, happened=state.happened | once)
-            routes = [(node, handler.goto) for node, handler in found]
+            routes = [(node, handler.goto or self.paused(node, handler, state)) for node, handler in found]
         else:
             node = self.objectives[element]
             occasion = SUCCESS if what == SUCCESS else FAILURE
@@ -206,6 +206,11 @@ class Interpreter:
                 sets = self.objectives[name].sets
                 after = changed(after, {c.fact: c.to for c in sets if c.on == START})
         return self.reaction(replace(after, activities=self.at_rest(state)))
+
+    def paused(self, node: Node, handler: Handler, state: State) -> Node:
+        """What is run while a block pauses, made for the objective that runs in it."""
+        (at,) = (n for n in state.running | state.pending if self.objectives[n].within(node))
+        return node.pauses[handler.pause or "", at]
 
     def left(self, state: State, node: Node) -> State:
         """Nothing in a block runs any more."""

@@ -96,6 +96,13 @@ def test_blocks_that_recover(of: Mission) -> None:
     check(of)
 
 
+@given(drawn.PAUSING)
+def test_blocks_that_pause(of: Mission) -> None:
+    blocks = [*walk(of.blocks), *(b for p in of.protocols for b in walk(p.blocks))]
+    event(f"pauses: {any(h.pause for block in blocks for h in block.handlers)}")
+    check(of)
+
+
 @fewer(0.5)
 @given(drawn.TIMED)
 def test_missions_with_timeouts(of: Mission) -> None:

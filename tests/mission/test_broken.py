@@ -186,6 +186,88 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         8,
         "success_when",
     ),
+    "handler that leads on and pauses": (
+        body(
+            f"<objective name='x' activities='go'>\n<on event='leak' goto='o' pause='o'/></objective>{OK}",
+            LEAK,
+        ),
+        9,
+        "the event leak of x leads to o and pauses; expected one of goto and pause",
+    ),
+    "pause by nobody": (
+        body(f"<objective name='x' activities='go'>\n<on event='leak' pause='y'/></objective>{OK}", LEAK),
+        9,
+        "pause of x on the event leak names y; expected one of o",
+    ),
+    "pause by an exit": (
+        body("<objective name='x' activities='go'>\n<on event='leak' pause='fail'/></objective>", LEAK),
+        9,
+        "names fail; expected a sibling, of which there is none",
+    ),
+    "pause by itself": (
+        body(f"<objective name='x' activities='go'>\n<on event='leak' pause='x'/></objective>{OK}", LEAK),
+        9,
+        "pause of x on the event leak names x; expected one of o",
+    ),
+    "pause of the mission": (
+        body("<on event='leak' pause='o'/>\n" + OK, LEAK),
+        8,
+        "m pauses on the event leak, though it has no siblings: put its blocks into an objective",
+    ),
+    "pause of a branch": (
+        body(
+            "<parallel name='p'><objective name='x' activities='look'>\n"
+            f"<on event='leak' pause='o'/></objective>{OK}</parallel>",
+            LEAK,
+        ),
+        9,
+        "x pauses on the event leak, though it has no siblings: put it into an objective in its branch",
+    ),
+    "pause by one that pauses": (
+        body(
+            "<objective name='x' activities='go'>\n<on event='leak' pause='o'/></objective>"
+            "<objective name='o' activities='go'><on event='leak' pause='x'/></objective>",
+            LEAK,
+        ),
+        9,
+        "pause of x on the event leak runs o, which itself pauses, too: only one of them can",
+    ),
+    "pause by one that recovers": (
+        body(
+            "<objective name='x' activities='go'>\n<on event='leak' pause='y'/></objective>"
+            f"<objective name='y' activities='go' recover='o'/>{OK}",
+            LEAK,
+        ),
+        9,
+        "runs y, which itself recovers by a sibling: only one of them can",
+    ),
+    "recover by one that pauses": (
+        body(
+            "<objective name='x' activities='go' recover='y'/>\n"
+            f"<objective name='y' activities='go'><on event='leak' pause='o'/></objective>{OK}",
+            LEAK,
+        ),
+        8,
+        "x recovers by y, which itself pauses: only one of them can",
+    ),
+    "pause of a parallel block": (
+        body(
+            "<objective name='x'>\n<on event='leak' pause='o'/><use name='u' protocol='q'/></objective>" + OK,
+            LEAK + "<protocols><protocol name='q'><parallel name='p'><objective name='a' activities='look'/>"
+            "</parallel></protocol></protocols>",
+        ),
+        9,
+        "x pauses, and the parallel block p is in it: let each of its branches pause",
+    ),
+    "block with the name of a copy": (
+        body(
+            "<objective name='x' activities='go'><on event='leak' pause='o'/></objective>\n"
+            f"<objective name='o_at_x' activities='go'/>{OK}",
+            LEAK,
+        ),
+        9,
+        "o_at_x could be the name of a copy of o, which is run while x pauses: rename it",
+    ),
     "recover of nobody": (
         body(f"<objective name='x' activities='go' recover='back'/>{OK}"),
         8,
@@ -599,7 +681,11 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         8,
         "a block cannot be called abort, the name of a route",
     ),
-    "on without goto": (body("<on event='leak'/>" + OK, LEAK), 8, "<on> has no attribute goto"),
+    "on without goto": (
+        body("<on event='leak'/>" + OK, LEAK),
+        8,
+        "the event leak of m leads nowhere; expected one of goto and pause",
+    ),
     "on without event": (body("<on goto='fail'/>" + OK, LEAK), 8, "<on> has no attribute event"),
     "on with a bad goto": (
         body("<on event='leak' goto='a b'/>" + OK, LEAK),

@@ -29,7 +29,7 @@ from tests.mission.test_built import nodes, put
 RELAX_NG = etree.RelaxNG(etree.parse(SCHEMA))
 DRAWN = (
     missions(text=True, numbers=True, max_events=2, facts=2)
-    | missions(max_sections=12, max_events=1)
+    | missions(max_sections=12, max_events=1, pauses=7)
     | missions(max_sections=6, facts=3, lasting=True, numbers=True)
 )
 ATTRIBUTES = [(name, a) for name, tag in language().items() for a in tag.attributes.values()]
@@ -236,6 +236,7 @@ REFERS = {
     "abort": "block",
     "timeout_goto": "block",
     "recover": "block",
+    "pause": "block",
     "goto": "block",
     "fact": "fact",
     "requires": "condition",

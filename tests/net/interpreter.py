@@ -107,7 +107,7 @@ class Series:
         for owner, handlers in ((block.name, block.handlers), ("", self.around)):
             handler = self.spent.takes(owner, handlers, name)
             if handler is not None:
-                return True, self.go(handler.goto)
+                return True, self.go(handler.goto or "")  # none pauses in what this plays
         return False, None
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from mcpn.check.logic.formulas import Justice
 from mcpn.check.paths.formulas import Happens
 from mcpn.errors import InputError
-from mcpn.mission.expansion.recovery import recovering
+from mcpn.mission.expansion.recovery import pausing, recovering
 from mcpn.mission.flatten import blocks_of
 from mcpn.mission.model import Each, Holder, walk
 from mcpn.mission.robot import BOOLEAN_VALUES
@@ -208,11 +208,12 @@ class Names:
         families = [*((None, blocks) for blocks in texts), *((block, block.blocks) for block in inside)]
         for around, blocks in families:
             value = f"_(?:{'|'.join(around.values)})" if isinstance(around, Each) else ""
-            aside = recovering(blocks)
+            aside, shelters = recovering(blocks), pausing(blocks)
             for block in blocks:
                 said = value + ("_run[0-9]+" if block.recover else "")
                 if recovers := aside.get(block.name):
                     said += f"(?:_(?:{'|'.join(b.name for b in recovers)})[0-9]+)?"
+                said += "(?:_at_[A-Za-z0-9_]+?)?" if block.name in shelters else ""
                 said += "_[0-9]+" if block.repeat is not None else ""
                 said += "_try[0-9]+" if block.retries else ""
                 if said:

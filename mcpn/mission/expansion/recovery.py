@@ -28,9 +28,23 @@ def suffixes(recovered: Sequence[Block]) -> Iterator[str]:
         yield from (f"{block.name}{number}" for number in range(1, block.times + 1))
 
 
+def pausing(siblings: Sequence[Block]) -> dict[str, list[Block]]:
+    """By name of a sibling that is run while a block pauses, the blocks that do."""
+    found: dict[str, list[Block]] = {}
+    for block in siblings:
+        for by in {handler.pause: None for handler in block.handlers if handler.pause is not None}:
+            found.setdefault(by, []).append(block)
+    return found
+
+
+def helping(siblings: Sequence[Block]) -> set[str]:
+    """The siblings by which others recover, or that are run while others pause."""
+    return {*recovering(siblings), *pausing(siblings)}
+
+
 def following(siblings: Sequence[Block]) -> dict[str, str]:
-    """Where success leads by default, by name: to the next sibling that does not recover others."""
-    aside, after, found = recovering(siblings), SUCCEED, dict[str, str]()
+    """Where success leads by default, by name: to the next sibling that does not help others."""
+    aside, after, found = helping(siblings), SUCCEED, dict[str, str]()
     for block in reversed(siblings):
         found[block.name] = after
         after = after if block.name in aside else block.name
@@ -40,7 +54,8 @@ def following(siblings: Sequence[Block]) -> dict[str, str]:
 def entered(siblings: Sequence[Block], around: Sequence[Handler]) -> set[str]:
     """The siblings that are the first, or that a route of one of them, or of a handler around, names."""
     routes = _routes(siblings)
-    return {siblings[0].name, *(handler.goto for handler in around)}.union(*routes.values())
+    led = (handler.goto for handler in around if handler.goto is not None)
+    return {siblings[0].name, *led}.union(*routes.values())
 
 
 def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[Problem]:
@@ -59,6 +74,9 @@ def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[P
         elif by.recover is not None:
             message = f"{block.name} recovers by {by.name}, which itself recovers by {by.recover}"
             yield Problem(block.source, f"{message}: only one of them can")
+        elif any(handler.pause is not None for handler in by.handlers):
+            message = f"{block.name} recovers by {by.name}, which itself pauses"
+            yield Problem(block.source, f"{message}: only one of them can")
         elif block.name in _behind(block.name, _routes(siblings), around):
             message = f"{block.name} recovers by {by.name}, and a route leads back to {block.name}"
             remedy = "put it into an objective of its own, whose runs are counted one by one"
@@ -67,7 +85,7 @@ def problems(siblings: Sequence[Block], around: Sequence[Handler]) -> Iterator[P
 
 def _behind(name: str, routes: Mapping[str, Sequence[str]], around: Sequence[Handler]) -> Collection[str]:
     """The siblings that routes lead to from one of them, other than by its recovery."""
-    stack = [*routes[name], *(handler.goto for handler in around)]
+    stack = [*routes[name], *(handler.goto for handler in around if handler.goto is not None)]
     seen = set[str]()
     while stack:
         if (at := stack.pop()) in routes and at not in seen:
@@ -85,6 +103,8 @@ def _routes(siblings: Sequence[Block]) -> dict[str, list[str]]:
         routes += [route.goto for route in block.routes]
         if block.recover is not None:
             routes += own.get(block.recover, [])
+        for handler in block.handlers:
+            routes += own.get(handler.pause or "", [])
         found[block.name] = [route for route in routes if route is not None]
     return found
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from mcpn.mission.expansion.recovery import recovering, suffixes
+from mcpn.mission.expansion.pauses import suffix_at
+from mcpn.mission.expansion.recovery import pausing, recovering, suffixes
 from mcpn.mission.expansion.scope import Scope, copies, several
 from mcpn.mission.graph import ObjectivesGraph
 from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
@@ -81,8 +82,8 @@ class _Building:
         self.keys: dict[str, int] = {}
 
     def mission(self, mission: Mission) -> Box:
-        blocks, aside = mission.blocks, recovering(mission.blocks)
-        children = tuple(self.box(block, _scopes(block, aside, [Scope()])) for block in blocks)
+        blocks = mission.blocks
+        children = tuple(self.box(block, self.scopes(block, blocks, [Scope()])) for block in blocks)
         return Box(
             -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
         )
@@ -101,7 +102,7 @@ class _Building:
             children = block.blocks
         else:
             children, scopes = block.blocks, [scope.into(block) for scope in scopes]
-        kind, aside = _KINDS[type(block)], recovering(children)
+        kind = _KINDS[type(block)]
         return Box(
             key,
             kind,
@@ -116,14 +117,34 @@ class _Building:
             block.recover,
             block.timeout_goto if isinstance(block, Objective) else None,
             block.handlers,
-            tuple(self.box(child, _scopes(child, aside, scopes), kind) for child in children),
+            tuple(self.box(child, self.scopes(child, children, scopes), kind) for child in children),
         )
 
+    def scopes(self, block: Block, siblings: Sequence[Block], scopes: list[Scope]) -> list[Scope]:
+        """The scopes in which a block stands, those in which it helps siblings among them."""
+        more = [*suffixes(recovering(siblings).get(block.name, ()))]
+        found = [*scopes, *(scope.copy(block, suffix) for scope in scopes for suffix in more)]
+        for other in pausing(siblings).get(block.name, ()):
+            for scope in scopes:
+                names = self.leaves(other, scope)
+                found += (scope.copy(block, suffix_at(name, scope)) for name in names)
+        return found
 
-def _scopes(block: Block, aside: Mapping[str, list[Block]], scopes: list[Scope]) -> list[Scope]:
-    """The scopes in which a block stands, those in which it recovers siblings among them."""
-    more = tuple(suffixes(aside.get(block.name, ())))
-    return [*scopes, *(scope.copy(block, suffix) for scope in scopes for suffix in more)]
+    def leaves(self, block: Block, scope: Scope) -> Iterator[str]:
+        """The names of the elementary objectives in a block that stands in a scope."""
+        for inner in _expanded(block, scope):
+            if isinstance(block, Objective):
+                yield inner.name(block)
+                continue
+            children: tuple[Block, ...]
+            if isinstance(block, Use):
+                protocol = self.protocols[block.protocol]
+                children, inside = protocol.blocks, inner.into_protocol(block, protocol)
+            else:
+                children, inside = block.blocks, inner if isinstance(block, Each) else inner.into(block)
+            for child in children:
+                for each in self.scopes(child, children, [inside]):
+                    yield from self.leaves(child, each)
 
 
 def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:

@@ -289,7 +289,7 @@ def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
         routes.append(("event", "recover", child.recover))
     if child.timeout_goto is not None:
         routes.append(("event", "timeout", child.timeout_goto))
-    return routes + [("event", f"on {h.event}" + (" once" if h.once else ""), h.goto) for h in child.handlers]
+    return [*routes, *_on_events(child)]
 
 
 def _exits(box: Box) -> dict[str, str]:
@@ -303,7 +303,19 @@ def _exits(box: Box) -> dict[str, str]:
 def _own_events(box: Box) -> list[tuple[str, str, str]]:
     if box.kind != "mission":
         return []
-    return [("event", f"on {h.event}" + (" once" if h.once else ""), h.goto) for h in box.handlers]
+    return _on_events(box)
+
+
+def _on_events(box: Box) -> list[tuple[str, str, str]]:
+    """The lanes of what a box does on events."""
+    return [
+        (
+            "event",
+            f"{'pauses on' if h.pause else 'on'} {h.event}" + (" once" if h.once else ""),
+            h.pause or h.goto or ABORT,
+        )
+        for h in box.handlers
+    ]
 
 
 def _lanes(box: Box) -> _Lanes:

@@ -1,0 +1,66 @@
+"""What may be wrong with elements of any kind: names that are said twice, circles of who needs whom."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from mcpn.errors import Problem, Source
+from mcpn.mission.language.forms import form_of
+from mcpn.mission.robot import Element
+
+
+def elements(mission: Element) -> Iterator[Element]:
+    """Every named element of a mission, itself first, in document order."""
+    stack: list[Any] = [mission]
+    while stack:
+        element = stack.pop()
+        if isinstance(element, Element):
+            yield element
+        for content in reversed(form_of(type(element)).contents):
+            stack.extend(reversed(getattr(element, content.name)))
+
+
+def duplicates(kind: str, of: Iterable[Element]) -> Iterator[Problem]:
+    """Elements of one kind whose name another has."""
+    first: dict[str, Element] = {}
+    for element in of:
+        earlier = first.get(element.name)
+        if earlier is not None:
+            where = f", first declared at {earlier.source}" if earlier.source else ""
+            yield Problem(element.source, f"{kind} {element.name} is declared twice{where}")
+        first.setdefault(element.name, element)
+
+
+def repeats(source: Source | None, what: str, names: tuple[str, ...]) -> Iterator[Problem]:
+    """Names that an attribute says more than once."""
+    for name, count in Counter(names).items():
+        if count > 1:
+            yield Problem(source, f"{what} names {name} {count} times")
+
+
+def cycles(
+    what: str, elements: Mapping[str, Element], after: Callable[[str], list[str]]
+) -> Iterator[Problem]:
+    """One problem for each cycle that a depth-first walk closes."""
+    finished: set[str] = set()
+    for start in elements:
+        path: dict[str, None] = {}
+        stack = [(start, iter(after(start)))] if start not in finished else []
+        if stack:
+            path[start] = None
+        while stack:
+            name, left = stack[-1]
+            following = next(left, None)
+            if following is None:
+                finished.add(name)
+                stack.pop()
+                del path[name]
+            elif following in path:
+                names = list(path)
+                cycle = [*names[names.index(following) :], following]
+                yield Problem(elements[following].source, f"{what}: {' -> '.join(cycle)}")
+            elif following in elements and following not in finished:
+                path[following] = None
+                stack.append((following, iter(after(following))))

@@ -1,0 +1,174 @@
+"""Blocks that pause: hand-written missions, what each comes to, and all that play them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mcpn.errors import InputError
+from mcpn.mission.flatten import blocks_of, flatten
+from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
+from mcpn.mission.static.warnings import find_warnings
+from mcpn.mission.writer import written
+from mcpn.net.compose import compose
+from mcpn.report.pictures.boxes import boxes
+from tests.commands import mcpn
+from tests.judge.interpreter import DECLARED, FAILURE, SUCCESS, Happening, Interpreter
+from tests.judge.lockstep import Judge
+from tests.judge.test_abort import BEGIN
+from tests.judge.test_interpreter import play
+from tests.small import activity, mission, robot
+
+RAIN: Happening = (DECLARED, "rain")
+WIND: Happening = (DECLARED, "wind")
+OUTSIDE = robot((), *(activity(name, ()) for name in "abcdef"), events=("rain", "wind"))
+
+
+def one(name: str, runs: str = "", **routes: str) -> Objective:
+    """An objective with one activity, that of its name by default."""
+    return Objective(name=name, activities=(runs or name,), **routes)  # type: ignore[arg-type]
+
+
+def pauses(by: str, on: str = "rain", *, once: bool = False) -> Handler:
+    return Handler(event=on, pause=by, once=once)
+
+
+def row(name: str, *blocks: Block, by: str = "s", on: str = "rain", **of: str) -> Recursive:
+    """Blocks one after the other that pause."""
+    return Recursive(name=name, blocks=blocks, handlers=(pauses(by, on),), **of)  # type: ignore[arg-type]
+
+
+PLAIN = mission(OUTSIDE, row("r", one("a"), one("b"), failure="e"), one("s", "c"), one("d"), one("e"))
+TRIES = mission(OUTSIDE, row("r", Objective(name="a", activities=("a",), retries=1)), one("s", "c"))
+NESTED = mission(
+    OUTSIDE,
+    row("out", row("r", one("a"), one("b")), one("s", "c"), one("f"), by="t", on="wind", failure="e"),
+    one("t", "d"),
+    one("e"),
+)
+LONG = mission(
+    OUTSIDE,
+    row("r", one("a"), one("b")),
+    Recursive(
+        name="s",
+        blocks=(one("c"), one("d", failure="abort")),
+        abort="e",
+        handlers=(Handler(event="rain", goto="f"),),
+    ),
+    one("e"),
+    one("f", success="succeed"),
+)
+ONCE = mission(
+    OUTSIDE,
+    Recursive(
+        name="r",
+        blocks=(
+            Recursive(name="q", blocks=(one("a"), one("b")), handlers=(pauses("s", once=True),)),
+            one("s", "c"),
+        ),
+        handlers=(Handler(event="rain", goto="fail"),),
+    ),
+)
+VALUES = mission(OUTSIDE, Each(name="v", values=("x", "y"), blocks=(row("r", one("a")), one("s", "c"))))
+USED = Mission(
+    name="m",
+    robots=(OUTSIDE,),
+    protocols=(Protocol(name="p", blocks=(row("r", one("a")), one("s", "c"))),),
+    blocks=(
+        Parallel(name="both", blocks=(Use(name="u", protocol="p"), one("b", "b"))),
+        row("q", Objective(name="d", activities=("d",))),
+        one("s", "e"),
+    ),
+)
+MISSIONS = (PLAIN, TRIES, NESTED, LONG, ONCE, VALUES, USED)
+
+
+@pytest.mark.parametrize("of", MISSIONS)
+def test_all_that_play_it_agree(of: Mission) -> None:
+    verdict = Judge(of).judge()
+    assert verdict.kind == "agree"
+    assert "modular controller" in verdict.pairs
+
+
+def ok(*names: str) -> list[Happening]:
+    return [(SUCCESS, name) for name in names]
+
+
+def bad(name: str) -> Happening:
+    return FAILURE, name
+
+
+@pytest.mark.parametrize(
+    ("of", "events", "running"),
+    [
+        (PLAIN, [RAIN], {"s_at_a"}),
+        (PLAIN, [RAIN, *ok("s_at_a")], {"a"}),
+        (PLAIN, [RAIN, *ok("s_at_a"), RAIN], {"s_at_a"}),
+        (PLAIN, [*ok("a"), RAIN, *ok("s_at_b")], {"b"}),
+        (PLAIN, [*ok("a"), RAIN, *ok("s_at_b", "b")], {"d"}),
+        (PLAIN, [RAIN, bad("s_at_a")], {"e"}),
+        (TRIES, [bad("a_try1"), RAIN, *ok("s_at_a_try2")], {"a_try2"}),
+        (NESTED, [RAIN], {"s_at_a"}),
+        (NESTED, [RAIN, WIND], {"t_at_s_at_a"}),
+        (NESTED, [RAIN, WIND, *ok("t_at_s_at_a")], {"s_at_a"}),
+        (NESTED, [RAIN, WIND, *ok("t_at_s_at_a", "s_at_a")], {"a"}),
+        (NESTED, [*ok("a"), WIND, *ok("t_at_b"), RAIN, *ok("s_at_b")], {"b"}),
+        (NESTED, [*ok("a", "b"), WIND], {"t_at_f"}),
+        (NESTED, [RAIN, WIND, bad("t_at_s_at_a")], {"e"}),
+        (LONG, [*ok("a"), RAIN, *ok("s_at_b.c", "s_at_b.d")], {"b"}),
+        (LONG, [RAIN, *ok("s_at_a.c"), bad("s_at_a.d")], {"e"}),
+        (LONG, [RAIN, RAIN], {"f"}),
+        (VALUES, [*ok("r_x.a"), RAIN], {"s_y_at_r_y_a"}),
+        (VALUES, [*ok("r_x.a"), RAIN, *ok("s_y_at_r_y_a")], {"r_y.a"}),
+        (USED, [RAIN, *ok("u.s_at_a")], {"u.a", "b"}),
+        (USED, [RAIN, *ok("b")], {"u.s_at_a"}),
+    ],
+)
+def test_what_an_event_leads_to(of: Mission, events: list[Happening], running: set[str]) -> None:
+    _, state = play(Interpreter(of), BEGIN, *events)
+    assert state.running == running
+
+
+def test_a_pause_that_happens_once() -> None:
+    judge = Interpreter(ONCE)
+    _, state = play(judge, BEGIN, RAIN, *ok("s_at_a", "a"))
+    assert state.running == {"b"}
+    _, state = play(judge, BEGIN, RAIN, *ok("s_at_a"), RAIN)
+    assert state.outcome == "failure"
+
+
+def test_a_sibling_that_is_only_run_in_pauses_is_no_warning() -> None:
+    assert [s.name for s in flatten(PLAIN).sections] == ["a", "b", "s_at_a", "s_at_b", "d", "e"]
+    assert not [w.message for w in find_warnings(PLAIN) if "entered" in w.message or " s " in w.message]
+    assert blocks_of(PLAIN)["r"] == ("a", "b")
+    assert blocks_of(PLAIN)["s"] == ("s_at_a", "s_at_b")
+
+
+@pytest.mark.parametrize("of", MISSIONS)
+def test_each_copy_has_the_box_of_its_block(of: Mission) -> None:
+    _, keys = boxes(of, flatten(of))
+    named = {name: key for name, key in keys.items() if "_at_" not in name}
+    shelters = {name: key for name, key in keys.items() if name.startswith("s_at_") and "." not in name}
+    assert len({*shelters.values()}) <= 1
+    assert {*shelters.values()}.isdisjoint(named.values())
+
+
+def test_copies_are_meant_by_the_name_of_the_sibling(tmp_path: Path) -> None:
+    path = tmp_path / "m.xml"
+    path.write_bytes(written(PLAIN))
+    both = "objective(s_at_a) | objective(s_at_b)"
+    run = mcpn("ask", path, f"G (objective(s) <-> ({both}))", "EF objective(s_at_b)", "--json")
+    assert [answer["holds"] for answer in json.loads(run.stdout)] == [True, True], run
+
+
+def test_two_copies_of_one_name() -> None:
+    use = Mission(
+        name="m",
+        robots=(OUTSIDE,),
+        protocols=(Protocol(name="p", blocks=(one("a"),)),),
+        blocks=(row("r", Use(name="u", protocol="p"), one("u_a", "b")), one("s", "c")),
+    )
+    with pytest.raises(InputError, match="two copies of s would be called s_at_u_a"):
+        compose(use)
