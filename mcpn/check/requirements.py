@@ -46,6 +46,18 @@ class AskedRequirement:
         """What it says, as its author describes it, else in English, else as a formula."""
         return self.requirement.description or self.sentence or self.text
 
+    @property
+    def said(self) -> dict[str, str | None]:
+        """What it says, for programs."""
+        return {
+            "name": self.name,
+            "formula": self.text,
+            "sentence": self.sentence or None,
+            "description": self.requirement.description,
+            "expected": self.requirement.expected,
+            "severity": self.requirement.severity,
+        }
+
 
 @dataclass(frozen=True)
 class RequirementAnswer:

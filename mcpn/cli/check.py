@@ -100,12 +100,7 @@ def _requirements_object(found: MissionCheck) -> list[dict[str, Any]]:
     net = found.mission_net.net
     return [
         {
-            "name": answer.asked.name,
-            "formula": answer.asked.text,
-            "sentence": answer.asked.sentence or None,
-            "description": answer.asked.requirement.description,
-            "expected": answer.asked.requirement.expected,
-            "severity": answer.asked.requirement.severity,
+            **answer.asked.said,
             "holds": answer.holds,
             "met": answer.met,
             "vacuous": list(answer.vacuous),

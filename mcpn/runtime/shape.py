@@ -250,6 +250,14 @@ _CONTROLLER = _record(
         "changing": _map(_record({"true": _names, "false": _names})),
         "out_of_service": _names,
         "unrepairable": _names,
+        "requirements": _list(
+            _record(
+                {
+                    **dict.fromkeys(("name", "formula", "expected", "severity"), _text),
+                    **dict.fromkeys(("sentence", "description"), _perhaps(_text)),
+                }
+            )
+        ),
     },
 )
 _STATE = _record(

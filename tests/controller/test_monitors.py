@@ -115,6 +115,21 @@ def test_the_event_that_violates_is_named(survey: Path) -> None:
     assert monitors.values["ends"] == "satisfied"  # it is to fail: its negation is watched
 
 
+def test_a_controller_says_what_its_mission_requires(survey: Path) -> None:
+    document = json.loads((survey / "controller.json").read_text())
+    said = {each.pop("name"): each for each in document["requirements"]}
+    assert said["ends"] == {
+        "formula": "G !success",
+        "sentence": None,
+        "description": None,
+        "expected": "fails",
+        "severity": "required",
+    }
+    assert said["comes"]["sentence"] == "The robot comes to come and see."
+    checked = {each["name"]: each for each in output("check", survey / "survey.xml")["requirements"]}
+    assert {name: {key: checked[name][key] for key in of} for name, of in said.items()} == said
+
+
 def test_a_controller_has_its_events_watched(survey: Path) -> None:
     monitors = Monitors.load(survey / "monitors.json")
     controller = Controller.load(survey / "controller.json", monitors=monitors)

@@ -44,6 +44,8 @@ One object with these keys:
   repaired, ``unrepairable``;
 - ``objectives`` and ``activities`` carry the parameters for the control laws, untouched; an objective that
   ends when its time is over has ``timeout``, in seconds;
+- ``requirements``, where the mission has some: what it must satisfy, each with ``name``, ``formula``,
+  ``sentence`` and ``description`` (or null), ``expected`` and ``severity``; nothing runs by them;
 - ``digest``: SHA-256, in hexadecimal digits, of the object without it as JSON in UTF-8 with sorted keys, no
   spaces, and no escapes but those that JSON demands. A file with another digest has been changed since.
 
@@ -72,6 +74,7 @@ from mcpn.check.verdicts.modes import Situation
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rules
+from mcpn.mission.flatten import requirements_of
 from mcpn.mission.robot import Parameter
 from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.mission.world.usage import FactUsage
@@ -124,6 +127,7 @@ def document(controller: AnyController, mission_net: MissionNet) -> dict[str, An
         "types": [_type(type_) for type_ in controller.types],
         **laws(mission_net),
         **_world(mission_net.usage.world),
+        **_requirements(mission_net),
     }
     return found | {"digest": digest_of(found)}
 
@@ -162,6 +166,14 @@ def _world(world: FactUsage) -> dict[str, Any]:
         for name, fact in world.facts.items()
     }
     return {"facts": facts, "changing": changing}
+
+
+def _requirements(mission_net: MissionNet) -> dict[str, Any]:
+    if not requirements_of(mission_net.mission):
+        return {}
+    from mcpn.check.requirements import asked_of
+
+    return {"requirements": [asked.said for asked in asked_of(mission_net)]}
 
 
 def _type(type_: SectionMachine | Rules) -> dict[str, Any]:
