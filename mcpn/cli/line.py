@@ -36,6 +36,7 @@ COMMANDS = {
     "report": "report",
     "run": "robot.run",
     "schema": "begin",
+    "serve": "report",
     "simulate": "simulate",
     "states": "spaces",
     "tests": "robot.sequences",

@@ -1,4 +1,4 @@
-"""The report: everything that is found of a mission, on one page."""
+"""The report: everything that is found of a mission, on one page, written or served."""
 
 from __future__ import annotations
 
@@ -76,3 +76,36 @@ def report(
         click.echo(str(output))
     if not found.check.passed:
         sys.exit(EXIT_FAILED)
+
+
+@click.command()
+@click.argument("mission", type=FILE)
+@click.option(
+    "--port", type=click.IntRange(0, 65_535), default=0, help="The port (default: any that is free)."
+)
+@engine_option()
+@limit_option
+@import_option
+def serve(
+    mission: Path,
+    port: int,
+    engine: Asked,
+    max_states: int | None,
+    import_root: Path | None,
+) -> None:
+    """Serve the report of MISSION to a browser on this machine, and verify again when its files change.
+
+    What is wrong in the files is shown with the lines; questions that are typed in the page are answered. The
+    address has a token; it is printed, and nobody who does not know it is answered.
+    """
+    from mcpn.editor.served import PageServer, ServedMission
+
+    if not mission.is_file():
+        raise InputError.at(Source(str(mission)), "found no such file, expected a mission")
+    try:
+        server = PageServer(ServedMission(mission, import_root, engine, max_states), port)
+    except OSError as error:
+        raise InputError.at(None, f"port {port} cannot be listened on: {error.strerror}") from error
+    click.echo(server.address)
+    sys.stdout.flush()
+    server.run()

@@ -10,7 +10,9 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+from collections.abc import Iterator, Sequence
 from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mcpn import __version__
@@ -23,14 +25,23 @@ from mcpn.report.pictures.layout import lay_out
 from mcpn.report.templates import environment
 
 if TYPE_CHECKING:
+    from mcpn.errors import Problem, Source
     from mcpn.report.findings import Findings
 
-SCRIPTS = ("tables.js", "losses.js", "machine.js", "film.js")
+SCRIPTS = ("tables.js", "losses.js", "served.js", "machine.js", "film.js")
 """The parts of the script of a page; they are the body of one function."""
 
+AROUND, MOST_OF_LINE = 2, 200
+"""Lines that are shown before and after one that is wrong, and characters of each."""
 
-def page(findings: Findings) -> str:
+
+def page(findings: Findings, *, served: int = 0) -> str:
     """The report as a page of HTML.
+
+    Args:
+        findings: What was found of the mission.
+        served: Where a server stands behind it, which it asks and whose files it follows, the number of the
+            page: another one follows.
 
     Raises:
         InputError: The environment sets a date that is none.
@@ -38,8 +49,7 @@ def page(findings: Findings) -> str:
     mission_net = findings.check.mission_net
     root, keys = boxes(mission_net.mission, mission_net.graph)
     data = json.dumps(live_data(findings, keys), separators=(",", ":"))
-    script = _script()
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    script, digest = _script()
     return (
         environment()
         .get_template("report.html")
@@ -49,6 +59,7 @@ def page(findings: Findings) -> str:
             identity=list(identity(findings)),
             picture=lay_out(root, mission_net.mission),
             alone=False,
+            served=served,
             verdicts=list(runs_of(findings.check)),
             verdict=verdict_of_all(findings.check),
             story=list(story(findings)),
@@ -69,7 +80,35 @@ def page(findings: Findings) -> str:
     )
 
 
-def _script() -> str:
+def failed_page(file: Path, problems: Sequence[Problem], number: int) -> str:
+    """The page of a mission that cannot be verified: what is wrong, with the lines around it.
+
+    Args:
+        file: The mission.
+        problems: What is wrong.
+        number: Of the page.
+    """
+    script, digest = _script()
+    told = [(str(p.source or file), p.message, list(_lines_around(p.source))) for p in problems]
+    template = environment().get_template("failed.html")
+    return template.render(file=file.name, number=number, problems=told, script=script, digest=digest)
+
+
+def _lines_around(source: Source | None) -> Iterator[tuple[int, str, bool]]:
+    """Lines of a file by number, and which of them is meant."""
+    if source is None or source.line is None:
+        return
+    try:
+        lines = Path(source.file).read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return
+    for number in range(max(1, source.line - AROUND), min(len(lines), source.line + AROUND) + 1):
+        yield number, lines[number - 1][:MOST_OF_LINE], number == source.line
+
+
+def _script() -> tuple[str, str]:
+    """The script of a page, and the digest by which the page allows it."""
     folder = resources.files("mcpn.report.templates")
     parts = (folder.joinpath(name).read_text(encoding="utf-8") for name in SCRIPTS)
-    return '"use strict";\n(() => {\n' + "\n".join(parts) + "})();\n"
+    script = '"use strict";\n(() => {\n' + "\n".join(parts) + "})();\n"
+    return script, base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

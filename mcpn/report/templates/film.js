@@ -208,13 +208,13 @@
     if (key.key === " " || key.key.length > 1) key.preventDefault();
     does();
   });
-  for (const button of document.querySelectorAll(".replay")) {
-    button.addEventListener("click", () => {
-      load(JSON.parse(button.dataset.events));
-      if (button.dataset.from === "start") { place = 0; play(); } else show();
-      byId("controller").scrollIntoView({ block: "nearest" });
-    });
-  }
+  document.addEventListener("click", (clicked) => {
+    const button = clicked.target.closest(".replay");
+    if (!button) return;
+    load(JSON.parse(button.dataset.events));
+    if (button.dataset.from === "start") { place = 0; play(); } else show();
+    byId("controller").scrollIntoView({ block: "nearest" });
+  });
   byId("lose")?.addEventListener("click", () => {
     begin();
     for (const tick of byId("lost").querySelectorAll("input:checked")) move(`${tick.value}_EV_OOS`);

@@ -1,0 +1,257 @@
+"""A mission's report served to the browser of whoever writes the mission: it follows the files, and answers.
+
+The server listens on this machine alone (127.0.0.1). Its address has a token that nobody can guess, and who
+asks must not come from a page of another origin: another name of the machine, as in DNS rebinding, is refused
+too. A thread looks at the files, and verifies the mission again when one of them changes; what is wrong in
+them is shown with the lines.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+import threading
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mcpn.errors import InputError, McpnError, Problem
+from mcpn.opening import open_study
+from mcpn.report.page import failed_page, page
+from mcpn.report.pages.identity import files_of
+from mcpn.report.words import in_words
+
+if TYPE_CHECKING:
+    from mcpn.check.engines import Asked
+    from mcpn.check.logic.questions import Answer
+    from mcpn.study import Study
+
+LOOPBACK = "127.0.0.1"
+EVERY = 0.5
+"""Seconds between two looks at the files."""
+
+MOST_ASKED = 10_000
+"""Bytes of one question."""
+
+Stamps = Mapping[str, tuple[int, int]]
+"""By file when it was changed and how long it is; nothing of one that is gone."""
+
+
+@dataclass(frozen=True)
+class ServedPage:
+    """What is served of a mission.
+
+    Args:
+        number: Counts what has been served.
+        text: The page.
+        study: The mission; ``None`` where its files are wrong.
+        stamps: Of the files that it was made of.
+    """
+
+    number: int
+    text: str
+    study: Study | None
+    stamps: Stamps
+
+
+@dataclass
+class ServedMission:
+    """A mission that is verified again when its files change.
+
+    Args:
+        file: The mission.
+        import_root: The directory that imports must stay in; by default the mission's own.
+        engine: Who verifies it.
+        max_states: Limit on states that are listed.
+    """
+
+    file: Path
+    import_root: Path | None = None
+    engine: Asked = "auto"
+    max_states: int | None = None
+    shown: ServedPage = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._lock = threading.Lock()  # of questions: the states of a study are built by one thread
+        self._stop = threading.Event()
+        self.shown = self._made(1, ())
+
+    def _made(self, number: int, known: Collection[str]) -> ServedPage:
+        """What is served of the files as they are now; these are the files that were known before."""
+        before = _stamps([str(self.file)])
+        try:
+            study = open_study(self.file, import_root=self.import_root)
+            files = files_of(study.mission_net.mission)
+            stamps = _stamps(files) | before  # of the mission itself from before it was read
+            text = page(study.findings(engine=self.engine, max_states=self.max_states), served=number)
+        except InputError as error:
+            files = [problem.source.file for problem in error.problems if problem.source]
+            text = failed_page(self.file, error.problems, number)
+            return ServedPage(number, text, None, _stamps([*files, *known]) | before)
+        except Exception as error:  # the page says it, and goes on with the next change
+            said = str(error) if isinstance(error, McpnError) else f"internal error: {error!r}"
+            text = failed_page(self.file, [Problem(None, said)], number)
+            return ServedPage(number, text, None, _stamps(known) | before)
+        return ServedPage(number, text, study, stamps)
+
+    def follow(self) -> None:
+        """Verifies the mission again whenever one of its files changes, until :meth:`stop` is called."""
+        while not self._stop.wait(EVERY):
+            if _stamps(self.shown.stamps) != self.shown.stamps:
+                self.shown = self._made(self.shown.number + 1, self.shown.stamps)
+
+    def stop(self) -> None:
+        """Ends :meth:`follow`."""
+        self._stop.set()
+
+    def answer(self, formula: str) -> dict[str, Any]:
+        """The answer to a formula as a JSON object, or what is wrong with it."""
+        study = self.shown.study
+        if study is None:
+            return {"error": "the mission cannot be read: see the page"}
+        try:
+            with self._lock:
+                found = study.ctl(formula, engine=self.engine, max_states=self.max_states)
+                return {"formula": found.formula, "holds": found.holds, **_shows(study, found)}
+        except McpnError as error:
+            return {"error": str(error)}
+
+
+def _shows(study: Study, answer: Answer) -> dict[str, Any]:
+    steps = [(str(event), words) for event, words in in_words(study.mission_net, answer.witness.run)]
+    return {"steps": steps, "notes": list(answer.witness.notes)}
+
+
+def _stamps(files: Iterable[str]) -> dict[str, tuple[int, int]]:
+    found = {}
+    for file in files:
+        try:
+            told = Path(file).stat()
+        except OSError:
+            found[file] = (0, 0)
+        else:
+            found[file] = (told.st_mtime_ns, told.st_size)
+    return found
+
+
+class PageServer(ThreadingHTTPServer):
+    """Serves one mission at ``http://127.0.0.1:PORT/TOKEN/``.
+
+    Args:
+        mission: The mission.
+        port: The port; 0 for any that is free.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, mission: ServedMission, port: int = 0) -> None:
+        self.mission = mission
+        self.token = secrets.token_urlsafe(24)
+        super().__init__((LOOPBACK, port), _Handler)
+
+    @property
+    def hosts(self) -> set[str]:
+        """What a browser of this machine calls it."""
+        return {f"{name}:{self.server_port}" for name in (LOOPBACK, "localhost")}
+
+    @property
+    def address(self) -> str:
+        """Where it is."""
+        return f"http://{LOOPBACK}:{self.server_port}/{self.token}/"
+
+    def run(self) -> None:
+        """Serves until it is interrupted or shut down."""
+        following = threading.Thread(target=self.mission.follow, daemon=True)
+        following.start()
+        try:
+            self.serve_forever(poll_interval=EVERY)
+        finally:
+            self.mission.stop()
+            self.server_close()
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: PageServer
+    server_version = "mcpn"
+    sys_version = ""
+    timeout = 30
+
+    def do_GET(self) -> None:
+        """The page, and the number of what is shown."""
+        shown = self.server.mission.shown
+        match self._asked_for():
+            case "":
+                self._send(HTTPStatus.OK, "text/html", shown.text)
+            case "number":
+                self._send(HTTPStatus.OK, "application/json", json.dumps({"number": shown.number}))
+            case None:
+                self._refuse(HTTPStatus.FORBIDDEN)
+            case _:
+                self._refuse(HTTPStatus.NOT_FOUND)
+
+    def do_POST(self) -> None:
+        """An answer to a question."""
+        asked_for = self._asked_for()
+        if asked_for is None or self.headers.get("Content-Type") != "application/json":
+            self._refuse(HTTPStatus.FORBIDDEN)
+        elif asked_for != "ask":
+            self._refuse(HTTPStatus.NOT_FOUND)
+        elif (formula := self._formula()) is None:
+            self._refuse(HTTPStatus.BAD_REQUEST)
+        else:
+            answer = self.server.mission.answer(formula)
+            self._send(HTTPStatus.OK, "application/json", json.dumps(answer))
+
+    def _asked_for(self) -> str | None:
+        """What stands behind the token; ``None`` where the token, the host or the origin is another."""
+        server, headers = self.server, self.headers
+        if headers.get("Host") not in server.hosts:
+            return None
+        origin = headers.get("Origin")
+        if origin is not None and origin not in {f"http://{host}" for host in server.hosts}:
+            return None
+        if headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
+            return None
+        token, slash, rest = self.path.removeprefix("/").partition("/")
+        if not slash or not secrets.compare_digest(token.encode(), server.token.encode()):
+            return None
+        return rest
+
+    def _formula(self) -> str | None:
+        """The question of a request; ``None`` where it has none."""
+        length = self.headers.get("Content-Length", "")
+        if not (length.isascii() and length.isdigit() and int(length[:9]) <= MOST_ASKED):
+            return None
+        try:
+            formula = json.loads(self.rfile.read(int(length)))["formula"]
+        except (ValueError, KeyError, TypeError, RecursionError):
+            return None
+        return formula if isinstance(formula, str) else None
+
+    def _refuse(self, status: HTTPStatus) -> None:
+        self.close_connection = True
+        self._send(status, "text/plain", f"{status.phrase}\n")
+
+    def _send(self, status: HTTPStatus, kind: str, text: str) -> None:
+        body = text.encode()
+        self.send_response(status)
+        for name, value in _headers(kind, len(body)):
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_told: object) -> None:
+        """Says nothing: the token stands in what is asked."""
+
+
+def _headers(kind: str, length: int) -> Iterator[tuple[str, str]]:
+    yield "Content-Type", f"{kind}; charset=utf-8"
+    yield "Content-Length", str(length)
+    yield "Cache-Control", "no-store"
+    yield "X-Content-Type-Options", "nosniff"
+    yield "X-Frame-Options", "DENY"
+    yield "Referrer-Policy", "no-referrer"
+    yield "Cross-Origin-Resource-Policy", "same-origin"
