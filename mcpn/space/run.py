@@ -31,7 +31,7 @@ class Completion:
         self.net = net
         self._number = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
         self._needs: dict[int, Arcs] = {}
-        self._known: dict[int, list[int]] = {}
+        self._known: dict[int, list[tuple[int, int]]] = {}
 
     def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
@@ -43,10 +43,10 @@ class Completion:
         # Those that may be enabled, by rank.
         queues: list[deque[int]] = [deque() for _ in self.net.internal_ranks]
         number, ranks = self._number, self.net.ranks
-        begin = chain.from_iterable(self.net.internal_ranks if fired is None else map(self._beside, fired))
-        for t in begin:
+        begin = self.net.internal_ranks if fired is None else ([u for u, _ in self._beside(t)] for t in fired)
+        for t in chain.from_iterable(begin):
             queues[number[ranks[t]]].append(t)
-        while queue := next((queue for queue in queues if queue), None):
+        while queue := next(filter(None, queues), None):
             t = queue.popleft()
             for place, weight in self._needed(t):
                 if marking[place] < weight:
@@ -54,8 +54,10 @@ class Completion:
             else:
                 self.net.fire_in_place(marking, t)
                 yield t
-                for u in (t, *self._beside(t)):
-                    queues[number[ranks[u]]].append(u)
+                queues[number[ranks[t]]].append(t)
+                for u, scarce in self._beside(t):
+                    if marking[scarce]:
+                        queues[number[ranks[u]]].append(u)
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
@@ -69,10 +71,17 @@ class Completion:
             self._needs[t] = (*transition.consume, *transition.read)
         return self._needs[t]
 
-    def _beside(self, fired: int) -> list[int]:
+    def _beside(self, fired: int) -> list[tuple[int, int]]:
+        """The internal transitions that need a place which a transition marks.
+
+        With each the place that it needs and the fewest others do. It is empty most often: of the objectives
+        that start an activity, which come into question whenever that comes to rest, few are run.
+        """
         if fired not in self._known:
             users, produced = self.net.internal_users, self.net.transitions[fired].produce
-            self._known[fired] = sorted({t for place, _ in produced for t in users.get(place, ())})
+            found = sorted({t for place, _ in produced for t in users.get(place, ())})
+            needed = ((t, (place for place, _ in self._needed(t))) for t in found)
+            self._known[fired] = [(t, min(places, key=lambda p: len(users[p]))) for t, places in needed]
         return self._known[fired]
 
 
