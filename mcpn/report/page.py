@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from mcpn.errors import Problem, Source
     from mcpn.report.findings import Findings
 
-SCRIPTS = ("tables.js", "losses.js", "served.js", "machine.js", "film.js")
+SCRIPTS = ("tables.js", "losses.js", "served.js", "game.js", "machine.js", "film.js")
 """The parts of the script of a page; they are the body of one function."""
 
 AROUND, MOST_OF_LINE = 2, 200
@@ -48,7 +48,8 @@ def page(findings: Findings, *, served: int = 0) -> str:
     """
     mission_net = findings.check.mission_net
     root, keys = boxes(mission_net.mission, mission_net.graph)
-    data = json.dumps(live_data(findings, keys), separators=(",", ":"))
+    live = live_data(findings, keys)
+    data = json.dumps(live, separators=(",", ":"))
     script, digest = _script()
     return (
         environment()
@@ -60,6 +61,7 @@ def page(findings: Findings, *, served: int = 0) -> str:
             picture=lay_out(root, mission_net.mission),
             alone=False,
             served=served,
+            played="net" in live,
             verdicts=list(runs_of(findings.check)),
             verdict=verdict_of_all(findings.check),
             story=list(story(findings)),

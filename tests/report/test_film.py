@@ -23,6 +23,7 @@ from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Hardware, R
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
 from mcpn.net.events import Event, What
+from mcpn.net.game import TokenGame
 from mcpn.report.findings import Findings, findings
 from mcpn.report.page import page
 from mcpn.runtime import Controller
@@ -356,4 +357,37 @@ def test_the_script_is_given_no_more_than_it_needs(ulysse_findings: Findings) ->
     assert data is not None
     given_ = json.loads(data[1])
     assert given_["controller"]["form"] == "modular"
-    assert given_.keys() == {"controller", "events", "boxes", "losses"}
+    assert given_.keys() == {"controller", "events", "boxes", "losses", "net"}
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_token_game_is_that_of_the_net(
+    browser: Any, ulysse_findings: Findings, seed: int, tmp_path: Path
+) -> None:
+    """Fired at random, with ways back and forward, beside the definition of firing."""
+    tab, wrong = opened(browser, page(ulysse_findings), tmp_path)
+    tab.locator("#game summary").click()
+    game, draw = TokenGame(ulysse_findings.check.mission_net.net), random.Random(seed)
+    names = [place.name for place in game.net.places]
+    for _ in range(40):
+        buttons = tab.locator("#enabled button")
+        numbers = buttons.evaluate_all("all => all.map(one => Number(one.dataset.transition))")
+        assert numbers == game.enabled
+        marked = [name for name, tokens in zip(names, game.marking, strict=True) if tokens]
+        assert tab.locator("#marked").text_content() == ", ".join(marked)
+        assert tab.locator("#fired").text_content().startswith(f"{len(game.run)} fired")
+        way = draw.choice(["fire"] * 6 + ["back", "forward", "settle"])
+        if way == "fire":
+            transition = draw.choice(game.enabled)
+            game.fire(transition)
+            tab.locator(f'#enabled [data-transition="{transition}"]').click()
+            continue
+        before = game.marking
+        getattr(game, way)()
+        if tab.locator(f"[data-game={way}]").is_disabled():
+            assert game.marking == before
+        else:
+            tab.locator(f"[data-game={way}]").click()
+    tab.locator("[data-game=restart]").click()
+    assert tab.locator("#fired").text_content() == "0 fired."
+    assert wrong == []

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mcpn.check.causes.cutsets import CutSet
 from mcpn.controller.chance import likelihood
 from mcpn.net.events import Event
+from mcpn.net.petri import Arcs, PetriNet
 from mcpn.report.words import folded, what_happens
 from mcpn.runtime import Controller
 from mcpn.runtime.tables import START
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 MOST_EVENTS = 5_000
 """Events of the run without failures at most; one that is longer need not end."""
+
+MOST_TRANSITIONS = 400
+"""Of a net whose token game a page has."""
 
 MOST_CHIPS = 14
 """Steps of a strip that are shown; of longer ones the middle is folded."""
@@ -30,7 +34,7 @@ def live_data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
         findings: What was found of the mission.
         keys: By objective the key of its box.
     """
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"net": net} if (net := _net(findings.check.mission_net.net)) else {}
     if findings.causes is not None:
         found["losses"] = _losses(findings.causes)
     if findings.controller is None:
@@ -48,6 +52,26 @@ def live_data(findings: Findings, keys: Mapping[str, int]) -> dict[str, Any]:
         for text, event in typed.items()
     }
     return found | {"controller": document, "events": words, "boxes": dict(keys)}
+
+
+def _net(net: PetriNet) -> dict[str, Any] | None:
+    """The net as numbers, for the token game; ``None`` of a net that is too large to be played by hand."""
+    if len(net.transitions) > MOST_TRANSITIONS:
+        return None
+    arcs = [
+        [t.name, "" if t.event is None else str(t.event), rank, *map(_flat, (t.consume, t.produce, t.read))]
+        for t, rank in zip(net.transitions, net.ranks, strict=True)
+    ]
+    return {
+        "places": [place.name for place in net.places],
+        "initial": list(net.initial),
+        "transitions": arcs,
+        "priorities": net.priorities,
+    }
+
+
+def _flat(arcs: Arcs) -> list[int]:
+    return [number for arc in arcs for number in arc]
 
 
 def _losses(causes: Causes) -> dict[str, Any]:
