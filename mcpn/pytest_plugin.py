@@ -6,19 +6,14 @@ unasked. What fails is shown with the smallest mission that was found, as a file
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
 
-if TYPE_CHECKING:
-    from mcpn.testing.kit.running import BrokenProperty
+_ALONE = "alone: "
+"""Begins the name of a test that drives one template alone."""
 
 
 class _Broken(Exception):
     """A property does not hold of the templates."""
-
-    def __init__(self, finding: BrokenProperty) -> None:
-        super().__init__(str(finding))
 
 
 class TemplateTest(pytest.Item):
@@ -34,11 +29,19 @@ class TemplateTest(pytest.Item):
         from mcpn.testing.kit.running import ALL, broken
 
         profile = self.config.getoption("--mcpn-profile")
+        if self.property.startswith(_ALONE):
+            from mcpn.testing.kit.machines import driven
+
+            alone = self.property.removeprefix(_ALONE)
+            violation = driven(templates_named(self.templates), profile=profile, only=alone)
+            if violation is not None:
+                raise _Broken(f"{alone}, driven alone, breaks a promise: {violation}")
+            return
         like = self.config.getoption("--mcpn-like")
         asked = {self.property: ALL.get(self.property) or behaves_as(templates_named(like), name=like)}
         finding = broken(templates_named(self.templates), profile=profile, properties=asked)
         if finding is not None:
-            raise _Broken(finding)
+            raise _Broken(str(finding))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: None = None) -> str:  # type: ignore[override]
         """What is wrong, without a traceback."""
@@ -81,9 +84,14 @@ def pytest_collection_modifyitems(
 ) -> None:
     """Adds a test for each property of the templates asked for."""
     for templates in config.getoption("--mcpn-templates"):
+        from mcpn.testing.kit.machines import MACHINES
         from mcpn.testing.kit.running import ALL
 
-        for name in (*ALL, *(["behaves_as"] if config.getoption("--mcpn-like") else ())):
+        for name in (
+            *ALL,
+            *(f"{_ALONE}{machine}" for machine in MACHINES),
+            *(["behaves_as"] if config.getoption("--mcpn-like") else ()),
+        ):
             item = TemplateTest.from_parent(session, name=f"{templates}::{name}")
             item.templates, item.property = templates, name
             items.append(item)

@@ -18,6 +18,7 @@ from mcpn.net.templates.compact import CompactTemplates
 from mcpn.net.templates.named import templates_named
 from mcpn.testing.kit.contract import PARTS, WORDS, contract_of_arcs
 from mcpn.testing.kit.corpus import MISSIONS
+from mcpn.testing.kit.machines import MACHINES
 from mcpn.testing.kit.properties import PROPERTIES
 from mcpn.testing.kit.running import ALL, BrokenProperty, broken, first_broken, of_the_corpus, small_missions
 from mcpn.testing.kit.subject import Subject, Violation
@@ -227,8 +228,23 @@ def test_the_plugin_runs_the_kit(pytester: pytest.Pytester, monkeypatch: pytest.
     options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev", "-k", "unit"]
     asked = ["--mcpn-templates", "mine:Mine", "--mcpn-templates", "paper"]
     result = pytester.runpytest_inprocess(*options, *asked)
-    result.assert_outcomes(passed=1, failed=1, deselected=2 * len(PROPERTIES))
+    result.assert_outcomes(passed=1, failed=1, deselected=2 * (len(PROPERTIES) + len(MACHINES)))
     result.stdout.fnmatch_lines(["*hardware h0 does not hold one token*", "*<mission *", "*</mission>*"])
+    result.stdout.no_fnmatch_line("*Traceback*")
+
+
+def test_the_plugin_drives_templates_alone(
+    pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    pytester.makepyfile(mine="from tests.kit.test_kit import Forgetful as Mine\n")
+    options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev"]
+    asked = ["--mcpn-templates", "mine:Mine", "-k", "alone and (software or hardware)"]
+    result = pytester.runpytest_inprocess(*options, *asked)
+    result.assert_outcomes(passed=1, failed=2, deselected=len(ALL) + 1)
+    result.stdout.fnmatch_lines(
+        ["hardware, driven alone, breaks a promise: an interface of h holds 0 tokens*"]
+    )
     result.stdout.no_fnmatch_line("*Traceback*")
 
 
@@ -238,7 +254,7 @@ def test_the_plugin_compares_sets(pytester: pytest.Pytester, monkeypatch: pytest
     options = ["-p", "mcpn.pytest_plugin", "-p", "no:cacheprovider", "--mcpn-profile", "dev", "-k", "behaves"]
     asked = ["--mcpn-templates", "mine:Mine", "--mcpn-templates", "compact", "--mcpn-like", "paper"]
     result = pytester.runpytest_inprocess(*options, *asked)
-    result.assert_outcomes(passed=1, failed=1, deselected=2 * len(ALL))
+    result.assert_outcomes(passed=1, failed=1, deselected=2 * (len(ALL) + len(MACHINES)))
     result.stdout.fnmatch_lines(["*behaves_as is broken: They differ:*", "*these*paper*", "*<mission *"])
     result.stdout.no_fnmatch_line("*Traceback*")
 

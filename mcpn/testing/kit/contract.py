@@ -98,8 +98,8 @@ def _sides(
 ) -> tuple[str, str]:
     """As whom an element touches a place of another, and what it may do there."""
     kind, element = touched
-    drawer_kind, drawer = _drawer(by)
-    own = touched == (drawer_kind, drawer) or (kind in CONTROL and by.kind in CONTROL)
+    drawer_kind, name = drawer(by)
+    own = touched == (drawer_kind, name) or (kind in CONTROL and by.kind in CONTROL)
     if place is None:
         return ("owner", "tpr") if own else ("other side", "")
     side = "other side"
@@ -107,17 +107,17 @@ def _sides(
         side = "owner"
     elif by.kind in CONTROL:
         side = "control"
-    elif kind == "activity" and drawer_kind == "software" and found.usage.producer[drawer] == element:
+    elif kind == "activity" and drawer_kind == "software" and found.usage.producer[name] == element:
         side = "product"
-    elif drawer_kind == "activity" and kind == "software" and found.usage.producer[element] == drawer:
+    elif drawer_kind == "activity" and kind == "software" and found.usage.producer[element] == name:
         side = "producer"
-    elif drawer_kind == "activity" and kind != "activity" and element in found.usage.resources_of({drawer}):
+    elif drawer_kind == "activity" and kind != "activity" and element in found.usage.resources_of({name}):
         side = "consumer"
     elif drawer_kind == "activity" and kind == "hardware":
         side = "watcher"  # a supplier needs it for an alternative that the activity may return to
     return side, place[1].get(side, "")
 
 
-def _drawer(by: Provenance) -> tuple[str, str]:
+def drawer(by: Provenance) -> tuple[str, str]:
     """The element whose template drew something; alternatives belong to their activity."""
     return ("activity", by.name.split(".", 1)[0]) if by.kind == "alternative" else (by.kind, by.name)

@@ -1,0 +1,65 @@
+"""Templates driven alone: mcpn's keep their promises, and each fault of such a template is found."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis.stateful import run_state_machine_as_test
+
+from mcpn.net.templates import PaperTemplates, TemplateSet
+from mcpn.net.templates.compact import CompactTemplates
+from mcpn.testing.kit.machines import MACHINES, driven, machine_of
+from mcpn.testing.kit.subject import Violation
+from tests.kit.faults import FAULTS, HARMLESS, Faulty
+
+DRIVEN = {"hardware": ("hardware", "shared hardware"), "software": ("software",), "activity": ("activity",)}
+"""By kind of element, the machines."""
+
+ELSEWHERE = {
+    "it answers whether its producer runs or not": "serving producers",
+    "it refuses whether its producer does or not": "serving producers",
+    "it stops before anybody has decided: swapped ranks": "serving producers",
+    "it returns to what is not possible": "returns to better alternatives",
+}
+"""Faults that show where a template is of a form that no machine drives."""
+
+ALONE = [name for name, (kind, *_) in FAULTS.items() if kind in DRIVEN and name not in ELSEWHERE]
+
+
+@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    "templates", [PaperTemplates(), CompactTemplates(at_once=0, combined=0)], ids=["paper", "compact"]
+)
+def test_our_templates_keep_their_promises(name: str, templates: TemplateSet) -> None:
+    found = driven(templates, profile="dev", only=name)
+    assert found is None, str(found)
+
+
+@pytest.mark.parametrize("name", ALONE)
+def test_each_fault_is_found(name: str) -> None:
+    faulty = Faulty(*FAULTS[name])
+    found = [driven(faulty, profile="ci", only=machine, shrink=False) for machine in DRIVEN[FAULTS[name][0]]]
+    assert faulty.changed
+    assert any(found)
+
+
+@pytest.mark.parametrize("name", [*ELSEWHERE, *HARMLESS])
+def test_other_faults_are_no_faults_here(name: str) -> None:
+    fault = {**FAULTS, **HARMLESS}[name]
+    for machine in DRIVEN[fault[0]]:
+        assert driven(Faulty(*fault), profile="ci", only=machine, shrink=False) is None
+
+
+def test_what_is_found_is_short() -> None:
+    found = driven(Faulty(*FAULTS["it forgets its acknowledgement"]), profile="ci")
+    assert isinstance(found, Violation)
+    assert found.message == "an interface of h holds 0 tokens, after [asks] h_9"
+
+
+def test_a_machine_is_one_of_hypothesis() -> None:
+    """It can be run, and shown step by step, as any other."""
+    machine = machine_of(Faulty(*FAULTS["it selects and does not ask"]), "activity")
+    with pytest.raises(
+        Violation, match=r"it runs or is refused in 0 ways, started: True, after \[starts\]"
+    ) as caught:
+        run_state_machine_as_test(machine)
+    assert any("state.starts()" in note for note in caught.value.__notes__)
