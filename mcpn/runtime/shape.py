@@ -99,9 +99,10 @@ def check_shape(document: Any) -> None:
     for key in ("out_of_service", "unrepairable"):
         for name in document.get(key, ()):
             _member(name, document["hardware"], key)
+    targets = known | ENDS.keys()
     for number, row in enumerate(document["sections"]):
         for route in row["routes"].values():
-            _member(route, known | ENDS.keys(), f"sections[{number}].routes")
+            _member(route, targets, f"sections[{number}].routes")
 
 
 # --- what values are ---

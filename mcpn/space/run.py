@@ -7,8 +7,9 @@ the net's own rule, along one interleaving, since internal evolution is confluen
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain, takewhile
 
 from mcpn.net.events import Event
@@ -16,12 +17,15 @@ from mcpn.net.petri import Arcs, Marking, PetriNet
 from mcpn.space.algebra import Edge, S, Space
 
 MOST_REPLAYS = 1_000
+MOST_BESIDE = 50
+"""Internal transitions that need one place, of which each is looked at when it receives a token."""
 
 
 class Completion:
     """Fires internal transitions of a net until none is enabled, those of the lowest rank first.
 
-    Only the transitions beside a place that has just received a token are looked at.
+    Only the transitions beside a place that has just received a token are looked at; where these are many, as
+    the gates of all sections that wait for one activity, only those of which a rarer place is marked.
 
     Args:
         net: The net.
@@ -31,33 +35,44 @@ class Completion:
         self.net = net
         self._number = {net.ranks[of[0]]: number for number, of in enumerate(net.internal_ranks)}
         self._needs: dict[int, Arcs] = {}
-        self._known: dict[int, list[tuple[int, int]]] = {}
+        self._known: dict[int, tuple[list[int], list[int]]] = {}
 
-    def settle(self, marking: list[int], fired: Iterable[int] | None = None) -> Iterator[int]:
+    def settle(
+        self, marking: list[int], fired: Iterable[int] | None = None, marked: set[int] | None = None
+    ) -> Iterator[int]:
         """The internal transitions fired until the marking is stable; it is changed in place.
 
         Args:
             marking: Where internal evolution begins; the caller knows that it ends.
             fired: The transitions that have led there from a stable marking, where some have.
+            marked: The marked places, where somebody keeps them; they are changed in place, too.
         """
         # Those that may be enabled, by rank.
         queues: list[deque[int]] = [deque() for _ in self.net.internal_ranks]
         number, ranks = self._number, self.net.ranks
-        begin = self.net.internal_ranks if fired is None else ([u for u, _ in self._beside(t)] for t in fired)
+        begin: Iterable[Iterable[int]] = self.net.internal_ranks
+        if fired is not None:
+            begin = [self._beside(t, marking, marked) for t in fired]
         for t in chain.from_iterable(begin):
             queues[number[ranks[t]]].append(t)
-        while queue := next(filter(None, queues), None):
+        while queue := next((queue for queue in queues if queue), None):
             t = queue.popleft()
             for place, weight in self._needed(t):
                 if marking[place] < weight:
                     break
             else:
-                self.net.fire_in_place(marking, t)
+                self.fire(marking, t, marked)
                 yield t
-                queues[number[ranks[t]]].append(t)
-                for u, scarce in self._beside(t):
-                    if marking[scarce]:
-                        queues[number[ranks[u]]].append(u)
+                for u in (t, *self._beside(t, marking, marked)):
+                    queues[number[ranks[u]]].append(u)
+
+    def fire(self, marking: list[int], t: int, marked: set[int] | None) -> None:
+        """Fires a transition in place; the marked places follow, where somebody keeps them."""
+        self.net.fire_in_place(marking, t)
+        if marked is not None:
+            transition = self.net.transitions[t]
+            marked.difference_update(place for place, _ in transition.consume if not marking[place])
+            marked.update(place for place, _ in transition.produce)
 
     def after(self, marking: Marking, event: int) -> tuple[tuple[int, ...], Marking]:
         """What follows an event in a stable marking: the internal transitions fired, and the stable end."""
@@ -71,18 +86,35 @@ class Completion:
             self._needs[t] = (*transition.consume, *transition.read)
         return self._needs[t]
 
-    def _beside(self, fired: int) -> list[tuple[int, int]]:
-        """The internal transitions that need a place which a transition marks.
-
-        With each the place that it needs and the fewest others do. It is empty most often: of the objectives
-        that start an activity, which come into question whenever that comes to rest, few are run.
-        """
+    def _beside(self, fired: int, marking: Sequence[int], marked: Collection[int] | None) -> list[int]:
+        """Internal transitions that a firing may have enabled."""
+        users = self.net.internal_users
         if fired not in self._known:
-            users, produced = self.net.internal_users, self.net.transitions[fired].produce
-            found = sorted({t for place, _ in produced for t in users.get(place, ())})
-            needed = ((t, (place for place, _ in self._needed(t))) for t in found)
-            self._known[fired] = [(t, min(places, key=lambda p: len(users[p]))) for t, places in needed]
-        return self._known[fired]
+            into = {place: users.get(place, ()) for place, _ in self.net.transitions[fired].produce}
+            few = sorted({t for of in into.values() if len(of) <= MOST_BESIDE for t in of})
+            self._known[fired] = few, [place for place, of in into.items() if len(of) > MOST_BESIDE]
+        few, crowded = self._known[fired]
+        if not crowded:
+            return few
+        rarest, by_rarest = self._rarest
+        if marked is None:
+            return sorted({*few, *(t for place in crowded for t in users[place] if marking[rarest[t]])})
+        waiting = {t for place in marked for t in by_rarest.get(place, ())}
+        return sorted({*few, *(t for t in waiting if any(p in crowded for p, _ in self._needed(t)))})
+
+    @cached_property
+    def _rarest(self) -> tuple[Mapping[int, int], Mapping[int, Sequence[int]]]:
+        """By internal transition, the place that it needs and the fewest others do; and the reverse.
+
+        It is empty most often: of the objectives that start an activity, which come into question whenever
+        that comes to rest, few are run.
+        """
+        users, rarest, found = self.net.internal_users, dict[int, int](), dict[int, list[int]]()
+        for t in chain.from_iterable(self.net.internal_ranks):
+            if needed := self._needed(t):
+                rarest[t] = min((len(users[place]), place) for place, _ in needed)[1]
+                found.setdefault(rarest[t], []).append(t)
+        return rarest, found
 
 
 @dataclass(frozen=True)
@@ -120,17 +152,18 @@ class Run:
     def steps(self) -> Iterator[tuple[int, list[int]]]:
         """Each firing, internal ones completed, with the marking after it: one list, changed in place."""
         net, completion, at = self.net, Completion(self.net), list(self.net.initial)
+        marked = {place for place, tokens in enumerate(at) if tokens}
         since: list[int] | None = None  # fired since the last stable marking, once there is one
         for t in self.transitions:
             if net.priorities and not net.transitions[t].internal:
-                yield from ((u, at) for u in completion.settle(at, since))
+                yield from ((u, at) for u in completion.settle(at, since, marked))
                 since = []
-            net.fire_in_place(at, t)
+            completion.fire(at, t, marked)
             yield t, at
             if since is not None:
                 since.append(t)
         if self.settles:
-            yield from ((u, at) for u in completion.settle(at, since))
+            yield from ((u, at) for u in completion.settle(at, since, marked))
 
 
 def transitions_of(edges: Iterable[Edge]) -> tuple[int, ...]:

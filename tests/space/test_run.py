@@ -1,21 +1,28 @@
-"""Runs of fewest events, against weighted shortest paths of another library."""
+"""Runs of fewest events, against shortest paths of another library; how runs are completed."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import networkx as nx
+import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mcpn.errors import LimitError, UnsafeError
+from mcpn.errors import LimitError, SemanticsError, UnsafeError
+from mcpn.mission.model import Mission
 from mcpn.net.petri import NetBuilder, PetriNet
 from mcpn.space.algebra import S, Space
 from mcpn.space.arrays import ArraySpace
 from mcpn.space.diagrams.spaces import DiagramMarkings
 from mcpn.space.diagrams.symbolic import reach
 from mcpn.space.markings.explicit import explore
-from mcpn.space.run import run_of_fewest_events
+from mcpn.space.run import Completion, Run, run_of_fewest_events
+from mcpn.space.stable.alternatives import direct
+from mcpn.testing import missions
+from mcpn.testing.stacks import stacked_missions
+from tests.draws import composed, fewer
 from tests.net.nets import nets
 
 
@@ -72,3 +79,29 @@ def test_a_run_takes_guarded_edges_only_where_it_may() -> None:
         assert run(space, {0: barred}) == ["start right", "right goal"]
         assert run(space, {1: barred}) == ["start left", "left goal"]
         assert run(space, {0: barred, 3: space.nothing}) is None
+
+
+@fewer(0.5)
+@given(missions() | stacked_missions(), st.data())
+def test_what_waits_in_a_crowd_is_found_by_its_rarest_place(given_: Mission, data: st.DataObject) -> None:
+    net = composed(given_).net
+    try:
+        graph = direct(net, max_states=3_000)
+    except (LimitError, SemanticsError):
+        return
+    end = data.draw(st.integers(0, graph.states - 1))
+    edges = graph.run_to(np.arange(graph.states) == end)
+    assert edges is not None
+    run = Run(net, tuple(int(graph.labels[edge]) for edge in edges), settles=True)
+
+    def seen() -> list[tuple[int, tuple[int, ...]]]:
+        return [(t, tuple(at)) for t, at in run.steps()]
+
+    apart = seen()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mcpn.space.run.MOST_BESIDE", 0)
+        assert seen() == apart
+        for edge in range(int(graph.offsets[end]), int(graph.offsets[end + 1])):
+            _, after = Completion(net).after(graph.marking(end), int(graph.labels[edge]))
+            assert after == graph.marking(int(graph.targets[edge]))
+    assert not apart or apart[-1][1] == graph.marking(end)
