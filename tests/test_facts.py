@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import random
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import HealthCheck, event, given, settings
@@ -15,11 +16,9 @@ from mcpn.check.logic.syntax import parse
 from mcpn.check.spaces import spaces_of
 from mcpn.check.verdicts.mission import check
 from mcpn.controller.generate import Form, generate
-from mcpn.controller.targets.c import write_c
+from mcpn.controller.targets import files
 from mcpn.controller.targets.json import document
-from mcpn.controller.targets.python import write_python
-from mcpn.controller.targets.scxml import write_scxml
-from mcpn.errors import InputError, LimitError
+from mcpn.errors import InputError
 from mcpn.mission.model import Mission, Objective
 from mcpn.mission.robot import Activity, Alternative, Fact, FactChange, Robot
 from mcpn.mission.static.warnings import find_warnings
@@ -29,6 +28,8 @@ from mcpn.net.compose import compose
 from mcpn.runtime import Controller as Runtime
 from mcpn.testing import missions
 from tests.conftest import ROOT
+from tests.controller.test_python import Generated
+from tests.controller.traces import Traced, random_events
 
 DUMPSTER = ROOT / "tests" / "natural" / "dumpster.xml"
 FORMS: tuple[Form, ...] = ("hierarchical", "flat", "modular")
@@ -300,11 +301,23 @@ def test_controllers_keep_facts(form: Form) -> None:
     }
 
 
-@pytest.mark.parametrize("write", [write_c, write_python, write_scxml])
-def test_other_targets_refuse_missions_with_facts(write: Callable[..., object]) -> None:
-    mission_net = compose(read_mission(DUMPSTER))
-    with pytest.raises(LimitError, match="the mission has facts"):
-        write(generate(mission_net), mission_net)
+@pytest.mark.parametrize("form", get_args(Form))
+def test_generated_controllers_know_facts(form: Form) -> None:
+    mission_net = compose(closing(read_mission(DUMPSTER)))
+    controller = generate(mission_net, form)
+    ((_, text),) = files(controller, mission_net, "python").items()
+    traced = Traced(document(controller, mission_net))
+    events = ["MISSION_EV_START"]
+    traced.controller.handle(events[0])
+    while traced.controller.outcome is None:
+        (objective,) = traced.controller.state.objectives
+        events.append(f"OBJ_{objective}_EV_OK")
+        traced.controller.handle(events[-1])
+    events += random_events(traced, random.Random(27), 300)
+    traced.restart()
+    expected = traced.lines(events)
+    assert any(line.endswith("success") for line in expected)
+    assert Generated(text).lines(events) == expected
 
 
 def test_what_has_been_done_is_known(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from hypothesis import event as seen
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -72,7 +73,8 @@ def test_every_edge_of_ulysse(form: Form, ulysse_net: MissionNet, tmp_path: Path
 
 @fewer(0.4)
 @given(
-    missions(max_objectives=3, max_depth=1, events=1, timeouts=3, awkward_names=True, text=True),
+    missions(max_objectives=3, max_depth=1, events=1, timeouts=3, awkward_names=True, text=True)
+    | missions(max_objectives=3, max_depth=1, max_sections=6, facts=2, events=1),
     st.integers(0, 2**32),
     st.sampled_from(get_args(Form)),
 )
@@ -82,6 +84,7 @@ def test_any_mission(mission: Mission, seed: int, form: Form) -> None:
         controller = generate(mission_net, form, max_states=2000)
     except (SemanticsError, LimitError):
         return
+    seen(f"{form}, facts: {bool(mission_net.usage.world.facts)}")
     ((_, text),) = files(controller, mission_net, "python").items()
     traced = Traced(document(controller, mission_net))
     events = random_events(traced, random.Random(seed), 60)

@@ -42,6 +42,7 @@ def expected(controller: TableController, traced: Traced, events: list[str]) -> 
     hardware = identifiers(controller.hardware, prefix="hardware_")
     handlers = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
     once = identifiers(dict.fromkeys(handlers), prefix="once_")
+    facts = identifiers(sorted(traced.tables.true), prefix="fact_")
     traced.restart()
     found: Answers = []
     for event in events:
@@ -53,6 +54,9 @@ def expected(controller: TableController, traced: Traced, events: list[str]) -> 
         inside = f"{sections[section]}.{state}" if section else outcome or "before"
         regions = {f"{i}.{'out' if name in gone else 'ready'}" for name, i in hardware.items()}
         regions |= {f"{i}.{'happened' if name in happened else 'open'}" for name, i in once.items()}
+        values = traced.controller.facts.items()
+        true = {said for name, value in values for said in traced.tables.facts[name][value]}
+        regions |= {f"{i}.{'on' if name in true else 'off'}" for name, i in facts.items()}
         found.append((said.split("; ") if said else [], {inside, *regions}))
     return found
 
@@ -86,7 +90,8 @@ def test_ulysse(name: str, form: str, ulysse_net: MissionNet, tmp_path: Path) ->
     phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )
 @given(
-    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True),
+    missions(max_objectives=3, max_depth=1, events=1, awkward_names=True)
+    | missions(max_objectives=3, max_depth=1, max_sections=6, events=1, facts=2),
     st.integers(0, 2**32),
     st.booleans(),
 )

@@ -17,7 +17,6 @@ from mcpn.controller.targets.names import (
     c_string,
     comment,
     identifiers,
-    refuse_facts,
     refuse_lasting,
 )
 from mcpn.controller.targets.render import render, rows
@@ -75,7 +74,6 @@ def write_c(controller: AnyController, mission_net: MissionNet) -> dict[str, str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    refuse_facts(mission_net, "C")
     refuse_lasting(mission_net, "C")
     numbers: RuleNumbers | MachineNumbers
     if isinstance(controller, ModularController):
@@ -155,12 +153,21 @@ def _of_machines(n: MachineNumbers) -> list[Array]:
     if n.once:
         guards = list(n.guards)
         starts = [sum(map(len, guards[:g])) for g in range(len(guards) + 1)]
+        told = "; of facts: + 2: is true then; + 3: is no more" if n.flags else ""
         arrays += [
             Array("move_guard", n.move_guard, "guard of a move"),
             Array("guard_start", starts, "first of a guard; the next row ends it"),
             Array(
-                "guard_once", [g for guard in guards for g in guard], "2 i: handler i happens; 2 i + 1: has"
+                "guard_once",
+                [g for guard in guards for g in guard],
+                f"4 i: handler i happens; + 1: has{told}",
             ),
+        ]
+    if n.flags:
+        arrays += [
+            Array("entry_guard", n.entry_guard, "what an entry changes of facts, as a guard"),
+            Array("type_once", [len(m.once) for m in n.types], "handlers of a type, before its facts"),
+            Array("type_entering", [m.entering for m in n.types], "bits of facts in the number of an entry"),
         ]
     return arrays
 
@@ -168,12 +175,14 @@ def _of_machines(n: MachineNumbers) -> list[Array]:
 def _of_rules(n: RuleNumbers) -> list[Array]:
     """All tables of rules."""
     none = n.none
-    literal, once = "2 i: bit i is not set; 2 i + 1: it is", [len(rules.once) for rules in n.types]
+    literal = "2 i: bit i is not set; 2 i + 1: it is"
+    once, facts = [len(rules.once) for rules in n.types], [len(rules.facts) for rules in n.types]
     return [
         *_of_sections(n),
         Array("type_bits", [rules.bits for rules in n.types], "bits of a state"),
         Array("type_hardware", n.type_hardware, "how much hardware of a type can fail"),
         *([Array("type_once", once, "how many handlers of it happen once")] if n.once else []),
+        *([Array("type_facts", facts, "how much may be true of its facts")] if n.flags else []),
         Array("type_rows", n.type_rows, "its row in rule_start of the entry; those of events follow"),
         Array("rule_start", n.rule_start, "first rule; the next row ends it"),
         Array("rule_literals", n.rule_literals, "first literal of a rule; the next row ends it"),
@@ -230,6 +239,17 @@ def _of_sections(n: MachineNumbers | RuleNumbers) -> list[Array]:
         arrays.append(
             Array("section_once", n.slices["once"], "the section's handlers that happen once, in pool")
         )
+    if n.flags:
+        said = [(*(2 * i for i in t), *(2 * i + 1 for i in f)) for t, f in n.changing.values()]
+        rows_of = dict(zip(n.changing, said, strict=True))
+        told = [rows_of.get(event, ()) for event in range(len(n.events))]
+        starts = [sum(map(len, told[:event])) for event in range(len(told) + 1)]
+        arrays += [
+            Array("changing_start", starts, "first of what an event changes of facts; the next row ends it"),
+            Array(
+                "changing_once", [i for row in told for i in row], "2 i: is true then; 2 i + 1: is no more"
+            ),
+        ]
     if n.timers:
         times = [round(1000 * n.timeouts.get(name, 0.0)) for name in n.objectives]
         arrays.append(Array("objective_milliseconds", times, "how long an objective may run; 0: any time"))

@@ -100,16 +100,6 @@ def comment(text: str) -> str:
     return re.sub(r"[^\x20-\x7e]", "?", text).replace("\\", "/").replace("*/", "* /").replace("/*", "/ *")
 
 
-def refuse_facts(mission_net: MissionNet, target: str) -> None:
-    """Refuses a mission with facts, which a target does not know.
-
-    Raises:
-        LimitError: The mission has facts.
-    """
-    if mission_net.usage.world.facts:
-        raise LimitError(f"the mission has facts, and controllers in {target} know none yet: JSON does")
-
-
 def refuse_lasting(mission_net: MissionNet, target: str) -> None:
     """Refuses hardware that is out of service at the start, or not repairable, which a target does not know.
 

@@ -21,6 +21,7 @@ from mcpn.controller.modular import AnyController, Rules
 from mcpn.mission.graph import ElementarySection, ObjectivesGraph
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
 from mcpn.mission.robot import Parameter
+from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 
@@ -78,9 +79,15 @@ class Numbers(Generic[Type]):
         self.timers = _timers(graph)
         """How many run at a time, at most."""
         mine = (section.names["once"].get(h, h) for section, h in self._handlers())
-        self.once = sorted(set(mine))
+        self.handlers = sorted(set(mine))
+        world = self.mission_net.usage.world
+        self.flags = sorted(flag for fact in world.facts.values() for flag in all_flags(fact))
+        """What may be true of facts, where it was not at the start."""
+        self.once = [*self.handlers, *self.flags]
+        """Handlers that happen once, and what may be true of facts."""
         self.sections = [section.name for section in controller.sections]
         texts = {str(e) for section in controller.sections for e in section.events} | {str(START)}
+        texts |= {str(Event(What.DECLARED, name)) for name in world.changing}
         for name in self.faulty:
             texts |= {str(Event(What.OUT_OF_SERVICE, name)), str(Event(What.REPAIRED, name))}
         self.events = sorted(texts, key=lambda text: text.encode("utf-8", "surrogatepass"))
@@ -108,6 +115,25 @@ class Numbers(Generic[Type]):
         for section in self.controller.sections:
             for handler in self.types[section.type].once:
                 yield section, handler
+
+    def _mine(self, section: PlacedMachine) -> Iterator[int]:
+        """The numbers of what a section's type says has happened, or is true of facts."""
+        type_, names = self.types[section.type], section.names
+        yield from (self.handlers.index(names["once"].get(h, h)) for h in type_.once)
+        first = len(self.handlers)
+        yield from (first + self.flags.index(names["facts"].get(f, f)) for f in type_.facts)
+
+    @property
+    def changing(self) -> dict[int, tuple[list[int], list[int]]]:
+        """By event that changes facts whatever runs, what it makes true and what it makes false."""
+        world, found = self.mission_net.usage.world, {}
+        number = {flag: len(self.handlers) + i for i, flag in enumerate(self.flags)}
+        for name, changes in world.changing.items():
+            every = {flag for fact in changes for flag in all_flags(world.facts[fact])}
+            true = {flag for fact, value in changes.items() for flag in flags(world.facts[fact])[value]}
+            said = sorted(map(number.__getitem__, true)), sorted(map(number.__getitem__, every - true))
+            found[self._event[str(Event(What.DECLARED, name))]] = said
+        return found
 
     # --- events of hardware, and of timers ---
 
@@ -220,8 +246,7 @@ class Numbers(Generic[Type]):
             machine = self.types[section.type]
             names = section.names["hardware"]
             self.slices["faulty"].append(pool.add(faulty[names.get(h, h)] for h in machine.hardware))
-            once = section.names["once"]
-            self.slices["once"].append(pool.add(self.once.index(once.get(h, h)) for h in machine.once))
+            self.slices["once"].append(pool.add(self._mine(section)))
             pairs = sorted((self._event[str(e)], i) for i, e in enumerate(section.events))
             self.event_start.append(events.add(pairs))
             self.event_count.append(len(pairs))

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from mcpn.controller.hierarchy import SectionMachine
 from mcpn.controller.modular import AnyController, ModularController, Rule, Rules
-from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, refuse_facts, refuse_lasting
+from mcpn.controller.targets.names import PYTHON_KEYWORDS, comment, identifiers, refuse_lasting
 from mcpn.controller.targets.render import render
-from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers, guard_of
+from mcpn.controller.targets.tables import MachineNumbers, RuleNumbers, changes_of, guard_of
 from mcpn.net.compose import MissionNet
 
 
@@ -22,7 +23,6 @@ def write_python(controller: AnyController, mission_net: MissionNet) -> dict[str
         controller: The controller.
         mission_net: The mission's net, for the parameters.
     """
-    refuse_facts(mission_net, "Python")
     refuse_lasting(mission_net, "Python")
     numbers: MachineNumbers | RuleNumbers
     if isinstance(controller, ModularController):
@@ -77,8 +77,9 @@ def _of_machine(n: MachineNumbers, kind: int) -> dict[str, object]:
         n.modes[n.mode_start[state] : n.mode_start[state] + n.mode_length[state]]
         for state in range(first, first + len(machine.states))
     ]
-    entries = [
-        (None if e is None else e.target, n.entry_list[row]) for row, e in enumerate(machine.entries, entry)
+    entries: list[tuple[int | None, ...]] = [
+        (None if e is None else e.target, n.entry_list[row], *(changes_of(machine, e) if e else ()))
+        for row, e in enumerate(machine.entries, entry)
     ]
     return {"moves": moves, "modes": modes, "entries": entries}
 
@@ -120,6 +121,10 @@ def _section(n: MachineNumbers | RuleNumbers, i: int) -> dict[str, object]:
         first = n.slices[name][i]
         return n.pool[first : first + length]
 
+    type_ = n.types[kind]
+    mine = slice_of("once", len(type_.once) + len(type_.facts))
+    before = len(type_.once) + (type_.entering if isinstance(type_, SectionMachine) else 0)
+    entering = mine[len(type_.once) : before]
     ends = {n.success: Name("SUCCESS"), n.failure: Name("FAILURE")}
     if n.abort is not None:
         ends[n.abort] = Name("ABORT")
@@ -131,7 +136,9 @@ def _section(n: MachineNumbers | RuleNumbers, i: int) -> dict[str, object]:
         "routes": {outcome: ends.get(to, to) for outcome, to in zip(outcomes, n.routes[i], strict=True)},
         "events": dict(n.section_events[first : first + count]),
         "faulty": slice_of("faulty", n.type_hardware[kind]),
-        **({"once": slice_of("once", len(n.types[kind].once))} if n.once else {}),
+        **({"once": mine} if n.once else {}),
+        **({"facts": mine[len(type_.once) :]} if n.flags else {}),
+        **({"entering": entering} if n.flags and isinstance(type_, SectionMachine) else {}),
         "hardware": [n.hardware[k] for k in slice_of("hardware", own["hardware"])],
         "objectives": slice_of("objectives", own["objectives"]),
         "activities": slice_of("activities", own["activities"]),

@@ -9,6 +9,10 @@ as its expression, a string that is JSON: by name ``value`` and ``unit``.
 A handler that happens once has a region too, *open* and then *happened*: a move that asks for it has a
 condition, and the region goes on with the same event in the same state of the section.
 
+What may be true of a fact has a region, *off* and *on*: it changes with the event of a move that changes it,
+in the same state of the section, or with the entry that does; with an event that changes facts whatever runs,
+unless a section runs that has this event itself.
+
 An objective with a timeout has a region, *off* and *on*: what arms and disarms its timer raises an event, and
 *on* sends the event that its time is over after a delay, and cancels that when it is left.
 
@@ -20,15 +24,16 @@ must know asks first, or watches whether the configuration or the log changes.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from lxml import etree
 
 from mcpn.controller.actions import PlannedAction
 from mcpn.controller.hierarchy import Entry, Move, PlacedMachine, TableController
 from mcpn.controller.targets.json import laws
-from mcpn.controller.targets.names import comment, identifiers, refuse_facts, refuse_lasting
+from mcpn.controller.targets.names import comment, identifiers, refuse_lasting
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.world.conditions import all_flags, flags
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import START, Event, What
 from mcpn.runtime.tables import Laws
@@ -44,7 +49,6 @@ def write_scxml(controller: TableController, mission_net: MissionNet) -> dict[st
         controller: The controller.
         mission_net: The mission's net.
     """
-    refuse_facts(mission_net, "SCXML")
     refuse_lasting(mission_net, "SCXML")
     name = identifiers([controller.mission])[controller.mission].lower()
     return {f"{name}.scxml": _Document(controller, mission_net).text()}
@@ -63,6 +67,10 @@ class _Document:
         once = (s.names["once"].get(h, h) for s in controller.sections for h in controller.types[s.type].once)
         self.once = identifiers(dict.fromkeys(once), prefix="once_")
         self.happening: dict[str, list[tuple[str, str]]] = {handler: [] for handler in self.once}
+        self.world = mission_net.usage.world
+        every = [flag for fact in self.world.facts.values() for flag in all_flags(fact)]
+        self.facts = identifiers(sorted(every), prefix="fact_")
+        self.turning: dict[tuple[str, str], list[dict[str, str]]] = {}
         timed = [s.name for s in mission_net.graph.walk() if s.timeout is not None]
         self.timers = identifiers(timed, prefix="timer_")
         self.ids = identifiers([s.name for s in controller.sections], prefix="section_")
@@ -100,12 +108,46 @@ class _Document:
             for event, condition in self.happening[name]:
                 _add(status, "transition", event=event, cond=condition, target=f"{identifier}.happened")
             _add(region, "state", id=f"{identifier}.happened")
+        for name, identifier in self.facts.items():
+            self.fact(whole, name, identifier)
         for name, identifier in self.timers.items():
             self.timer(whole, name, identifier)
         written = etree.tostring(
             root.getroottree(), pretty_print=True, xml_declaration=True, encoding="UTF-8"
         )
         return written.decode()
+
+    def fact(self, whole: etree._Element, name: str, identifier: str) -> None:
+        """The region of what may be true of a fact."""
+        region = _add(whole, "state", id=identifier, initial=f"{identifier}.off")
+        region.append(_comment(name))
+        for state, other in (("off", "on"), ("on", "off")):
+            status = _add(region, "state", id=f"{identifier}.{state}")
+            for said in self.turning.get((name, other), ()):
+                _add(status, "transition", **said, target=f"{identifier}.{other}")
+            for event, changes in self.world.changing.items():
+                if other == self._turned(name, changes):
+                    told = Event(What.DECLARED, event)
+                    inside = (self.ids[s.name] for s in self.controller.sections if told in s.events)
+                    condition = " && ".join(f"!In('{each}')" for each in inside)
+                    guarded = {"cond": condition} if condition else {}
+                    target = f"{identifier}.{other}"
+                    _add(status, "transition", event=event_name(told), **guarded, target=target)
+
+    def _turned(self, flag: str, changes: Mapping[str, str]) -> str | None:
+        """Whether changes of facts turn on or off what may be true of one, or neither."""
+        for name, value in changes.items():
+            fact = self.world.facts[name]
+            if flag in all_flags(fact):
+                return "on" if flag in flags(fact)[value] else "off"
+        return None
+
+    def turn(self, section: PlacedMachine, step: Entry | Move, **when: str) -> None:
+        """Notes what a move or an entry changes of facts, and when."""
+        names = section.names["facts"]
+        for other, changed in (("on", step.gained), ("off", step.lost)):
+            for flag in changed:
+                self.turning.setdefault((names.get(flag, flag), other), []).append(when)
 
     def timer(self, whole: etree._Element, name: str, identifier: str) -> None:
         """The region of an objective's timer."""
@@ -124,8 +166,9 @@ class _Document:
         names = section.names
         whole = _add(parent, "state", id=own, initial=f"{own}.enter")
         whole.append(_comment(f"section {section.name}"))
-        hardware = [self.hardware[names["hardware"].get(h, h)] for h in machine.hardware]
-        self.choice(whole, section, f"{own}.enter", hardware, machine.entries)
+        asked = [f"{self.hardware[names['hardware'].get(h, h)]}.out" for h in machine.hardware]
+        asked += [f"{self.facts[names['facts'].get(f, f)]}.on" for f in machine.facts[: machine.entering]]
+        self.choice(whole, section, f"{own}.enter", asked, machine.entries)
         moves = iter(machine.moves)
         move = next(moves, None)
         for number, state in enumerate(machine.states):
@@ -145,8 +188,9 @@ class _Document:
                 guarded = {"cond": condition} if condition else {}
                 drawn = _add(inside, "transition", event=event, **guarded, target=target)
                 self.order(drawn, section, move.actions)
+                here = " && ".join(filter(None, (f"In('{own}.{number}')", condition)))
+                self.turn(section, move, event=event, cond=here)
                 for handler in move.guard.open:
-                    here = f"In('{own}.{number}') && {condition}"
                     self.happening[names["once"].get(handler, handler)].append((event, here))
                 move = next(moves, None)
 
@@ -165,10 +209,10 @@ class _Document:
         parent: etree._Element,
         section: PlacedMachine,
         identifier: str,
-        hardware: Sequence[str],
+        asked: Sequence[str],
         entries: Sequence[Entry | None],
     ) -> None:
-        """States that lead to the entry of the hardware out of service, the last resource asked first."""
+        """States that lead to the entry by the states that regions are in, the last one asked first."""
         known = [entry for entry in entries if entry is not None]
         state = _add(parent, "state", id=identifier)
         if not known:  # the mission cannot come here
@@ -176,12 +220,13 @@ class _Document:
         if all(entry == known[0] for entry in entries):
             own = f"{self.ids[section.name]}.{known[0].target}"
             self.order(_add(state, "transition", target=own), section, known[0].actions)
+            self.turn(section, known[0], cond=f"In('{identifier}')")
             return
         half = len(entries) // 2
-        _add(state, "transition", cond=f"In('{hardware[-1]}.out')", target=f"{identifier}1")
+        _add(state, "transition", cond=f"In('{asked[-1]}')", target=f"{identifier}1")
         _add(state, "transition", target=f"{identifier}0")
-        self.choice(parent, section, f"{identifier}0", hardware[:-1], entries[:half])
-        self.choice(parent, section, f"{identifier}1", hardware[:-1], entries[half:])
+        self.choice(parent, section, f"{identifier}0", asked[:-1], entries[:half])
+        self.choice(parent, section, f"{identifier}1", asked[:-1], entries[half:])
 
     def order(
         self, transition: etree._Element, section: PlacedMachine, actions: Sequence[PlannedAction]

@@ -1,7 +1,8 @@
 """Tables of machines, and of rules, as numbers.
 
-A *guard* is a list of numbers, first 2 i for each handler of the section that must not have happened yet, and
-happens then, and 2 i + 1 for each that must have happened; the empty one is the first.
+A *guard* is a list of numbers: first 4 i for each handler of the section that must not have happened yet, and
+happens then, and 4 i + 1 for each that must have happened; then 4 i + 2 for what becomes true of facts, which
+are numbered behind handlers, and 4 i + 3 for what is no more. The empty one is the first.
 
 Of rules, a row of ``rule_start`` is the entry of a type, the next ones are its events. A literal is 2 i where
 bit i is not set, and 2 i + 1 where it is.
@@ -12,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from mcpn.controller.actions import PlannedAction
-from mcpn.controller.hierarchy import Move, SectionMachine, TableController
+from mcpn.controller.hierarchy import Entry, Move, SectionMachine, TableController
 from mcpn.controller.modular import ModularController, Rules
 from mcpn.controller.targets.numbers import Numbers, Own, Pool
 from mcpn.net.compose import MissionNet
@@ -27,6 +28,7 @@ class MachineNumbers(Numbers[SectionMachine]):
         self.type_entries: list[int] = []
         self.entry_target: list[int] = []
         self.entry_list: list[int] = []
+        self.entry_guard: list[int] = []
         self.move_start: list[int] = []
         self.move_event: list[int] = []
         self.move_target: list[int] = []
@@ -63,6 +65,8 @@ class MachineNumbers(Numbers[SectionMachine]):
         for entry in type_.entries:
             self.entry_target.append(self.none if entry is None else entry.target)
             self.entry_list.append(0 if entry is None else self._list(entry.actions, own))
+            changes = () if entry is None else changes_of(type_, entry)
+            self.entry_guard.append(self.guards.setdefault(changes, len(self.guards)))
         moves = iter(type_.moves)
         move = next(moves, None)
         for number, state in enumerate(type_.states):
@@ -90,7 +94,7 @@ class MachineNumbers(Numbers[SectionMachine]):
     def entry_lists(self, kind: int) -> Iterable[int]:
         """The lists of actions of a type's entries."""
         first = self.type_entries[kind]
-        return self.entry_list[first : first + (1 << self.type_hardware[kind])]
+        return self.entry_list[first : first + len(self.types[kind].entries)]
 
     def moved(self, kind: int) -> Iterator[tuple[int, int]]:
         """Where the events of a type lead, and their lists of actions."""
@@ -100,9 +104,18 @@ class MachineNumbers(Numbers[SectionMachine]):
 
 
 def guard_of(machine: SectionMachine, move: Move) -> tuple[int, ...]:
-    """The guard of a move as numbers."""
+    """The guard of a move as numbers, with what it changes of facts."""
     number = machine.once.index
-    return (*(2 * number(h) for h in move.guard.open), *(2 * number(h) + 1 for h in move.guard.happened))
+    asked = (*(4 * number(h) for h in move.guard.open), *(4 * number(h) + 1 for h in move.guard.happened))
+    return (*asked, *changes_of(machine, move))
+
+
+def changes_of(machine: SectionMachine, step: Move | Entry) -> tuple[int, ...]:
+    """What a move or an entry changes of facts, as numbers."""
+    first = len(machine.once)
+    number = {flag: first + i for i, flag in enumerate(machine.facts)}
+    gained, lost = (4 * number[f] + 2 for f in step.gained), (4 * number[f] + 3 for f in step.lost)
+    return (*gained, *lost)
 
 
 class RuleNumbers(Numbers[Rules]):
