@@ -1,7 +1,8 @@
 """A campaign: generated missions through every engine and both controllers, which must all say the same.
 
-``MCPN_CAMPAIGN`` says how many missions (if not set 2,000, and 10,000 in the profile nightly), ``MCPN_CAMPAIGN_SEED``
-which ones. 500 took 56 s of one core (x86-64, CPython 3.11), so 10,000 take some 19 minutes::
+``MCPN_CAMPAIGN`` says how many missions (if not set 2,000, and 10,000 in the profile nightly),
+``MCPN_CAMPAIGN_SEED`` which ones. 500 took 56 s of one core (x86-64, CPython 3.11), so 10,000 take some 19
+minutes::
 
     MCPN_CAMPAIGN=20000 python -m pytest -m slow -s tests/test_campaign.py
 """

@@ -70,6 +70,12 @@ def test_missions_without_contention_behave_the_same(drawn: Mission) -> None:
     the_same(drawn, EVERYWHERE)
 
 
+@fewer(0.75)
+@given(missions(Shape(facts=2, sections=6, early=3, timeouts=2, lasting=True), events=1))
+def test_missions_with_facts_behave_the_same(drawn: Mission) -> None:
+    the_same(drawn, EVERYWHERE, CompactTemplates())
+
+
 @fewer(0.5)
 @given(fusing_missions())
 def test_many_data_behave_the_same(drawn: Mission) -> None:
