@@ -11,9 +11,11 @@ from hypothesis import event, given
 from mcpn.check.likeness import Likeness, likeness
 from mcpn.check.spaces import Spaces
 from mcpn.errors import LimitError
-from mcpn.mission.model import Mission, Objective, Parallel
+from mcpn.mission.model import Mission, Objective, Parallel, Recursive
+from mcpn.mission.robot import Activity, Alternative, DeclaredEvent, Fact, FactChange
 from mcpn.mission.xml import read_mission
 from mcpn.net.compose import compose
+from mcpn.net.game import TokenGame
 from mcpn.net.templates import PaperTemplates
 from mcpn.net.templates.activities import MAX_TOGETHER
 from mcpn.net.templates.compact import CompactTemplates
@@ -155,3 +157,33 @@ def test_what_is_too_wide_for_the_paper_is_drawn() -> None:
     with pytest.raises(LimitError, match="13 resources consumed"):
         compose(drawn)
     assert len(compose(drawn, CompactTemplates()).net.transitions) < 300
+
+
+def test_a_fact_that_changes_while_it_waits_is_heard() -> None:
+    """An alternative asks a producer that waits for what another branch holds; then its fact changes."""
+    door = Fact(name="door", values=("open", "closed"))
+    closes = DeclaredEvent(name="close", sets=(FactChange(fact="door", to="closed"),))
+    through = Alternative(name="through", consumes=("s", "g"), requires=("door=open",))
+    going = Activity(name="go", alternatives=(through, Alternative(name="around", consumes=("g",))))
+    activities = (
+        activity("make", ("h",), produces=("s",)),
+        activity("hold", ("h",)),
+        activity("rest", ()),
+        going,
+    )
+    of = replace(robot(hw("h", "g"), *activities), facts=(door,), events=(closes,))
+    later = Recursive(
+        name="y", blocks=(Objective(name="z", activities=("rest",)), Objective(name="w", activities=("go",)))
+    )
+    drawn = mission(of, Parallel(name="both", blocks=(Objective(name="x", activities=("hold",)), later)))
+    for templates in (EVERYWHERE, CompactTemplates()):
+        as_expected(likeness(drawn, None, templates))
+    net = compose(drawn, EVERYWHERE).net
+    game = TokenGame(net)
+    fired = list[str]()
+    for event_ in ("MISSION_EV_START", "OBJ_z_EV_OK", "close_EV"):
+        (taken,) = (t for t in game.enabled if str(net.transitions[t].event) == event_)
+        game.fire(taken)
+        fired = [net.transitions[t].name for t in game.settle()]
+    assert any("go_asklost1" in name for name in fired), fired
+    assert net.place_index["go_active2"] in [p for p, n in enumerate(game.marking) if n]
