@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from itertools import accumulate
 
 from mcpn.bench.places import ControllerPlace, Places
+from mcpn.errors import LimitError
 from mcpn.mission.flatten import ElementarySection
 from mcpn.net.compose import MissionNet
 from mcpn.net.events import Event, What
@@ -49,6 +50,9 @@ class World:
         mission_net: The mission, whose file gives rates and durations.
         tables: Its controller.
         duration: Mean hours of objectives that have none in the file.
+
+    Raises:
+        LimitError: Some hardware fails on demand.
     """
 
     def __init__(self, mission_net: MissionNet, tables: Tables, duration: float | None = None) -> None:
@@ -58,6 +62,10 @@ class World:
         self._objectives: dict[str, ElementarySection] = {o.name: o for o in mission_net.graph.walk()}
         self._duration = duration
         mission = mission_net.mission
+        for hardware in mission.hardware:
+            if hardware.demand_probability:
+                message = f"{hardware.name} fails on demand, which the bench does not play yet"
+                raise LimitError(f"{hardware.source}: {message}" if hardware.source else message)
         self._rates: dict[Event, float] = {}
         for hardware in mission.hardware:
             self._rates[Event(What.OUT_OF_SERVICE, hardware.name)] = hardware.failure_rate or 0.0

@@ -19,6 +19,7 @@ from mcpn.mission.language.datatypes import (
     Children,
     FactName,
     Name,
+    Probability,
     Rate,
     Resources,
     Values,
@@ -75,6 +76,11 @@ class Hardware(Element):
     initial: Annotated[str, STATUS, "oos: out of service at the start, until it is repaired."] = "service"
     failure_rate: Annotated[Rate, "Failures per hour of service, for numbers of risk."] = None
     repair_rate: Annotated[Rate, "Repairs per hour out of service; without it nobody repairs."] = None
+    demand_probability: Annotated[
+        Probability,
+        "From 0 to 1: how probable it is that it fails when an alternative that consumes it starts, for "
+        "numbers of risk.",
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -106,6 +106,7 @@ class RobotDrawing(WorldDrawing):
             description=self.description(),
             failure_rate=fails,
             repair_rate=back,
+            demand_probability=self.value(0, 1) if faulty and self.shape.lasting else None,
         )
 
     def lasting(self) -> bool:

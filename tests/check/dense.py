@@ -8,7 +8,7 @@ place, be it that another comes before all is stable.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import networkx as nx
@@ -26,6 +26,9 @@ from tests.check.oracle import Play
 from tests.small import activity, hw, robot
 
 Rates = Mapping[str, tuple[float, float]]
+Demands = Mapping[str, float]
+Start = tuple[tuple[int, ...], str, str]
+"""An alternative that starts and hardware that it consumes, with their rank among others."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +52,15 @@ class Edge:
         target: The state after it.
         event: What happens.
         ended: Objectives whose present run it ends.
+        started: Alternatives that it starts, each with hardware that it consumes and may fail on demand, in
+            the order in which they are asked.
     """
 
     source: int
     target: int
     event: Event
     ended: frozenset[str]
+    started: tuple[Start, ...] = ()
 
 
 class Dense:
@@ -86,16 +92,20 @@ class Dense:
         self.aborted = {s for s, m in enumerate(markings) if found.abort is not None and m[found.abort]}
         self.ends = self.succeeded | self.failed | self.aborted
         self.edges: list[Edge] = []
-        self.begin: dict[int, int] = {}
+        self.begin: dict[int, Edge] = {}
+        self.lost: dict[tuple[int, str], Edge] = {}
         # Before the start, by hardware: what it is when that one is otherwise.
         self.other: dict[str, int] = {}
         for source in range(graph.states):
             for label, target in graph.successors(source):
                 event = graph.net.transitions[label].event
                 assert event is not None
+                started = self.started(markings[source], label, target)
                 if event == START:
-                    self.begin[source] = target
-                elif source == 0 and event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
+                    self.begin[source] = Edge(source, target, event, frozenset(), started)
+                elif event.what is What.OUT_OF_SERVICE:
+                    self.lost[source, event.element] = Edge(source, target, event, frozenset(), started)
+                if source == 0 and event.what in (What.OUT_OF_SERVICE, What.REPAIRED):
                     self.other[event.element] = target
                 if event != START and source not in self.ends and self.runs[source]:
                     ended = frozenset(self.runs[source] - self.runs[target])
@@ -103,7 +113,7 @@ class Dense:
                         ended |= {event.element}
                     elif event.what is What.DECLARED and self.runs[source] & self.runs[target]:
                         ended |= self.ended(markings[source], label, self.runs[source])
-                    self.edges.append(Edge(source, target, event, ended))
+                    self.edges.append(Edge(source, target, event, ended, started))
 
         self.may_succeed = {(e.source, e.event.element) for e in self.edges if e.event.what is What.SUCCESS}
 
@@ -115,23 +125,77 @@ class Dense:
         taken |= {p for p, _ in net.transitions[label].consume}
         return frozenset(name for name in running if self.play.place[f"OBJ_{name}"] in taken)
 
+    def started(self, marking: tuple[int, ...], label: int, target: int) -> tuple[Start, ...]:
+        """What an event starts of what may fail on demand, in the order in which a section comes upon it."""
+        asked = {n for n, h in self.hardware.items() if h.demand_probability is not None}
+        sections = (s for s in self.found.graph.sections if self.runs[target] & {o.name for o in s.walk()})
+        if not asked or (section := next(sections, None)) is None:
+            return ()
+        taken: set[int] = set()
+        self.play.settle(self.found.net.fire(marking, label), taken)
+        taken |= {p for p, _ in self.found.net.transitions[label].consume}
+        known = {a.name: a for a in self.found.mission.activities}
+        makers = {k: a for a in self.found.mission.activities for k in a.produces}
+        order: dict[str, None] = {}
+        hardware: dict[str, None] = {}
+
+        def visit(name: str) -> None:
+            if name not in order:
+                order[name] = None
+                consumed = [k for way in known[name].alternatives for k in way.consumes]
+                hardware.update(dict.fromkeys(k for k in consumed if k not in makers))
+                for k in consumed:
+                    if k in makers:
+                        visit(makers[k].name)
+
+        for objective in section.walk():
+            for name in objective.activities:
+                visit(name)
+        found = list[Start]()
+        for place in range(len(marking)):
+            kind, said = self.found.roles.get(place, ("", ""))
+            if kind == "active" and said in self.active[target] and (place in taken or not marking[place]):
+                activity, _, alternative = said.partition(".")
+                ways = [way.name for way in known[activity].alternatives]
+                number = ways.index(alternative)
+                for k in known[activity].alternatives[number].consumes:
+                    if k in asked:
+                        rank = [*hardware].index(k), [*order].index(activity), number
+                        found.append((rank, said, k))
+        return tuple(sorted(found))
+
+    def leads(self, target: int, started: tuple[Start, ...], demands: Demands) -> Iterator[tuple[float, int]]:
+        """Where an event leads when what it starts is asked, and how probable each is."""
+        if not started:
+            yield 1.0, target
+            return
+        (_, _, name), *rest = started
+        for share, end in self.leads(target, tuple(rest), demands):
+            yield share * (1 - demands[name]), end
+        lost = self.lost[target, name]
+        still = {start for start in rest if start[2] != name and start[1] in self.active[lost.target]}
+        for share, end in self.leads(lost.target, tuple(sorted(still.union(lost.started))), demands):
+            yield share * demands[name], end
+
     def numbers(self) -> Numbers:
         """All numbers of the mission."""
         rates = {n: (h.failure_rate or 0.0, h.repair_rate or 0.0) for n, h in self.hardware.items()}
+        demands = {n: h.demand_probability or 0.0 for n, h in self.hardware.items()}
         start, aborts = self.begin[0], self.found.abort is not None
-        jumps = Jumps(self, rates)
+        jumps = Jumps(self, rates, demands)
         success, failure, abort = (
-            jumps.probability(end, start) for end in (self.succeeded, self.failed, self.aborted)
+            jumps.likely(end, start) for end in (self.succeeded, self.failed, self.aborted)
         )
         importance, safely = dict[str, float](), dict[str, float]()
         for name in rates:
-            frozen = Jumps(self, {**rates, name: (0.0, 0.0)})
+            frozen = Jumps(self, {**rates, name: (0.0, 0.0)}, {**demands, name: 0.0})
             well, lost = start, self.begin[self.other[name]] if name in self.other else start
             if self.hardware[name].initial == "oos":
                 well, lost = lost, well
             for found, ends in ((importance, self.succeeded), (safely, self.succeeded | self.aborted)):
-                found[name] = frozen.probability(ends, well) - frozen.probability(ends, lost)
-        modes = jumps.degraded_modes(start)
+                found[name] = frozen.likely(ends, well) - frozen.likely(ends, lost)
+        firsts = self.leads(start.target, start.started, demands)
+        modes = sum(share * jumps.degraded_modes(first) for share, first in firsts if share)
         if not aborts:
             return Numbers(success, failure, modes, importance, None, None)
         return Numbers(success, failure, modes, importance, abort, safely)
@@ -144,12 +208,18 @@ class Jumps:
         matrix: The probability of a jump from one state to another.
     """
 
-    def __init__(self, of: Dense, rates: Rates) -> None:
-        self.of = of
+    def __init__(self, of: Dense, rates: Rates, demands: Demands) -> None:
+        self.of, self.demands = of, demands
         possible = {name: self.possible(name, rates) for name in of.objectives}
         hasty = {s for s in range(of.states) for name in of.runs[s] if s not in possible[name]}
         self.hasty = hasty - of.ends
-        self.weights = [(edge, w) for edge in of.edges if (w := self.weight(edge, rates, possible)) > 0]
+        self.weights = [
+            (replace(edge, target=end), w * share)
+            for edge in of.edges
+            if (w := self.weight(edge, rates, possible)) > 0
+            for share, end in of.leads(edge.target, edge.started, demands)
+            if share
+        ]
         total = np.zeros(of.states)
         for edge, w in self.weights:
             total[edge.source] += w
@@ -180,7 +250,9 @@ class Jumps:
             ends = edge.event.what in (What.SUCCESS, What.FAILURE)
             going_on = name in self.of.runs[edge.source] and name not in edge.ended
             if going_on and (ends or self.own_rate(edge.event, rates) > 0):
-                before.setdefault(edge.target, []).append(edge.source)
+                for share, end in self.of.leads(edge.target, edge.started, self.demands):
+                    if share:
+                        before.setdefault(end, []).append(edge.source)
         found = set(stack)
         while stack:
             for state in before.get(stack.pop(), ()):
@@ -225,6 +297,11 @@ class Jumps:
         graph.add_edges_from((edge.source, edge.target) for edge, _ in self.weights)
         return graph
 
+    def likely(self, goal: Collection[int], begin: Edge) -> float:
+        """That it comes to a goal from the beginning."""
+        firsts = self.of.leads(begin.target, begin.started, self.demands)
+        return sum(share * self.probability(goal, first) for share, first in firsts if share)
+
     def probability(self, goal: Collection[int], start: int) -> float:
         """That it comes to a goal."""
         if start in goal:
@@ -248,12 +325,13 @@ class Jumps:
 
 
 @st.composite
-def with_numbers(draw: st.DrawFn, mission: Mission) -> Mission:
+def with_numbers(draw: st.DrawFn, mission: Mission, *, demands: bool = False) -> Mission:
     """Rates and durations near one another, so that everything happens now and then.
 
     Args:
         draw: Given by hypothesis.
         mission: A mission of any kind.
+        demands: Whether hardware may fail on demand, too.
     """
 
     def timed(block: Block) -> Block:
@@ -273,7 +351,9 @@ def with_numbers(draw: st.DrawFn, mission: Mission) -> Mission:
         for h in of.hardware:
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
             back = values[1] if h.repairable else None
-            parts.append(replace(h, failure_rate=values[0], repair_rate=back) if h.faulty else h)
+            asked = draw(st.sampled_from([None, 0.25, 1.0])) if demands else None
+            rated = replace(h, failure_rate=values[0], repair_rate=back, demand_probability=asked)
+            parts.append(rated if h.faulty else h)
         faults = []
         for fault in of.faults:
             values = draw(st.tuples(st.sampled_from([0.2, 1.0]), st.sampled_from([0.0, 0.5])))
@@ -354,9 +434,10 @@ def any_missions(draw: st.DrawFn) -> Mission:
             missions(aborting),
             missions(small, faults=1, sections=4),
             missions(small, lasting=True, sections=4),
+            missions(small, sections=4, own_hardware=True, alternatives=3, shared_activities=False),
             missions(small, pauses=8, sections=4, own_hardware=True, shared_activities=False),
             missions(aborting, lasting=True, own_hardware=True, shared_activities=False),
             missions(aborting, own_hardware=True, shared_activities=False),
         )
     )
-    return draw(with_numbers(chosen))
+    return draw(with_numbers(chosen, demands=draw(st.booleans())))

@@ -581,6 +581,16 @@ BROKEN: dict[str, tuple[str, int, str]] = {
         7,
         "G is not repairable, though it cannot fail",
     ),
+    "hardware that cannot fail is asked": (
+        robot("<hardware name='G' faulty='false' demand_probability='0.5'/>"),
+        7,
+        "G has a demand_probability, though it cannot fail",
+    ),
+    "hardware that fails too often on demand": (
+        robot("<hardware name='G' demand_probability='1.5'/>"),
+        7,
+        "demand_probability of G is 1.5, expected a number from 0 to 1",
+    ),
     "hardware that is never in service": (
         robot("<hardware name='G' repairable='false' initial='oos'/>"),
         7,

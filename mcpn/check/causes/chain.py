@@ -18,6 +18,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from mcpn.check.causes.demands import entered_again, split_edges
 from mcpn.check.causes.linear import csc_array, csr_array, splu
 from mcpn.check.causes.prospects import Prospects
 from mcpn.net.events import What
@@ -45,6 +46,7 @@ class ListedChain:
             whose bits say what is out of service, what has happened and what facts are, the first in the
             highest bit.
         again: Exits after which it is entered again at once: edges to them lead to its first states.
+        demanded: The numbers of those of its hardware that may fail on demand.
 
     Attributes:
         graph: Its states and edges.
@@ -53,6 +55,9 @@ class ListedChain:
         column: By state, such a pair as a number; of use at exits.
         ended: States at exits.
         entries: The first state, by the status with which it is entered; -1 where it is never entered so.
+            Where hardware may fail on demand, the state before it, which is left at once.
+        split: The edges, split by what fails on demand; ``None`` where nothing does.
+        starting: The edges from states before the entry that are left at once.
         failing: By edge, the number of the resource that fails; -1 for other edges.
         repaired: The same of one that is repaired.
         interrupting: By edge of a declared event its rate, 0 where the mission gives none; 0 for other edges.
@@ -61,14 +66,18 @@ class ListedChain:
     """
 
     def __init__(
-        self, prospects: Prospects[ArraySet], carried: Sequence[Element], again: Collection[str] = ()
+        self,
+        prospects: Prospects[ArraySet],
+        carried: Sequence[Element],
+        again: Collection[str] = (),
+        demanded: Sequence[int] = (),
     ) -> None:
         assert isinstance(prospects.space, ArraySpace), "numbers are of listed states"
         self.prospects = prospects
         self.graph: StateGraph = prospects.space.graph
         self.statuses = 1 << len(carried)
         self.exits = tuple(prospects.mission_net.exits)
-        sources, targets, states = self.graph.sources, self.graph.targets, self.graph.states
+        states = self.graph.states
         exit_of, status = np.full(states, -1, np.int64), np.zeros(states, np.int64)
         for number, place in enumerate(prospects.mission_net.exits.values()):
             exit_of[self.graph.marked(place)] = number
@@ -82,6 +91,15 @@ class ListedChain:
         self.columns = len(self.exits) * self.statuses
         self.column = exit_of * self.statuses + status
         self.ended: Mask = np.asarray(exit_of >= 0, np.bool_)
+        self.split = split_edges(self.graph, prospects.mission_net, carried, demanded) if demanded else None
+        if self.split is not None:
+            self.graph = self.split.graph
+            if again:
+                back = np.isin(exit_of, [self.exits.index(name) for name in again])[self.graph.targets]
+                back &= ~self.ended[self.graph.sources]
+                self.split = entered_again(self.split, back, status, self.carrying(What.START))
+                self.graph, again = self.split.graph, ()
+        sources, targets = self.graph.sources, self.graph.targets
         self.failing = self._hardware_of(What.OUT_OF_SERVICE, carried)
         self.repaired = self._hardware_of(What.REPAIRED, carried)
         self.interrupting: Floats = np.zeros(self.graph.edges)
@@ -94,7 +112,9 @@ class ListedChain:
         outside[sources[entering]] = True
         self.inside: Mask = np.asarray(~outside[sources], np.bool_)
         self.entries: Ints = np.full(self.statuses, -1, np.int64)
-        self.entries[status[sources[entering]]] = targets[entering]
+        self.entries[status[sources[entering]]] = (targets if self.split is None else sources)[entering]
+        self.starting: Mask = entering & (self.split is not None)
+        self.inside |= self.starting
         if again:
             returning = np.isin(exit_of[targets], [self.exits.index(name) for name in again])
             first = self.entries[status[targets]]
@@ -151,6 +171,7 @@ class Chain:
         rates: Failures per hour in service and repairs per hour out of service, of each of its resources.
         ending: By objective, its ends per hour while its success is possible, and the probability that such
             an end is a failure.
+        demands: By resource, how probable it is that it fails on demand.
 
     Attributes:
         rates: By edge.
@@ -164,8 +185,10 @@ class Chain:
         listed: ListedChain,
         rates: Sequence[tuple[float, float]],
         ending: Sequence[tuple[float, float]],
+        demands: Sequence[float] = (),
     ) -> None:
         self.listed = listed
+        self._weights: Floats = np.ones(1) if listed.split is None else listed.split.weights(demands)
         self.graph = graph = listed.graph
         fails, back = np.array([*rates, (0.0, 0.0)]).T
         self.rates = fails[listed.failing] + back[listed.repaired] + listed.interrupting
@@ -173,7 +196,9 @@ class Chain:
         self.hasty = np.zeros(graph.states, np.bool_)
         self.hasty[graph.sources[failed]] = True
         self.rates[self.hasty[graph.sources]] = 0.0
-        self.rates[failed] = 1.0
+        self.rates[failed | listed.starting] = 1.0
+        self.hasty[graph.sources[listed.starting]] = True
+        self.rates *= self._weights
         self.moving: Mask = (self.rates > 0) & listed.inside
         self.rates[~self.moving] = 0.0
         self.leaving: Floats = np.bincount(graph.sources, self.rates, graph.states).astype(np.float64)
@@ -181,7 +206,7 @@ class Chain:
     def _run_objectives(self, ending: Sequence[tuple[float, float]]) -> Mask:
         """Gives rates to edges that end objectives; those of objectives that fail at once are returned."""
         listed, sources, targets = self.listed, self.graph.sources, self.graph.targets
-        may_happen = (self.rates > 0) | listed.ending
+        may_happen = ((self.rates > 0) | listed.ending) & (self._weights > 0)
         failed = np.zeros(self.graph.edges, np.bool_)
         objectives = listed.prospects.objectives.items()
         for (name, goal), (rate, failure) in zip(objectives, ending, strict=True):

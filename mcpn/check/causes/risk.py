@@ -5,6 +5,8 @@ The model, all durations exponential and independent, hours the unit of time:
 - the mission starts at time 0 with all hardware in service but for that which says otherwise;
 - hardware in service fails at its ``failure_rate``, hardware out of service is repaired at its
   ``repair_rate``; one that is not given is 0;
+- hardware fails with its ``demand_probability`` at once when an alternative that consumes it starts
+  (:mod:`mcpn.check.causes.demands`);
 - an objective of mean duration ``d`` ends at rate ``1/d`` while its success is possible: with its
   ``failure_probability`` in failure, else in success;
 - a declared event happens at its ``rate`` wherever something handles it; one without a rate never happens;
@@ -20,7 +22,7 @@ section. Both give the same numbers but for rounding.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -94,11 +96,12 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         for h in prospects.hardware
     }
     rates |= failing
-    expected = Outlook(model, rates)
+    demands: dict[Element, float] = {("hardware", h): p for h, p in _demands(prospects.mission_net).items()}
+    expected = Outlook(model, rates, demands)
     found, aborts = expected.ends(), prospects.mission_net.abort is not None
     importance, safely = dict[str, float](), dict[str, float]()
     for resource in failing:
-        frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, expected)
+        frozen = Outlook(model, {**rates, resource: (0.0, 0.0)}, {**demands, resource: 0.0}, expected)
         best, worst = frozen.ends(kept=resource), frozen.ends(resource)
         importance[resource[1]] = best[SUCCEED] - worst[SUCCEED]
         safely[resource[1]] = importance[resource[1]] + best[ABORT] - worst[ABORT]
@@ -111,6 +114,11 @@ def risk(prospects: Prospects[Any], max_states: int | None = None) -> Risk:
         found[ABORT] if aborts else None,
         safely if aborts else None,
     )
+
+
+def _demands(mission_net: MissionNet) -> dict[str, float]:
+    """How probable it is that hardware fails on demand, of what may."""
+    return {h.name: h.demand_probability for h in mission_net.mission.hardware if h.demand_probability}
 
 
 def _rates_of_facts(mission_net: MissionNet) -> dict[Element, tuple[float, float]]:
@@ -162,12 +170,25 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
     space, net = prospects.space, prospects.mission_net
     hardware = tuple(("hardware", name) for name in prospects.hardware)
     out = [("hardware", h.name) for h in net.mission.hardware if h.initial == "oos"]
+    demands = _demands(net)
+
+    def demanded(*each: Sequence[Element]) -> tuple[int, ...]:
+        """The numbers of what fails on demand in some section of those that are alike."""
+        return tuple(
+            i
+            for i, of in enumerate(zip(*each, strict=True))
+            if any(kind == "hardware" and name in demands for kind, name in of)
+        )
+
     if not isinstance(space, CompositeSpace):
         if not isinstance(space, ArraySpace):
             prospects = Prospects(net, ArraySpace(written_out(space, "risk", max_states)))
         routes = {"success": SUCCEED, "failure": FAIL, "abort": ABORT}
         whole = ChainSection(
-            ListedChain(prospects, hardware), hardware, tuple(prospects.sections.values()), routes
+            ListedChain(prospects, hardware, (), demanded(hardware)),
+            hardware,
+            tuple(prospects.sections.values()),
+            routes,
         )
         return Sections({"": whole}, "", hardware, out)
     known: dict[SectionType, Prospects[ArraySet]] = {}
@@ -180,9 +201,12 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         kept = {("once", name) for name in part.once_on(rated)}
         return tuple(of for of in part.carried if of[0] != "once" or of in kept)
 
-    for name, placed in space.sections.items():
-        if name not in space.everything.parts:
-            continue
+    entered = {name: placed for name, placed in space.sections.items() if name in space.everything.parts}
+    alike: dict[SectionType, list[tuple[Element, ...]]] = {}
+    for placed in entered.values():
+        alike.setdefault(placed.type, []).append(carried(placed.part))
+    asked = {kind: demanded(*each) for kind, each in alike.items()}
+    for name, placed in entered.items():
         kind = placed.type
         if kind not in known:
             kind.refuse_list(name, max_states, "numbers of risk list every state")
@@ -191,7 +215,10 @@ def _sections(prospects: Prospects[Any], max_states: int) -> Sections:
         again = tuple(exit_ for exit_, route in placed.routes.items() if route == name)
         objectives = tuple(placed.part.graph.walk())
         sections[name] = ChainSection(
-            listed(known[kind], carried(kind.part), again), carried(placed.part), objectives, placed.routes
+            listed(known[kind], carried(kind.part), again, asked[kind]),
+            carried(placed.part),
+            objectives,
+            placed.routes,
         )
     once = tuple(("once", name) for name in space.layout.once)
     facts = tuple(("fact", flag) for flag in space.layout.flags)

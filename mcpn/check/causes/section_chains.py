@@ -170,11 +170,16 @@ class Outlook:
     Args:
         model: Its sections.
         rates: Failures and repairs per hour, of hardware; of all else nothing changes beside a section.
+        demands: How probable it is that hardware fails on demand.
         like: The same mission under other rates, whose chains are taken where they are the same.
     """
 
     def __init__(
-        self, model: Sections, rates: Mapping[Element, tuple[float, float]], like: Outlook | None = None
+        self,
+        model: Sections,
+        rates: Mapping[Element, tuple[float, float]],
+        demands: Mapping[Element, float],
+        like: Outlook | None = None,
     ) -> None:
         self.model = model
         self._chains: dict[Any, Chain] = dict(like._chains) if like else {}
@@ -188,7 +193,8 @@ class Outlook:
             ending = tuple(
                 (1.0 / o.duration if o.duration else 0.0, o.failure_probability) for o in section.objectives
             )
-            key = section.listed, own, ending
+            asked = tuple(demands.get(of, 0.0) for of in section.carried) if section.listed.split else ()
+            key = section.listed, own, ending, asked
             if key not in self._chains:
                 self._chains[key] = Chain(*key)
             self._passages[name] = passage(self._chains[key], used[: len(used) - len(own)])

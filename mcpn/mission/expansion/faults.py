@@ -56,6 +56,10 @@ def failure_errors(robots: Sequence[Robot], hints: Hints) -> Iterator[Problem]:
         for name, rate in (("failure_rate", h.failure_rate), ("repair_rate", h.repair_rate)):
             if rate and not h.faulty:
                 yield Problem(h.source, f"{h.name} has a {name}, though it cannot fail (faulty is false)")
+        if h.demand_probability and not h.faulty:
+            yield Problem(
+                h.source, f"{h.name} has a demand_probability, though it cannot fail (faulty is false)"
+            )
         if not h.faulty and h.initial == "oos":
             yield Problem(h.source, f"{h.name} is out of service at the start, though it cannot fail")
         if not h.repairable and not h.faulty:

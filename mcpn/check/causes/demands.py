@@ -1,0 +1,181 @@
+"""Hardware that fails on demand: edges of a chain split by what fails as it starts to be used.
+
+Whenever an alternative starts to run, each resource that it consumes and that may fail on demand fails at
+once with its probability. That takes no time, so that nothing comes between: an edge that starts alternatives
+is one edge for each way in which their resources fail or do not, with the product of the probabilities. What
+fails is taken out of service by its event, and what starts thereby is asked in turn. Of several resources
+those are asked first that the activities of the section come upon first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from mcpn.net.compose import MissionNet
+from mcpn.net.events import What
+from mcpn.net.sections import Element, SectionParts
+from mcpn.space.markings.graph import Ints, Mask, StateGraph
+from mcpn.space.run import Completion
+
+Asked: TypeAlias = tuple[tuple[int, bool], ...]
+"""Resources that were asked, by number, each with whether it failed."""
+
+
+class Demand(NamedTuple):
+    """An alternative that has just started and a resource of it, in the order in which they are asked."""
+
+    rank: tuple[int, ...]
+    place: int
+    resource: int
+
+
+class SplitEdges(NamedTuple):
+    """Edges that are split by what fails on demand.
+
+    Args:
+        graph: The states, with the edges.
+        asked: By edge, the number of what was asked.
+        answers: What was asked, and how it was answered.
+    """
+
+    graph: StateGraph
+    asked: Ints
+    answers: Sequence[Asked]
+
+    def weights(self, probabilities: Sequence[float]) -> npt.NDArray[np.float64]:
+        """How probable each edge is, given that its event happens."""
+        each = [
+            np.prod([probabilities[i] if fails else 1.0 - probabilities[i] for i, fails in answers])
+            for answers in self.answers
+        ]
+        return np.asarray(np.array(each, np.float64)[self.asked], np.float64)
+
+
+def split_edges(
+    graph: StateGraph, mission_net: MissionNet, carried: Sequence[Element], demanded: Sequence[int]
+) -> SplitEdges:
+    """Splits the edges that start alternatives by what fails on demand.
+
+    Args:
+        graph: The alternatives graph of a section, or of the whole mission.
+        mission_net: Its net.
+        carried: What has a status, as of :class:`mcpn.check.causes.chain.ListedChain`.
+        demanded: The numbers of those among them that may fail on demand.
+    """
+    splitting = _Splitting(graph, mission_net, {carried[i][1]: i for i in demanded})
+    known: dict[Asked, int] = {(): 0}
+    rows = list[tuple[int, int, int, int]]()
+    sources, labels, targets = (at.tolist() for at in (graph.sources, graph.labels, graph.targets))
+    for edge in zip(sources, labels, targets, strict=True):
+        started = splitting.started(*edge)
+        for asked, end in splitting.ends(edge[2], started):
+            rows.append((edge[0], edge[1], end, known.setdefault(asked, len(known))))
+    return _of_rows(graph, rows, list(known))
+
+
+class _Splitting:
+    def __init__(self, graph: StateGraph, mission_net: MissionNet, demanded: Mapping[str, int]) -> None:
+        self.graph = graph
+        self.net = mission_net.net
+        self.completion = Completion(self.net)
+        self.marking = cache(graph.marking)
+        self.consuming: dict[int, list[str]] = {}  # by place of an alternative that runs
+        self.rank: dict[int, tuple[int, int]] = {}
+        usage, active = mission_net.usage, mission_net.saying("active")
+        parts = SectionParts(usage)
+        for place, name in active.items():
+            activity, _, alternative = name.partition(".")
+            ways = usage.activities[activity].alternatives
+            (number,) = (i for i, way in enumerate(ways) if way.name == alternative)
+            needed = [k for k in ways[number].consumes if k in demanded]
+            if needed:
+                self.consuming[place], self.rank[place] = needed, (0, number)
+        self.demanded = demanded
+        self.activity = {place: name.partition(".")[0] for place, name in active.items()}
+        self.running = {
+            place: parts.alone(section).used
+            for section in mission_net.graph.sections
+            for inner in section.walk()
+            for place in mission_net.by_role.get(("objective", inner.name), ())
+        }
+        self.fails = {
+            t: event.element
+            for t, transition in enumerate(self.net.transitions)
+            if (event := transition.event) is not None and event.what is What.OUT_OF_SERVICE
+        }
+
+    @cache  # noqa: B019 - it lives as long as one split
+    def started(self, source: int, label: int, target: int) -> tuple[Demand, ...]:
+        """What an edge starts that may fail on demand, in order."""
+        after = self.marking(target)
+        places = [place for place in self.consuming if after[place]]
+        used = next((of for place, of in self.running.items() if after[place]), None)
+        if not places or used is None:
+            return ()
+        fired, _ = self.completion.after(self.marking(source), label)
+        produced = {p for t in (label, *fired) for p, _ in self.net.transitions[t].produce}
+        found = (
+            Demand((used.number[k], used.task[self.activity[p]], self.rank[p][1]), p, self.demanded[k])
+            for p in places
+            if p in produced
+            for k in self.consuming[p]
+        )
+        return tuple(sorted(found))
+
+    def ends(self, state: int, pending: tuple[Demand, ...]) -> Iterator[tuple[Asked, int]]:
+        """What is asked, how it is answered, and the state then."""
+        if not pending:
+            yield (), state
+            return
+        (_, _, resource), rest = pending[0], pending[1:]
+        for asked, end in self.ends(state, rest):
+            yield ((resource, False), *asked), end
+        label, lost = self._lost(state, resource)
+        after = self.marking(lost)
+        still = (of for of in rest if of.resource != resource and after[of.place])
+        following = tuple(sorted({*still, *self.started(state, label, lost)}))
+        for asked, end in self.ends(lost, following):
+            yield ((resource, True), *asked), end
+
+    def _lost(self, state: int, resource: int) -> tuple[int, int]:
+        """The edge with which a resource that is used goes out of service."""
+        for label, target in self.graph.successors(state):
+            if self.demanded.get(self.fails.get(label, "")) == resource:
+                return label, target
+        raise AssertionError("what is in service may always fail")
+
+
+def entered_again(split: SplitEdges, returning: Mask, status: Ints, start: Mask) -> SplitEdges:
+    """Leads edges that come back to the entry to the first states there, as the edges of the start do.
+
+    Args:
+        split: The edges.
+        returning: Edges to exits after which the section is entered again at once; they ask for nothing.
+        status: By state, its status.
+        start: The edges with which the section begins.
+    """
+    graph = split.graph
+    columns = np.stack(
+        [graph.sources, graph.labels, np.asarray(graph.targets, np.int64), split.asked], axis=1
+    )
+    first: dict[int, list[tuple[int, int]]] = {}
+    for source, _, target, asked in columns[start].tolist():
+        first.setdefault(int(status[source]), []).append((target, asked))
+    rows = list[Sequence[int]]()
+    for row, back in zip(columns.tolist(), returning.tolist(), strict=True):
+        ends = first.get(int(status[row[2]]), []) if back else []
+        rows += [(row[0], row[1], target, asked) for target, asked in ends] or [row]
+    return _of_rows(graph, rows, split.answers)
+
+
+def _of_rows(graph: StateGraph, rows: Sequence[Sequence[int]], answers: Sequence[Asked]) -> SplitEdges:
+    found = np.array(rows, np.int64).reshape(-1, 4)
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(found[:, 0], minlength=graph.states))])
+    split = replace(graph, offsets=offsets, targets=found[:, 2], labelled=found[:, 1])
+    return SplitEdges(split, found[:, 3], answers)
