@@ -16,6 +16,7 @@ from mcpn.mission.robot import Activity, Alternative, Hardware, Robot
 from mcpn.mission.xml import read_mission
 from mcpn.report.pictures.boxes import Box, boxes
 from mcpn.report.pictures.layout import lay_out
+from mcpn.report.pictures.objectives import objectives_picture
 from mcpn.testing import missions
 from tests import commands
 from tests.conftest import ROOT
@@ -89,6 +90,38 @@ def test_routes_of_ulysse() -> None:
         "transect succeeds",
     ):
         assert titles[title] == 1, title
+
+
+ROUTED = """<mission xmlns="urn:mcpn:mission:1" name="errand">
+  <robot name="r">
+    <fact name="battery" values="high low"/><fact name="holding"/>
+    <event name="drained"><sets fact="battery" to="low"/></event><activity name="go"/>
+  </robot>
+  <objective name="fetch" activities="go" failure="fail">
+    <sets fact="holding" to="true"/>
+    <route when="battery=low !holding" goto="dock"/>
+    <route when="battery=low" goto="dock" on="failure"/>
+  </objective>
+  <objective name="bring" activities="go" success="succeed"/>
+  <objective name="dock" activities="go"/>
+</mission>
+"""
+
+
+def test_routes_that_facts_decide_are_drawn(tmp_path: Path) -> None:
+    path = tmp_path / "errand.xml"
+    path.write_text(ROUTED)
+    mission = read_mission(path)
+    picture = lay_out(boxes(mission, flatten(mission))[0], mission)
+    titles = Counter(line.title for line in picture.lines)
+    assert titles["fetch: when battery=low !holding leads to dock"] == 1
+    assert titles["fetch: failure when battery=low leads to dock"] == 1
+    arrows = {arrow.title: arrow for arrow in objectives_picture(flatten(mission), "errand").edges}
+    success = arrows["fetch: success, when battery=low !holding leads to dock"]
+    assert (success.kind, success.lines) == ("success", ("when battery=low !holding",))
+    assert arrows["fetch: success, else leads to bring"].target == "bring"
+    assert arrows["fetch: failure, when battery=low leads to dock"].kind == "failure"
+    assert arrows["bring: success leads to success"].lines == ()
 
 
 def hostile() -> Mission:

@@ -21,6 +21,12 @@ class FactCase:
     when: Condition
     target: str
 
+    @property
+    def words(self) -> str:
+        """What facts must be, as missions say it."""
+        short = {"true": "{}", "false": "!{}"}
+        return " ".join(short.get(value, f"{{}}={value}").format(fact) for fact, value in self.when)
+
 
 @dataclass(frozen=True, slots=True)
 class Setting:

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mcpn.mission.expansion.pauses import suffix_at
 from mcpn.mission.expansion.recovery import pausing, recovering, suffixes
 from mcpn.mission.expansion.scope import Scope, copies, several
 from mcpn.mission.graph import ObjectivesGraph
-from mcpn.mission.model import Block, Each, Handler, Mission, Objective, Parallel, Protocol, Recursive, Use
+from mcpn.mission.model import (
+    Block,
+    Each,
+    FactRoute,
+    Handler,
+    Mission,
+    Objective,
+    Parallel,
+    Protocol,
+    Recursive,
+    Use,
+)
 
 
 @dataclass(frozen=True)
@@ -29,6 +40,7 @@ class Box:
         abort: The same for abort.
         recover: The sibling that is run when it fails, before it is entered again.
         timeout_goto: The route where its time is over.
+        routes: Where it leads if facts are so.
         handlers: What it does on declared events.
         children: What it holds, in document order.
     """
@@ -45,6 +57,7 @@ class Box:
     abort: str | None = None
     recover: str | None = None
     timeout_goto: str | None = None
+    routes: tuple[FactRoute, ...] = ()
     handlers: tuple[Handler, ...] = ()
     children: tuple[Box, ...] = ()
 
@@ -116,6 +129,7 @@ class _Building:
             block.abort,
             block.recover,
             block.timeout_goto if isinstance(block, Objective) else None,
+            block.routes,
             block.handlers,
             tuple(self.box(child, self.scopes(child, children, scopes), kind) for child in children),
         )
@@ -159,6 +173,12 @@ def _expanded(block: Block, scope: Scope) -> Iterator[Scope]:
             yield from _expanded(blocks[0], inner)
 
 
+def facts_said(routes: Iterable[FactRoute]) -> Iterator[tuple[FactRoute, str]]:
+    """Routes that facts decide, each with what they must be, for people."""
+    for route in routes:
+        yield route, f"{route.on + ' ' if route.on == 'failure' else ''}when {' '.join(route.when)}"
+
+
 def _notes(block: Block, within: str) -> Iterator[str]:
     if within == "parallel" and not block.mandatory:
         yield "optional"
@@ -180,6 +200,8 @@ def _notes(block: Block, within: str) -> Iterator[str]:
         yield f"at most {block.timeout:g} s"
         if within == "parallel" and block.timeout_goto is not None:
             yield f"timeout leads to {block.timeout_goto}"
+    if within == "parallel":
+        yield from (f"{said} leads to {route.goto}" for route, said in facts_said(block.routes))
     if block.recover:
         yield f"recovers {'once' if block.times == 1 else f'{block.times} times'}"
     if block.retries:

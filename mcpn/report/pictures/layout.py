@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from mcpn.mission.model import ABORT, FAIL, SUCCEED, Mission
-from mcpn.report.pictures.boxes import Box
+from mcpn.report.pictures.boxes import Box, facts_said
 
 PAD, LANE, GAP, ROW, HEAD, EXIT = 12, 14, 28, 19, 24, 22
 MOST_CHARACTERS, MOST_LABEL = 48, 24
@@ -289,6 +289,7 @@ def _of_child(box: Box, index: int) -> list[tuple[str, str, str]]:
         routes.append(("event", "recover", child.recover))
     if child.timeout_goto is not None:
         routes.append(("event", "timeout", child.timeout_goto))
+    routes += [("event", said, route.goto) for route, said in facts_said(child.routes)]
     return [*routes, *_on_events(child)]
 
 

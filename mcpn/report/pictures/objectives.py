@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from mcpn.mission.graph import TIMED_OUT, ElementarySection, ObjectivesGraph, ParallelSection, Section
 from mcpn.mission.model import ABORT, FAIL, SUCCEED
+from mcpn.mission.world.decisions import FactCase
 from mcpn.net.compose import MissionNet
 from mcpn.report.pictures.drawing import Drawing
 from mcpn.report.pictures.graph import Arrow, Cluster, Graph, Node, drawing
@@ -71,7 +72,8 @@ class _Drawn:
                     self.reached.add(target)
                 else:
                     target = self.first(graph, route)
-                title = f"{section.name}: {', '.join(lines) or kind} leads to {ENDS.get(route, route)}"
+                said = lines if kind == "event" else (kind, *lines)
+                title = f"{section.name}: {', '.join(said)} leads to {ENDS.get(route, route)}"
                 self.edges.append(Arrow(self.last(section), target, kind, lines, title))
 
     def gather(self) -> None:
@@ -116,11 +118,22 @@ class _Drawn:
 
 
 def _routes(section: Section) -> Iterator[tuple[str, tuple[str, ...], str]]:
+    """Where a section may lead, with what stands beside the arrow, and of which kind that is."""
     for outcome, route in section.outcomes:
-        yield (route, (outcome,), "event") if outcome in ("abort", TIMED_OUT) else (route, (), outcome)
+        lines, kind = ((outcome,), "event") if outcome in ("abort", TIMED_OUT) else ((), outcome)
+        yield from _by_facts(route, section.cases_of(outcome), lines, kind)
     for interruption in section.interruptions:
         word = f"on {interruption.event}" + (" once" if interruption.once else "")
-        yield interruption.target, (word,), "event"
+        yield from _by_facts(interruption.target, interruption.cases, (word,), "event")
+
+
+def _by_facts(
+    route: str, cases: Sequence[FactCase], lines: tuple[str, ...], kind: str
+) -> Iterator[tuple[str, tuple[str, ...], str]]:
+    """A route and those that facts decide, which say when; the first that fits counts, else the route."""
+    for case in cases:
+        yield case.target, (*lines, f"when {case.words}"), kind
+    yield route, (*lines, "else") if cases else lines, kind
 
 
 def _title(section: ElementarySection) -> str:
