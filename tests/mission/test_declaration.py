@@ -152,7 +152,7 @@ RANGES = {
     "rate": (0.0, 1e300),
     "duration": (5e-324, 1e300),
     "failure_probability": (0.0, 1.0),
-    "demand_probability": (0, 1),
+    "demand_probability": (0.0, 1.0),
     "timeout": (0.001, 2_592_000.0),
     "retries": (0, 100_000),
     "repeat": (1, 100_000),
