@@ -95,8 +95,7 @@ class _Building:
         self.keys: dict[str, int] = {}
 
     def mission(self, mission: Mission) -> Box:
-        blocks = mission.blocks
-        children = tuple(self.box(block, self.scopes(block, blocks, [Scope()])) for block in blocks)
+        children = tuple(self.box(*standing) for standing in self.standing(mission.blocks, [Scope()]))
         return Box(
             -1, "mission", mission.name, mission.description, handlers=mission.handlers, children=children
         )
@@ -131,18 +130,20 @@ class _Building:
             block.timeout_goto if isinstance(block, Objective) else None,
             block.routes,
             block.handlers,
-            tuple(self.box(child, self.scopes(child, children, scopes), kind) for child in children),
+            tuple(self.box(*standing, kind) for standing in self.standing(children, scopes)),
         )
 
-    def scopes(self, block: Block, siblings: Sequence[Block], scopes: list[Scope]) -> list[Scope]:
-        """The scopes in which a block stands, those in which it helps siblings among them."""
-        more = [*suffixes(recovering(siblings).get(block.name, ()))]
-        found = [*scopes, *(scope.copy(block, suffix) for scope in scopes for suffix in more)]
-        for other in pausing(siblings).get(block.name, ()):
-            for scope in scopes:
-                names = self.leaves(other, scope)
-                found += (scope.copy(block, suffix_at(name, scope)) for name in names)
-        return found
+    def standing(self, siblings: Sequence[Block], scopes: list[Scope]) -> Iterator[tuple[Block, list[Scope]]]:
+        """Blocks with the scopes in which each stands, those in which it helps siblings among them."""
+        recovers, shelters = recovering(siblings), pausing(siblings)
+        for block in siblings:
+            more = [*suffixes(recovers.get(block.name, ()))]
+            found = [*scopes, *(scope.copy(block, suffix) for scope in scopes for suffix in more)]
+            for other in shelters.get(block.name, ()):
+                for scope in scopes:
+                    names = self.leaves(other, scope)
+                    found += (scope.copy(block, suffix_at(name, scope)) for name in names)
+            yield block, found
 
     def leaves(self, block: Block, scope: Scope) -> Iterator[str]:
         """The names of the elementary objectives in a block that stands in a scope."""
@@ -156,8 +157,8 @@ class _Building:
                 children, inside = protocol.blocks, inner.into_protocol(block, protocol)
             else:
                 children, inside = block.blocks, inner if isinstance(block, Each) else inner.into(block)
-            for child in children:
-                for each in self.scopes(child, children, [inside]):
+            for child, within in self.standing(children, [inside]):
+                for each in within:
                     yield from self.leaves(child, each)
 
 
