@@ -60,6 +60,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     for option, variable, what in (
         ("--mcc", "MCPN_MCC", "nets of the Model Checking Contest with oracles.tsv"),
         ("--reference", "MCPN_REFERENCE", "reference nets of the Ulysse mission"),
+        ("--roscon", "MCPN_ROSCON", "worlds of the ROS deliberation workshop 2024"),
         ("--faults", "MCPN_FAULTS", "missions that once showed a fault"),
     ):
         parser.addoption(option, default=os.environ.get(variable), help=f"folder of the {what} (${variable})")
@@ -135,6 +136,12 @@ def reference(request: pytest.FixtureRequest) -> Path:
 def faults(request: pytest.FixtureRequest) -> Path:
     """The folder of missions that once showed a fault."""
     return _folder(request, "--faults", "faults")
+
+
+@pytest.fixture(scope="session")
+def roscon(request: pytest.FixtureRequest) -> Path:
+    """The folder of the workshop's worlds."""
+    return _folder(request, "--roscon", "roscon")
 
 
 @pytest.fixture(scope="session")

@@ -55,6 +55,9 @@ class _Check:
         for name, row in self.laws.objectives.items():
             for activity in row["activities"]:
                 self.objectives.setdefault(activity, []).append(name)
+        rows = self.laws.activities.items()
+        self.unused = {name for name, row in rows if not row["produces"] and name not in self.objectives}
+        """Activities of the robot that this mission has no use for."""
 
     def _at(self, place: Place, message: str) -> tuple[int | None, str]:
         return self.plan.line(place), message
@@ -88,6 +91,8 @@ class _Check:
             spec = self.plan.driver(activity, way)
             if spec is None:
                 missing.setdefault(activity, []).append(way)
+                continue
+            if activity in self.unused:
                 continue
             for objective in self.objectives.get(activity, [None]):
                 given = {value.name for value in self.laws.of(activity, way, objective)} | {*HOLES}
@@ -126,14 +131,14 @@ class _Check:
 
     def events(self) -> Found:
         """Events that a driver names and that are not there, and those that nobody tells."""
-        known = self.tables.known
+        known, may_end = self.tables.known, self.objectives.keys() | self.unused
         told = set[str]()
         for spec in self.plan.specs:
             for key, rows in (("lines", spec.lines), ("ends", spec.ends)):
                 for text, event in rows.items():
                     place = (*spec.place, key, text)
                     if event in ENDINGS:
-                        if not (spec.place[0] == "activities" and self.objectives.get(spec.place[1])):
+                        if not (spec.place[0] == "activities" and spec.place[1] in may_end):
                             yield self._at(place, f"{event}: {'.'.join(spec.place)} is of no objective")
                     elif (found := event_of(event, known)) is None:
                         hint = did_you_mean(event, known)

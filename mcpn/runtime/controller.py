@@ -278,6 +278,7 @@ class Controller:
 
     def _refuse(self, event: object) -> tuple[Action, ...]:
         self.refusals += 1
+        self._timers.refused(event)
         known = isinstance(event, str) and event in self._tables.known
         refused = Refused(event, known, self.possible)
         _log.warning("refused: %s", refused)

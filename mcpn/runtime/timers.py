@@ -33,6 +33,12 @@ class Timers:
         now = self._clock()
         return {name: max(0.0, end - now) for name, end in sorted(self._ends.items(), key=lambda of: of[1])}
 
+    def refused(self, event: object) -> None:
+        """Forgets the timer that is over and whose event was refused: it is told once, not for ever."""
+        for name, left in self.left.items():
+            if not left and event == f"OBJ_{name}_EV_TIMEOUT":
+                del self._ends[name]
+
     def restore(self, left: Mapping[str, float]) -> None:
         """Goes on with so many seconds left."""
         now = self._clock()

@@ -131,6 +131,18 @@ def test_an_alternative_of_its_own_keeps_what_its_activity_says(tmp_path: Path) 
     assert (other.kind, other.command, other.grace) == ("process", ("true",), 3.0)
 
 
+def test_what_the_mission_has_no_use_for_may_be_there(tmp_path: Path) -> None:
+    """One file of drivers serves all missions of a robot."""
+    (tmp_path / "mission.xml").write_text(
+        MISSION.replace('<activity name="hand', '<activity name="dance"/>\n    <activity name="hand')
+    )
+    (tmp_path / "hand.py").write_text("def over(call):\n    return True\n")
+    more = '[activities.dance]\nprocess = ["true", "{tune}", "{objective}"]\nends.other = "failure"\n'
+    (tmp_path / "drivers.toml").write_text(GOOD + more)
+    found = mcpn("run", tmp_path / "mission.xml", "--drivers", tmp_path / "drivers.toml", "--check")
+    assert found.returncode == 0, found.stderr
+
+
 KEYS = st.lists(st.sampled_from("abc"), min_size=1, max_size=3).map(tuple)
 VALUES = st.sampled_from(["1", '"#"', "'''\n[a]\n'''", "[\n 1,\n # c\n 2]", "{x = 1}", '"""\\\n x = 1"""'])
 

@@ -21,6 +21,7 @@ from mcpn.runtime import (
     HookErrors,
     QueueClosed,
     QueueFull,
+    Refused,
     Step,
     Watchdog,
 )
@@ -242,3 +243,36 @@ def test_a_closed_queue_still_hands_out_what_waits(controller: Controller) -> No
     queue.close()
     queue.run()
     assert controller.out_of_service == {"GPS_sensor"}
+
+
+def over(controller: Controller) -> None:
+    """Arms a timer whose event the controller never takes, and that is over."""
+    controller._timers.follow([Action("arm", objective="ghost", seconds=0.0)])
+    assert controller.overdue == "OBJ_ghost_EV_TIMEOUT"
+
+
+def test_a_timer_that_is_refused_is_told_once(controller: Controller) -> None:
+    over(controller)
+    queue = EventQueue(controller)
+    queue.put(LOST)
+    queue.close()
+    queue.run()
+    assert controller.refusals == 1
+    assert controller.out_of_service == {"GPS_sensor"}
+    assert (controller.overdue, controller.timers) == (None, {})
+    over(controller)
+    with pytest.raises(Refused):
+        controller.tick()
+    assert controller.tick() == ()
+
+
+def test_coroutines_hear_once_of_a_timer_that_is_refused(controller: Controller) -> None:
+    async def run() -> list[str]:
+        over(controller)
+        events = AsyncController(controller)
+        await events.put(LOST)
+        await events.close()
+        return [event async for event, _ in events.reactions()]
+
+    assert asyncio.run(run()) == [LOST]
+    assert controller.refusals == 1

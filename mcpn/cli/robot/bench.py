@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.cli.robot.watching import monitors_for
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 @click.option("--faults", type=FILE, help="Events that happen besides: on each line hours and an event.")
 @click.option("--against", type=click.Choice(["c", "python"]), help="Compare generated code on all runs.")
 @click.option("--traces", type=FILE, help="Directory for a journal of each of the first ten failures.")
+@click.option("--monitors", "watching", is_flag=True, help="Watch the mission's requirements on all runs.")
 @limit_option
 @import_option
 @templates_option
@@ -60,6 +62,7 @@ def bench(
     faults: Path | None,
     against: str | None,
     traces: Path | None,
+    watching: bool,
     max_states: int | None,
     import_root: Path | None,
     templates: TemplateSet | None,
@@ -72,6 +75,7 @@ def bench(
     generated code does anything else than the runtime.
     """
     from mcpn.bench.runs import bench as played
+    from mcpn.bench.runs import one_run_of
     from mcpn.bench.script import read_script
     from mcpn.bench.world import World
     from mcpn.controller.targets.json import document
@@ -106,6 +110,7 @@ def bench(
             "of_edges": found.coverage.every_edge,
         },
         "against": None,
+        "monitors": None,
         "traces": [],
         "events": found.taken,
         "seconds": seconds,
@@ -114,9 +119,13 @@ def bench(
         files = {f"run_{i}.jsonl": _journal(run) for i, run in enumerate(found.traces, 1)}
         write_folder(traces, files)
         told["traces"] = [str(traces / name) for name in files]
+    every = (one_run_of(world, seed, number, script) for number in range(runs))
+    if watching:
+        from mcpn.bench.watching import watched
+
+        told["monitors"] = watched(monitors_for(study, max_states), every)
     if against is not None:
         from mcpn.bench.against import Program, compare
-        from mcpn.bench.runs import one_run_of
 
         with tempfile.TemporaryDirectory() as folder:
             program = Program(controller, mission_net, against, Path(folder))
@@ -221,6 +230,8 @@ def _print(told: dict[str, Any]) -> None:
         rows[f"{name} seen"] = f"{told['coverage'][name]:,}" + ("" if of_all is None else f" of {of_all:,}")
     rows["events"] = f"{told['events']:,} in {told['seconds']:.2f} s"
     print_counts(rows)
+    for name, counts in (told["monitors"] or {}).items():
+        click.echo(f"{name}: " + ", ".join(f"{value} in {count:,}" for value, count in counts.items()))
     if told["no_risk"]:
         click.echo(f"no numbers of risk: {told['no_risk']}")
     if told["against"]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from mcpn.cli.robot.watching import monitors_for
 from mcpn.cli.shared import (
     EXIT_FAILED,
     FILE,
@@ -91,7 +92,7 @@ def run(
     if only_check:
         _tell(_found(controller, len(plan.specs), None, 0.0, []), as_json)
         return
-    monitors = _monitors(study, max_states) if watched else None
+    monitors = monitors_for(study, max_states) if watched else None
     actions = None if resume is None else _resumed(controller, resume)
     from mcpn.drivers.running import RobotRun
     from mcpn.files import write_atomically
@@ -140,15 +141,6 @@ def _verify(study: Study, max_states: int | None, as_json: bool) -> None:
         print_check(found, time.perf_counter() - started, told=warned)
         click.echo("not run: mcpn check says no (--unverified runs it all the same)", err=True)
     click.get_current_context().exit(EXIT_FAILED)
-
-
-def _monitors(study: Study, max_states: int | None) -> Monitors:
-    import json
-
-    from mcpn.controller.monitors.writing import files, monitors_of
-    from mcpn.runtime.monitors import Monitors
-
-    return Monitors(json.loads(files(monitors_of(study.spaces, max_states))["monitors.json"]))
 
 
 def _resumed(controller: Controller, path: Path) -> tuple[Action, ...]:
