@@ -63,6 +63,15 @@ class Automaton:
         return strongly_connected([[edge.target for edge in of] for of in self.edges])
 
     @property
+    def is_empty(self) -> bool:
+        """Whether it accepts no path at all: no cycle takes every mark."""
+        for component in map(set, self.components()):
+            inside = [edge for q in component for edge in self.edges[q] if edge.target in component]
+            if inside and len(frozenset[int]().union(*(edge.marks for edge in inside))) == self.marks:
+                return False
+        return True
+
+    @property
     def accepting_all(self) -> frozenset[int]:
         """States from which it accepts every path: an edge takes each mark, whatever comes, and stays."""
         return frozenset(

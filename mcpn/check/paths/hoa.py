@@ -66,13 +66,17 @@ def classes(formula: Formula) -> list[str]:
         Of ``safety``, ``guarantee``, ``obligation``, ``recurrence``, ``persistence``, ``reactivity``, and
         ``stutter-insensitive``: the last says that steps which change nothing do not count.
     """
-    parts = list(formula.walk())
     found = [name for name, of in _CLASSES.items() if of(formula)]
     if not found:
         found = ["reactivity"]
-    if not any(isinstance(part, Next | Happens) for part in parts):
+    if is_stutter_insensitive(formula):
         found.append("stutter-insensitive")
     return found
+
+
+def is_stutter_insensitive(formula: Formula) -> bool:
+    """Whether steps that change nothing do not count, by how a formula is written."""
+    return not any(isinstance(part, Next | Happens) for part in formula.walk())
 
 
 def _safety(formula: Formula) -> bool:

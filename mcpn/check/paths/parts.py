@@ -2,23 +2,95 @@
 
 The automaton of a formula is run beside the net (:mod:`mcpn.check.paths.search`). What is known to hold
 always, or never, of the conditions on markings that the formula speaks of is put in before: an automaton that
-then accepts nothing needs no marking at all.
+then accepts nothing needs no marking at all; so does one that accepts nothing together with what is known to
+hold at some time on every path. Where steps that change nothing do not count, the net is made
+smaller first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
 
 from mcpn.check.paths.automaton import translated
-from mcpn.check.paths.formulas import is_of_paths, normal
+from mcpn.check.paths.formulas import Release, Until, is_of_paths, normal
+from mcpn.check.paths.hoa import is_stutter_insensitive
 from mcpn.check.paths.search import FoundPath, PathSearch
 from mcpn.errors import LimitError
 from mcpn.net.petri import PetriNet
-from mcpn.space.search.goal import FALSE, TRUE, And, Formula, Goal, Or, as_goal, joined
+from mcpn.net.reduce.reduction import Reduction, reduce_for_paths
+from mcpn.space.search.goal import (
+    FALSE,
+    TRUE,
+    And,
+    Formula,
+    Goal,
+    Not,
+    Or,
+    as_goal,
+    asks_dead,
+    holds,
+    joined,
+    renamed,
+    wanted,
+)
 from mcpn.space.search.portfolio import ROUNDS, Portfolio
 
 RESTARTS = (*[64] * 8, *[8] * 4, 1)
 """What share of the steps each order has: where it begins badly, a search goes astray for ever."""
+
+MOST_ASKED = 8
+"""Conditions of which it is asked whether they hold at some time on every path."""
+FEW_STEPS = 2_000
+"""Steps of the product that are followed to know that."""
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A search for a path of a net.
+
+    Args:
+        net: The net.
+        search: The search, in it or in a smaller one.
+        reduction: How that has been made.
+    """
+
+    net: PetriNet
+    search: PathSearch
+    reduction: Reduction | None = None
+
+    def found(self, steps: int, seed: int) -> FoundPath | None:
+        """How the search ends; ``None`` where it finds a path that repeats in the smaller net alone."""
+        found = self.search.search(steps, seed)
+        return found if self.reduction is None or found.outcome != "found" else self._lifted(found)
+
+    def _lifted(self, found: FoundPath) -> FoundPath | None:
+        assert self.reduction is not None
+        split = len(found.run) if found.cycle is None else found.cycle
+        begin = self.reduction.lift(found.run[:split])
+        repeated = tuple(chain.from_iterable(self.reduction.runs[t] for t in found.run[split:]))
+        marking = list(self.net.initial)
+        for t in begin:
+            self.net.fire_in_place(marking, t)
+        if found.cycle is not None:
+            after = list(marking)
+            for t in repeated:
+                self.net.fire_in_place(after, t)
+            return replace(found, run=begin + repeated, cycle=len(begin)) if after == marking else None
+        return replace(found, run=begin + self._ended(found, marking))
+
+    def _ended(self, found: FoundPath, marking: list[int]) -> tuple[int, ...]:
+        """Where the path has ended in the smaller net, what is left to fire until it ends in this one."""
+        assert self.reduction is not None
+        smaller, at = self.reduction.net, list(self.reduction.net.initial)
+        for t in found.run:
+            smaller.fire_in_place(at, t)
+        rest = list[int]()
+        while not smaller.enabled(at) and (enabled := self.net.enabled(marking)):
+            rest.append(enabled[0])
+            self.net.fire_in_place(marking, enabled[0])
+        return tuple(rest)
 
 
 class PathParts:
@@ -30,9 +102,10 @@ class PathParts:
 
     def __init__(self, net: PetriNet) -> None:
         self._net = net
-        self._searches: dict[Formula, PathSearch | None] = {}
+        self._searches: dict[Formula, _Asked | None] = {}
         self._constants: dict[Goal, Formula | None] = {}
         self._enriched = set[Formula]()
+        self._coming: dict[Formula, bool] = {}
 
     def decide(self, path: Formula, steps: int, seed: int, *, enrich: bool = False) -> FoundPath | None:
         """Whether such a path begins in the initial marking.
@@ -41,7 +114,8 @@ class PathParts:
             path: A formula on paths, or on states.
             steps: How many steps of the product are followed in the last order that is tried.
             seed: Draws the orders.
-            enrich: Whether to ask first which conditions hold always, or never.
+            enrich: Whether to ask first which conditions hold always, never, or at some time on every path,
+                and to make the net smaller.
 
         Returns:
             How the search ended; ``None`` where it cannot be asked so.
@@ -51,34 +125,78 @@ class PathParts:
         if enrich and path not in self._enriched:
             self._enriched.add(path)
             self._searches[path] = self._search(path, enrich=True)
-        search = self._searches[path]
-        if search is None:
+        asked = self._searches[path]
+        if asked is None:
             return None
         for number, share in enumerate(RESTARTS):
-            found = search.search(steps // share, len(RESTARTS) * seed + number)
-            if found.outcome != "steps":
+            found = asked.found(steps // share, len(RESTARTS) * seed + number)
+            if found is None or found.outcome != "steps":
                 break
+        if found is None:
+            self._searches[path] = self._search(path)
+            return self.decide(path, steps, seed)
         if found.outcome in ("bytes", "tokens"):
             self._searches[path] = None  # more steps would meet the same limit
         return found
 
-    def _search(self, path: Formula, *, enrich: bool = False) -> PathSearch | None:
-        path = normal(path)
-        if enrich:
-            path = normal(self._with_constants(path))
+    def _search(self, path: Formula, *, enrich: bool = False) -> _Asked | None:
+        path, net, reduction = normal(path), self._net, None
         try:
-            search = PathSearch(self._net, translated(path))
+            if enrich:
+                path = normal(self._with_constants(path))
+                path = FALSE if self._refuted(path) else path
+                if (smaller := self._reduced(path)) is not None:
+                    reduction, path = smaller
+                    net = reduction.net
+            search = PathSearch(net, translated(path))
         except LimitError:
             return None
-        return search if search.fits else None
+        return _Asked(self._net, search, reduction) if search.fits else None
+
+    def _refuted(self, path: Formula) -> bool:
+        """Whether no path satisfies both a formula and what holds at some time on every path of the net."""
+        plain = dict.fromkeys(c.operands[0] if isinstance(c, Not) else c for c in _conditions(path))
+        come = [Until(TRUE, c) for of in [*plain][:MOST_ASKED] for c in (of, Not(of)) if self._comes(c)]
+        try:
+            return bool(come) and translated(normal(And(path, *come))).is_empty
+        except LimitError:
+            return False
+
+    def _comes(self, condition: Formula) -> bool:
+        """Whether few steps show that what does not hold at first holds at some time on every path."""
+        if condition not in self._coming:
+            self._coming[condition] = False
+            goal = as_goal(condition, self._net)
+            if goal is not None and not holds(goal, self._net, self._net.initial):
+                search = PathSearch(self._net, translated(normal(Release(FALSE, Not(condition)))))
+                self._coming[condition] = search.fits and search.search(FEW_STEPS, 0).outcome == "none"
+        return self._coming[condition]
+
+    def _reduced(self, path: Formula) -> tuple[Reduction, Formula] | None:
+        """A smaller net for a formula, and the formula there; ``None`` where none would give its answer."""
+        goals = {condition: as_goal(condition, self._net) for condition in _conditions(path)}
+        found = [goal for goal in goals.values() if goal is not None and not asks_dead(goal)]
+        if self._net.priorities or len(found) < len(goals) or not is_stutter_insensitive(path):
+            return None
+        reduction = reduce_for_paths(self._net, {place for goal in found for place in wanted(goal)})
+        there = {
+            condition: renamed(goal, reduction.place_index.__getitem__)
+            for condition, goal in goals.items()
+            if goal is not None
+        }
+
+        def put(formula: Formula) -> Formula:
+            return formula.mapped(put) if is_of_paths(formula) else there.get(formula, formula)
+
+        return reduction, put(path)
 
     def _with_constants(self, path: Formula) -> Formula:
         """The formula with constants for conditions on markings that hold always, or never."""
         conditions = list(dict.fromkeys(_conditions(path)))
         asked: dict[Goal, None] = {}
         for condition in conditions:
-            for wanted in (True, False):
-                goal = as_goal(condition, self._net, wanted)
+            for value in (True, False):
+                goal = as_goal(condition, self._net, value)
                 if goal is not None and goal not in self._constants:
                     asked[goal] = None
         goals = list(asked)
@@ -91,10 +209,10 @@ class PathParts:
             if is_of_paths(formula):
                 mapped = formula.mapped(put)
                 return joined(mapped) if isinstance(mapped, And | Or) else mapped
-            for wanted in (True, False):
-                goal = as_goal(formula, self._net, wanted)
+            for value in (True, False):
+                goal = as_goal(formula, self._net, value)
                 if goal is not None and self._constants.get(goal) == FALSE:
-                    return FALSE if wanted else TRUE
+                    return FALSE if value else TRUE
             return formula
 
         return put(path)

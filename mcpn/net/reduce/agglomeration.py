@@ -14,13 +14,14 @@ from mcpn.net.reduce.draft import LONGEST, Draft
 MOST_FIRED_AT_FIRST = 1000
 
 
-def agglomerate(draft: Draft, kept: Set[int], *, growth: int) -> bool:
+def agglomerate(draft: Draft, kept: Set[int], *, growth: int, paths: bool = False) -> bool:
     """Agglomerates around every place that allows it.
 
     Args:
         draft: The net.
         kept: Places that the question speaks of; empty for deadlocks.
         growth: How many more transitions a place may cost than it takes away.
+        paths: Whether the question speaks of what those places hold along whole paths.
 
     Returns:
         Whether something has changed.
@@ -34,23 +35,25 @@ def agglomerate(draft: Draft, kept: Set[int], *, growth: int) -> bool:
             continue
         if len(before) * len(after) > len(before) + len(after) + growth:
             continue
-        if _post_allowed(draft, place, kept) or _pre_allowed(draft, place, kept):
+        if _post_allowed(draft, place, kept, paths) or _pre_allowed(draft, place, kept):
             changed |= _fuse(draft, place)
     return changed
 
 
-def _post_allowed(draft: Draft, place: int, kept: Set[int]) -> bool:
+def _post_allowed(draft: Draft, place: int, kept: Set[int], paths: bool) -> bool:
     """Whether what follows can follow at once: it needs nothing but this place.
 
     A marking with tokens here is no deadlock; and where the question speaks of other places, some
-    transition that follows leaves them as they are, so that it can empty this one unseen. Tokens that are
-    here at first are taken away by firing the only one that follows.
+    transition that follows leaves them as they are, so that it can empty this one unseen. On paths none may
+    be seen: then it makes no difference when what follows fires. Tokens that are here at first are taken
+    away by firing the only one that follows.
     """
     after = draft.users[place]
     weights = {draft.post[t][place] for t in draft.feeders[place]} | {draft.pre[t][place] for t in after}
     if len(weights) > 1 or any(len(draft.pre[t]) > 1 for t in after):
         return False
-    if all(draft.post[t].keys() & kept for t in after):
+    seen = [bool(draft.post[t].keys() & kept) for t in after]
+    if any(seen) if paths else all(seen):
         return False
     count = draft.initial[place] // weights.pop()  # a rest that is no whole firing is never used
     if count == 0:

@@ -92,7 +92,29 @@ def reduce_for_goal(net: PetriNet, wanted: Mapping[int, Set[int]]) -> Reduction:
     return _reduction(draft, net)
 
 
-def _reduce(draft: Draft, kept: Set[int], wanted: Mapping[int, Set[int]] | None) -> None:
+def reduce_for_paths(net: PetriNet, kept: Set[int]) -> Reduction:
+    """A net on whose paths some places change as they do on those of another.
+
+    Paths are maximal, and repetitions of what those places hold do not count: so it is one net or the other
+    for each formula on paths that speaks of nothing else and is stutter-insensitive. Rules of Haddad and
+    Pradat-Peyre (2006); what comes before may wait for ever, as it takes tokens that nothing else needs.
+
+    Args:
+        net: A net without priorities.
+        kept: The places that a formula speaks of.
+
+    Returns:
+        The smaller net, with those places. Where a path of it ends, what is left to fire after the lifted run
+        are first halves of sequences, which change none of them.
+    """
+    draft = Draft(net)
+    _reduce(draft, kept, None, paths=True)
+    return _reduction(draft, net)
+
+
+def _reduce(
+    draft: Draft, kept: Set[int], wanted: Mapping[int, Set[int]] | None, *, paths: bool = False
+) -> None:
     most = len(draft.pre)
     for growth in GROWTHS:
         changed = True
@@ -103,7 +125,7 @@ def _reduce(draft: Draft, kept: Set[int], wanted: Mapping[int, Set[int]] | None)
             changed |= drop_transitions(draft, deadlock=wanted is None)
             if wanted is not None:
                 changed |= drop_irrelevant(draft, wanted)
-            changed |= agglomerate(draft, kept, growth=growth)
+            changed |= agglomerate(draft, kept, growth=growth, paths=paths)
 
 
 def _reduction(draft: Draft, net: PetriNet) -> Reduction:

@@ -236,6 +236,67 @@ def test_parts_of_formulas_are_decided_marking_by_marking(net: PetriNet, data: s
             assert found.outcome == ("found" if expected else "none")
 
 
+def is_without_next(written: Written) -> bool:
+    operator, *operands = written
+    return operator not in ("X", "fires") and all(
+        is_without_next(f) for f in operands if isinstance(f, tuple)
+    )
+
+
+@given(NETS, st.data())
+def test_a_path_of_a_smaller_net_is_one_of_the_net(net: PetriNet, data: st.DataObject) -> None:
+    assume(reachable(net)[2])
+    edges = edges_of(net)
+    written = data.draw(tableau.formulas(*names(net), of_ctl=False).filter(is_without_next))
+    for operator in data.draw(st.sampled_from(["", "FG", "GF"])):
+        written = (operator, written)
+    if not fits(written, edges):
+        return
+    expected = net.initial in tableau.satisfying(written, net, edges)
+    parts = PathParts(net)
+    path = normal(tableau.read(written, net))
+    found = parts.decide(path, 100_000, 1, enrich=True)
+    assert found is not None
+    assert found.outcome == ("found" if expected else "none")
+    asked = parts._searches[path]
+    smaller = None if asked is None or asked.reduction is None else asked.reduction
+    fewer = smaller is not None and len(smaller.net.places) < len(net.places)
+    event(f"in a smaller net: {fewer}, {found.outcome}, repeats: {found.cycle is not None}")
+    if not expected:
+        return
+    marking, run = net.initial, list[tuple[Marking, int | None]]()
+    for t in found.run:
+        assert t in net.enabled(marking)
+        run.append((marking, t))
+        marking = net.fire(marking, t)
+    if found.cycle is not None:
+        assert marking == run[found.cycle][0]
+        assert tableau.on_lasso(written, net, edges, run, found.cycle)
+    for choice in range(3) if found.cycle is None else ():
+        further, begin = gone_on(net, marking, choice)
+        assert tableau.on_lasso(written, net, edges, run + further, len(run) + begin)
+
+
+def test_what_comes_on_every_path_is_known_before_the_search() -> None:
+    builder = NetBuilder("ends, and counts meanwhile")
+    for name, tokens in (("begun", 1), ("ended", 0), ("even", 1), ("odd", 0)):
+        builder.place(name, initial=tokens)
+    builder.transition("end", consume=["begun"], produce=["ended"])
+    builder.transition("up", consume=["even", "ended"], produce=["odd", "ended"])
+    builder.transition("down", consume=["odd", "ended"], produce=["even", "ended"])
+    net = builder.build()
+    parts = PathParts(net)
+    for text, refuted in (
+        ("(G F odd) & (G F even) & G !ended", True),  # what comes on every path comes here never
+        ("(G F odd) & (G F even) & F ended", False),
+        ("(G F odd) & X X !ended", False),  # none is so, but what comes at some time does not say it
+    ):
+        assert parts._refuted(normal(parse_open(text, Names(net)))) == refuted
+        found = parts.decide(parse_open(text, Names(net)), 100, 1, enrich=True)
+        assert found is not None
+        assert found.outcome == ("found" if text.endswith("F ended") else "none")
+
+
 def test_a_path_is_shown_where_there_is_no_space() -> None:
     builder = NetBuilder("grows")
     for name, tokens in (("a", 1), ("b", 0), ("heap", 0)):
