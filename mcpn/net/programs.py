@@ -74,7 +74,8 @@ def minimise(
         wanted = frozenset(whole)
         kinds = HighsVarType.kContinuous, HighsVarType.kInteger
         program.integrality_ = [kinds[v in wanted] for v in range(len(cost))]
-    solver = Highs()  # type: ignore[no-untyped-call]
+    # The class below Highs has no callbacks: as it makes them, Highs 1.16 prints its name on standard output.
+    solver = Highs.__mro__[1]()
     solver.setOptionValue("output_flag", False)
     solver.setOptionValue("threads", 1)
     if nodes is not None:

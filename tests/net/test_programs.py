@@ -60,3 +60,9 @@ def test_some_solution_will_do_where_nodes_are_few() -> None:
     assert found.kind == "solved"
     assert all(value == pytest.approx(round(value)) for value in found.values)
     assert 2 * sum(found.values) >= 3 - 1e-6
+
+
+def test_the_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+    """What commands print on standard output is theirs alone: JSON, often."""
+    assert minimise([1.0], [({0: 1.0}, 1.0, 2.0)], [0.0], [5.0]).kind == "solved"
+    assert capfd.readouterr() == ("", "")
